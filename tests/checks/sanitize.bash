@@ -1,0 +1,21 @@
+#!/bin/bash
+# Every test passes under the address and undefined-behaviour sanitizers; the first finding ends it.
+. "$(dirname "$0")/common.bash"
+need clang++
+build sanitize rigtwin_tests
+
+export ASAN_OPTIONS=halt_on_error=1:strict_string_checks=1:detect_stack_use_after_return=1
+export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+export GTEST_TOTAL_SHARDS GTEST_BRIEF=1
+GTEST_TOTAL_SHARDS=$(nproc)
+running=()
+for ((i = 0; i < GTEST_TOTAL_SHARDS; ++i)); do
+  GTEST_SHARD_INDEX=$i "$builds/sanitize/bin/rigtwin_tests" >"$builds/sanitize/shard_$i.log" 2>&1 &
+  running+=($!)
+done
+status=0
+for ((i = 0; i < GTEST_TOTAL_SHARDS; ++i)); do
+  wait "${running[i]}" || status=1
+  cat "$builds/sanitize/shard_$i.log"
+done
+exit $status
