@@ -1,0 +1,31 @@
+// The tyre cannot pull.
+#pragma once
+
+#include "model/effects/effect.hpp"
+#include "model/places.hpp"
+
+namespace model {
+
+/// Unilateral contact of the tyre.
+///
+///   F_w + (m_b + m_w) g ≥ 0:     F_w = max(F_w, −(m_b + m_w) g)
+///
+/// It acts after every other law of the tyre, on their sum.
+template <class S>
+struct TyreLiftOff {
+  static constexpr EffectCard<0> card{"tyre_lift_off",
+                                      Place::tyre,
+                                      RigKinds(RigKind::quarter_car, RigKind::hil),
+                                      false,
+                                      {},
+                                      "F_w + (m_b + m_w) g never below 0",
+                                      "the wheel load is cut off flat at minus the static load while the wheel flies"};
+  static constexpr std::array<S TyreLiftOff::*, 0> values{};
+
+  /// What the tyre gives once this law is added to `force`, the force of all laws before it [N].
+  [[nodiscard]] constexpr S tyre_force(S force, S /*deflection*/, S static_load) const {
+    return force < -static_load ? -static_load : force;
+  }
+};
+
+}  // namespace model

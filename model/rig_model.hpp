@@ -1,0 +1,194 @@
+// The rig: one model, one step.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "model/channel.hpp"
+#include "model/delay_line.hpp"
+#include "model/duct_flows.hpp"
+#include "model/friction_contacts.hpp"
+#include "model/motion.hpp"
+#include "model/places.hpp"
+#include "model/require.hpp"
+#include "model/rig_equations.hpp"
+#include "model/rig_parameters.hpp"
+
+namespace model {
+
+/// How much of a rig is modelled.
+enum class Extent : unsigned char {
+  whole_rig,     ///< everything: simulation, identification
+  virtual_car,   ///< hil: only the car, its suspension force is measured (the firmware)
+  test_machine,  ///< hil: only machine and component, the deflection is commanded (the simulated rig)
+};
+
+/// Value of every channel at one instant [SI]; those a rig does not have are 0.
+template <class S>
+using Signals = std::array<S, channel_count>;
+
+/// Why parameters cannot be a rig: `table`.`key` must be `expected`.
+struct RigFault {
+  std::string_view table;
+  std::string_view key;
+  std::string_view expected;
+};
+
+/// nullopt, or the first thing that is wrong with `rig` when it runs with this period [s] and delay capacity [samples].
+template <class S>
+[[nodiscard]] std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::size_t longest_delay);
+
+/// A rig of any kind with its effects, in fixed steps.
+///
+/// Equations: RigEquations (1)–(9), MachinePath, the catalogue of effects. A step takes the values of the inputs at its
+/// end, knows those at its start, and costs the same whatever they are:
+///
+/// * Linear part: exact (ExactDiscretisation). The foot point and the deflection of a test machine move on the cubic
+///   Hermite polynomial through position and velocity of both samples; F_act goes straight from sample to sample; the
+///   force measured by a hardware-in-the-loop controller is held.
+/// * Duct losses, laws of suspension and tyre: explicit, third order (exponential Adams–Bashforth). Global error
+///   ∝ h³, smaller by the ratio of the nonlinear to the linear force; at a kink of a law ∝ h².
+/// * Dry friction: implicit, sharp (FrictionContacts).
+///
+/// Kinds and extents:
+///   quarter_car, whole_rig      foot_point, actuator_force → z_r … dz_b, F_w
+///   hil, whole_rig              foot_point → car with F held → x_cmd → machine → component → F, once around a period
+///   hil, virtual_car            foot_point, receive_force → x_cmd = deflection()
+///   hil, test_machine           command → x_act, F
+///   component_bench, whole_rig  command → x_act, F
+///
+/// Memory: all inside; DelayCapacity [samples] bounds the delay of the machine. After every 64 steps what has died away
+/// below 1e-100 becomes zero, so that a silent rig never computes with denormal numbers.
+template <class S = double, std::size_t DelayCapacity = 512>
+class RigModel {
+ public:
+  using Line = DelayLine<Stroke<S>, DelayCapacity, S>;
+
+  /// Inputs at the end of a step.
+  struct Input {
+    Motion<S> foot_point{};  ///< z_r, ż_r, z̈_r
+    Stroke<S> command{};     ///< x_cmd, ẋ_cmd of a test machine without car
+    S actuator_force{};      ///< F_act [N]
+    S force_noise{};         ///< what the sensor of F adds in a closed hil rig [N]
+  };
+
+  /// Everything that changes. Copy it to keep an instant.
+  struct State {
+    Column<S, 6> core = Column<S, 6>::Zero();  ///< z_w, ż_w, z_b, ż_b, y, ẏ
+    Motion<S> foot_point{};
+    Stroke<S> command{};  ///< x_cmd
+    Stroke<S> reached{};  ///< x_act
+    S actuator_force{};   ///< F_act [N]
+    S received_force{};   ///< F as the car got it [N]
+    DuctFlows<S> ducts{};
+    Recent<S> tyre_load{}, suspension_load{};  ///< what laws add to (3) and (5) [N]
+    typename FrictionContacts<S>::Forces friction{};
+    Line line{};
+    std::uint32_t steps = 0;
+  };
+
+  RigModel(const RigParameters<S>& rig, S period, Extent extent = Extent::whole_rig);
+
+  /// At rest in the static equilibrium above a foot point at `z_r`, or with the machine resting at `deflection` (the
+  /// component included: its coil spring is relaxed by the piston's travel y = deflection).
+  [[nodiscard]] State start(S z_r = S(0), S deflection = S(0)) const;
+
+  /// In mid-motion: car and piston as given, machine as if it had always moved on with its present velocity.
+  [[nodiscard]] State start(const Column<S, 6>& core, const Motion<S>& foot_point, const Stroke<S>& reached) const;
+
+  /// One period.
+  void step(State& x, const Input& in) const;
+
+  /// virtual_car: the force measured at this instant [N], held until the next.
+  void receive_force(State& x, S force) const { x.received_force = force; }
+
+  /// Opens and closes ducts at this instant.
+  void open_ducts(State& x, OpenDucts open) const;
+
+  /// From now on the machine's delay slides to `delay` [s].
+  void set_delay(State& x, S delay) const { x.line.set(delay / period_); }
+
+  /// True values at this instant.
+  [[nodiscard]] Signals<S> signals(const State& x) const;
+  /// What the rig's sensors say at this instant, without noise.
+  [[nodiscard]] Signals<S> measured(const State& x) const;
+  /// z_w − z_b and its rate: the deflection a hil rig commands.
+  [[nodiscard]] Stroke<S> deflection(const State& x) const { return {x.core(0) - x.core(2), x.core(1) - x.core(3)}; }
+  /// Force of the component on the body, true value [N].
+  [[nodiscard]] S suspension_force(const State& x) const;
+  /// Stored energy of masses, springs and oil [J].
+  [[nodiscard]] S energy(const State& x) const;
+
+  [[nodiscard]] const RigEquations<S>& equations() const { return equations_; }
+  [[nodiscard]] const RigParameters<S>& parameters() const { return rig_; }
+  [[nodiscard]] S period() const { return period_; }
+  [[nodiscard]] Extent extent() const { return extent_; }
+
+ private:
+  using Equations = RigEquations<S>;
+  using Friction = FrictionContacts<S>;
+  static constexpr std::size_t counts = duct_capacity + 1;  ///< 0 … 6 ducts open
+
+  struct CarStep {
+    Block<S, 4, 4> state;
+    Block<S, 4, 4> foot_point;
+    Column<S, 4> force;
+    Block<S, 4, 3> tyre;
+  };
+  struct ComponentStep {
+    Block<S, 2, 2> state;
+    Block<S, 2, 4> stroke;
+    Block<S, 2, 3> losses;
+    Block<S, 2, Friction::contacts> friction;
+  };
+  struct JoinedStep {
+    Block<S, 6, 6> state;
+    Block<S, 6, 4> foot_point;
+    Block<S, 6, 2> actuator;
+    Block<S, 6, 3> losses, suspension, tyre;
+    Block<S, 6, Friction::contacts> friction;
+  };
+
+  [[nodiscard]] bool joined() const { return rig_.kind == RigKind::quarter_car; }
+  [[nodiscard]] bool has_car() const { return rig_.kind == RigKind::hil && extent_ != Extent::test_machine; }
+  [[nodiscard]] bool has_machine() const { return !joined() && extent_ != Extent::virtual_car; }
+
+  [[nodiscard]] CarStep car_step() const;
+  [[nodiscard]] ComponentStep component_step(int open) const;
+  [[nodiscard]] JoinedStep joined_step(int open) const;
+
+  void step_joined(State& x, const Input& in) const;
+  void step_car(State& x, const Input& in) const;
+  void step_machine(State& x, const Stroke<S>& command) const;
+  void refresh_laws(State& x) const;
+  void start_laws(State& x) const;
+  void flush(State& x) const;
+
+  [[nodiscard]] S tyre_law(const State& x) const;
+  [[nodiscard]] S suspension_law(S deflection, S velocity) const;
+  [[nodiscard]] S component_force(const State& x) const;
+
+  RigParameters<S> rig_;
+  Equations equations_;
+  S period_;
+  Extent extent_;
+  S static_load_;
+  S delay_;
+  S mass_beyond_sensor_;
+  bool has_tyre_law_ = false;
+  bool has_suspension_law_ = false;
+  bool has_delay_ = false;
+  Friction contacts_;
+  typename DuctFlows<S>::Step duct_step_{};
+  CarStep car_{};
+  std::array<ComponentStep, counts> component_{};
+  std::array<JoinedStep, counts> joined_{};
+};
+
+}  // namespace model
+
+#include "model/rig_check.hpp"
+#include "model/rig_model_step.hpp"
