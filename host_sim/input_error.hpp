@@ -12,7 +12,7 @@ namespace host_sim {
 enum class ExitStatus : int { done = 0, wrong_usage = 2, unfit_input = 3, cannot_write = 4, internal = 5 };
 
 /// The text in quotes, fit for one line of a message: control characters are shown escaped, long text is cut.
-[[nodiscard]] inline std::string quoted(std::string_view text) {
+[[nodiscard]] inline std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 60;
   constexpr std::string_view hex = "0123456789abcdef";
   std::string line = "'";
