@@ -1,0 +1,71 @@
+#include "hal/replay/rig.hpp"
+
+namespace hal::replay {
+namespace {
+
+/// Fitted is what the recorded rig had and the recording still has.
+SensorSetup fitted_by(const Recording& recording, SensorSetup setup) {
+  for (std::size_t i = 0; i < channel_capacity; ++i) {
+    setup[i].fitted = setup[i].fitted && !recording.columns[i].values.empty();
+  }
+  return setup;
+}
+
+}  // namespace
+
+Rig::Rig(const Recording& recording, const SensorSetup& setup, std::size_t ducts, Openings safe_position,
+         const OutputStorage& storage)
+    : recording_(recording),
+      commands_(storage.commands),
+      openings_(storage.openings),
+      beats_(storage.beats),
+      sensor_role_(*this, fitted_by(recording, setup)),
+      valve_role_(*this, ducts, safe_position) {
+  require(recording.check().empty(), "a recording to be replayed is sound");
+}
+
+hal::Rig Rig::roles() { return {clock_role_, sensor_role_, valve_role_, command_role_, button_role_, heartbeat_role_}; }
+
+Time Rig::now() const {
+  if (!ended()) return recording_.time[row_];
+  return recording_.time.back() + nanoseconds(1);  // after the last row; how long after, nobody recorded
+}
+
+void Rig::ClockRole::do_sleep_until(Time /*deadline*/) {
+  if (rig.started_ && !rig.ended()) ++rig.row_;
+  rig.started_ = true;
+}
+
+Result<Frame> Rig::SensorRole::do_read() {
+  if (rig.ended()) return Fault::disconnected;
+  Frame frame;
+  for (std::size_t i = 0; i < channel_capacity; ++i) {
+    const Column& column = rig.recording_.columns[i];
+    if (column.values.empty()) continue;
+    const Time taken = column.taken.empty() ? rig.now() : column.taken[rig.row_];
+    if (taken != never) frame.channels[i] = {column.values[rig.row_], taken, Quality::good};
+  }
+  return frame;
+}
+
+Result<void> Rig::ValveRole::do_write(Openings openings) {
+  rig.openings_.keep(rig.now(), openings);
+  return {};
+}
+
+Result<void> Rig::CommandRole::do_write(const Command& command) {
+  rig.commands_.keep(rig.now(), command);
+  return {};
+}
+
+Result<StopButton::Level> Rig::ButtonRole::do_read() {
+  const bool pressed = rig.recording_.stop_pressed != never && rig.recording_.stop_pressed <= rig.now();
+  return Level{pressed, rig.recording_.stop_pressed};
+}
+
+Result<void> Rig::HeartbeatRole::do_beat() {
+  rig.beats_.keep(rig.now(), rig.beat_count_++);
+  return {};
+}
+
+}  // namespace hal::replay

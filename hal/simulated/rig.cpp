@@ -1,0 +1,105 @@
+#include "hal/simulated/rig.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace hal::simulated {
+
+Rig::Rig(Plant& plant, const Construction& construction, const FaultPlan& plan)
+    : plant_(plant),
+      construction_(construction),
+      plan_(plan),
+      channel_faults_(plan),
+      now_(construction.start),
+      instant_(construction.start),
+      held_command_(construction.rest),
+      held_openings_(construction.safe_position),
+      last_beat_(construction.start),
+      sensor_role_(*this, construction.sensors),
+      valve_role_(*this, construction.ducts, construction.safe_position) {
+  require(construction.period > Time{}, "a simulated rig has a period above 0");
+  require(plan.check().empty(), "a fault plan is sound");
+}
+
+hal::Rig Rig::roles() { return {clock_role_, sensor_role_, valve_role_, command_role_, button_role_, heartbeat_role_}; }
+
+bool Rig::watchdog_has_acted() const {
+  return construction_.watchdog > Time{} && now_ - last_beat_ > construction_.watchdog;
+}
+
+Openings Rig::openings() const { return watchdog_has_acted() ? construction_.safe_position : held_openings_; }
+
+void Rig::pass_time(Time deadline) {
+  Time woken = std::max(deadline, now_);
+  for (const LateWake& late : plan_.late_wakes) {
+    if (late.window.contains(deadline)) woken += late.by;
+  }
+  while (instant_ + construction_.period <= woken) {
+    measure();
+    now_ = std::max(now_, instant_);  // the watchdog looks at the time of the step, not at the end of the sleep
+    plant_.advance(held_command_, openings());
+    instant_ += construction_.period;
+    measured_ = false;
+  }
+  now_ = woken;
+}
+
+void Rig::measure() {
+  if (measured_) return;
+  std::array<double, channel_capacity> values{};
+  plant_.measure(values);
+  Frame shown;
+  for (std::size_t i = 0; i < channel_capacity; ++i) {
+    if (construction_.sensors[i].fitted) shown.channels[i] = {values[i], instant_, Quality::good};
+  }
+  frame_ = channel_faults_.apply(shown, instant_);
+  measured_ = true;
+}
+
+std::optional<Fault> Rig::fault_of(DeviceFault::Device device) const {
+  for (const DeviceFault& fault : plan_.devices) {
+    if (fault.device == device && fault.window.contains(now_)) return fault.fault;
+  }
+  return std::nullopt;
+}
+
+Result<Frame> Rig::SensorRole::do_read() {
+  rig.measure();
+  if (const auto fault = rig.fault_of(DeviceFault::Device::sensors)) return *fault;
+  return rig.frame_;
+}
+
+Result<void> Rig::ValveRole::do_write(Openings openings) {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::valves)) return *fault;
+  rig.held_openings_ = openings;
+  return {};
+}
+
+Result<void> Rig::CommandRole::do_write(const Command& command) {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::command)) return *fault;
+  rig.held_command_ = command;
+  return {};
+}
+
+Result<StopButton::Level> Rig::ButtonRole::do_read() {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::stop_button)) return *fault;
+  Level level;
+  for (const Press& press : rig.plan_.presses) {
+    const bool began = press.window.from <= rig.now_;
+    const bool seen_before = press.window.until <= last_read;
+    if (began && !seen_before && (!level.pressed || press.window.from < level.since)) {
+      level = {true, press.window.from};
+    }
+  }
+  last_read = rig.now_;
+  return level;
+}
+
+Result<void> Rig::HeartbeatRole::do_beat() {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::heartbeat)) return *fault;
+  rig.last_beat_ = rig.now_;
+  ++rig.beats_;
+  return {};
+}
+
+}  // namespace hal::simulated
