@@ -84,8 +84,6 @@ const std::vector<double>& Recording::required(model::Channel channel, std::stri
   return (*this)[channel];
 }
 
-bool is_recorded_quantity(std::string_view name) { return find_quantity(name).has_value(); }
-
 std::vector<double> sample_times(std::size_t count, double rate, std::size_t first) {
   std::vector<double> times(count);
   for (std::size_t k = 0; k < count; ++k) times[k] = static_cast<double>(first + k) / rate;

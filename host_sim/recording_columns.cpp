@@ -247,4 +247,6 @@ std::string shortest(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
+bool is_recorded_quantity(std::string_view name) { return find_quantity(name).has_value(); }
+
 }  // namespace host_sim

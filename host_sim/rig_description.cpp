@@ -1,0 +1,465 @@
+#include "host_sim/rig_description.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "host_sim/input_error.hpp"
+#include "host_sim/recording.hpp"
+#include "model/rig_model.hpp"
+
+namespace host_sim {
+namespace {
+
+using Rig = model::RigParameters<double>;
+
+constexpr std::array<ParameterPath, 14> paths{{
+    {"body", "mass", "kg", [](Rig& r) -> double& { return r.body.mass; }},
+    {"wheel", "mass", "kg", [](Rig& r) -> double& { return r.wheel.mass; }},
+    {"tyre", "stiffness", "N/m", [](Rig& r) -> double& { return r.tyre.stiffness; }},
+    {"tyre", "damping", "N s/m", [](Rig& r) -> double& { return r.tyre.damping; }},
+    {"suspension", "stiffness", "N/m", [](Rig& r) -> double& { return r.suspension.stiffness; }},
+    {"suspension", "damping", "N s/m", [](Rig& r) -> double& { return r.suspension.damping; }},
+    {"machine", "virtual_damping", "N s/m", [](Rig& r) -> double& { return r.machine.virtual_damping; }},
+    {"fdva", "piston_area", "m²", [](Rig& r) -> double& { return r.fdva.piston_area; }},
+    {"fdva", "duct_diameter", "m", [](Rig& r) -> double& { return r.fdva.duct_diameter; }},
+    {"fdva", "duct_length", "m", [](Rig& r) -> double& { return r.fdva.duct_length; }},
+    {"fdva", "oil_density", "kg/m³", [](Rig& r) -> double& { return r.fdva.oil_density; }},
+    {"fdva", "oil_viscosity", "m²/s", [](Rig& r) -> double& { return r.fdva.oil_viscosity; }},
+    {"fdva", "minor_loss", "1", [](Rig& r) -> double& { return r.fdva.minor_loss; }},
+    {"fdva", "coupling_stiffness", "N/m", [](Rig& r) -> double& { return r.fdva.coupling_stiffness; }},
+}};
+
+/// "'x', did you mean 'y'" for a word that is not among the known ones.
+std::string with_suggestion(std::string_view what, std::string_view word, std::span<const std::string_view> known) {
+  return std::string(what) + " " + in_quotes(word) + ", did you mean " + in_quotes(nearest(word, known)) + "?";
+}
+
+std::string listed(std::span<const std::string_view> words) {
+  std::string text;
+  for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
+  return text;
+}
+
+/// A table that knows where it stands and which of its keys have been asked for.
+class Reader {
+ public:
+  Reader(const toml::table& table, std::string name, std::string_view source)
+      : table_(&table), name_(std::move(name)), source_(source) {}
+
+  [[nodiscard]] bool has(std::string_view key) {
+    known_.insert(std::string(key));
+    return table_->contains(key);
+  }
+
+  void optional_number(std::string_view key, double& value) {
+    if (has(key)) value = number(key);
+  }
+
+  double number(std::string_view key) {
+    const toml::node& node = need(key, "a number");
+    // toml++ would take `true` for 1: only integers and reals are numbers here.
+    if (!node.is_number()) fail(node, path(key) + " is not a number", "a number in SI units, such as 1140.0");
+    const double value = *node.value<double>();
+    if (!std::isfinite(value)) fail(node, path(key) + " is not finite", "a finite number in SI units");
+    return value;
+  }
+
+  int whole(std::string_view key) {
+    const double value = number(key);
+    if (value != std::floor(value) || std::abs(value) > 1e6) {
+      fail(*table_->get(key), path(key) + " is not a whole number", "a whole number, such as 2");
+    }
+    return static_cast<int>(value);
+  }
+
+  std::string text(std::string_view key) {
+    const toml::node& node = need(key, "a text in quotes");
+    if (!node.is_string()) fail(node, path(key) + " is not a text", "a text in quotes");
+    return *node.value<std::string>();
+  }
+
+  /// The sub-table, or nothing.
+  std::optional<Reader> table(std::string_view key) {
+    if (!has(key)) return std::nullopt;
+    const toml::node& node = *table_->get(key);
+    if (!node.is_table()) fail(node, path(key) + " is not a table", "a table [" + path(key) + "]");
+    return Reader(*node.as_table(), path(key), source_);
+  }
+
+  const toml::node& need(std::string_view key, std::string_view expected) {
+    if (!has(key)) {
+      throw InputError(source_, line(),
+                       name_.empty() ? "no " + in_quotes(key) : "[" + name_ + "] has no " + in_quotes(key), expected);
+    }
+    return *table_->get(key);
+  }
+
+  /// Every key that nobody asked for is unknown.
+  void finish() const {
+    std::vector<std::string_view> known(known_.begin(), known_.end());
+    for (const auto& [key, node] : *table_) {
+      if (known_.contains(key.str())) continue;
+      if (known.empty()) {
+        throw InputError(source_, key.source().begin.line, "unknown key " + in_quotes(path(key.str())),
+                         "an empty table");
+      }
+      throw InputError(source_, key.source().begin.line, with_suggestion("unknown key", path(key.str()), full(known)),
+                       "one of " + listed(known));
+    }
+  }
+
+  [[noreturn]] void fail(const toml::node& node, std::string_view wrong, std::string_view expected) const {
+    throw InputError(source_, node.source().begin.line, wrong, expected);
+  }
+  [[noreturn]] void fail(std::string_view key, std::string_view wrong, std::string_view expected) const {
+    const toml::node* node = table_->get(key);
+    throw InputError(source_, node != nullptr ? node->source().begin.line : line(), wrong, expected);
+  }
+
+  [[nodiscard]] const std::string& source() const { return source_; }
+  [[nodiscard]] std::size_t line() const { return table_->source().begin.line; }
+  [[nodiscard]] const toml::table& raw() const { return *table_; }
+  [[nodiscard]] std::string path(std::string_view key) const {
+    return name_.empty() ? std::string(key) : name_ + "." + std::string(key);
+  }
+  void accept_all_keys() {
+    for (const auto& [key, node] : *table_) known_.insert(std::string(key.str()));
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::string_view> full(std::span<const std::string_view> known) const {
+    full_.clear();
+    for (const auto& key : known) full_.push_back(path(key));
+    return {full_.begin(), full_.end()};
+  }
+
+  const toml::table* table_;
+  std::string name_;
+  std::string source_;
+  std::set<std::string, std::less<>> known_;
+  mutable std::vector<std::string> full_;
+};
+
+model::RigKind read_kind(Reader& top) {
+  const std::string word = top.text("kind");
+  for (std::size_t i = 0; i < model::rig_kind_names.size(); ++i) {
+    if (model::rig_kind_names[i] == word) return static_cast<model::RigKind>(i);
+  }
+  top.fail("kind", with_suggestion("unknown kind", word, model::rig_kind_names),
+           "one of " + listed(model::rig_kind_names));
+}
+
+void read_parameters(Reader& top, Rig& rig) {
+  const bool car = rig.kind != model::RigKind::component_bench;
+  if (auto t = top.table("body"); t || car) {
+    if (!t) top.need("body", "a table [body] with the mass of the body, which this kind of rig has");
+    rig.body.mass = t->number("mass");
+    t->finish();
+  }
+  if (auto t = top.table("wheel"); t || car) {
+    if (!t) top.need("wheel", "a table [wheel] with the mass of the wheel, which this kind of rig has");
+    rig.wheel.mass = t->number("mass");
+    t->finish();
+  }
+  if (auto t = top.table("tyre"); t || car) {
+    if (!t) top.need("tyre", "a table [tyre] with stiffness and damping, which this kind of rig has");
+    rig.tyre.stiffness = t->number("stiffness");
+    rig.tyre.damping = t->number("damping");
+    t->finish();
+  }
+  if (auto t = top.table("suspension")) {
+    rig.suspension.stiffness = t->number("stiffness");
+    rig.suspension.damping = t->number("damping");
+    t->finish();
+  } else {
+    top.need("suspension", "a table [suspension] with stiffness and damping");
+  }
+  if (auto t = top.table("machine")) {
+    t->optional_number("virtual_damping", rig.machine.virtual_damping);
+    t->finish();
+  }
+  if (auto t = top.table("fdva")) {
+    rig.has_fdva = true;
+    for (const auto& p : parameter_paths()) {
+      if (p.table == "fdva") p.value(rig) = t->number(p.key);
+    }
+    rig.fdva.ducts = t->whole("ducts");
+    rig.fdva.open_ducts = t->whole("open_ducts");
+    t->finish();
+  }
+}
+
+void read_effects(Reader& top, Rig& rig) {
+  auto effects = top.table("effects");
+  if (!effects) return;
+  rig.effects.for_each([&](auto& slot) {
+    using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+    auto t = effects->table(Effect::card.name);
+    if (!t) return;
+    slot.active = true;
+    for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
+      slot.effect.*Effect::values[i] = t->number(Effect::card.parameters[i].name);
+    }
+    t->finish();
+  });
+  effects->finish();
+}
+
+template <class Use>
+void for_each_channel(Reader& table, const Use& use) {
+  std::array<std::string_view, model::channel_count> names;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = model::channel_names[i].name;
+  for (const auto& [key, node] : table.raw()) {
+    const auto channel = model::find_channel(key.str());
+    if (!channel) {
+      table.fail(node, with_suggestion("unknown channel", table.path(key.str()), names), "one of " + listed(names));
+    }
+    use(*channel, std::string(key.str()), node);
+  }
+  table.accept_all_keys();
+}
+
+void read_tolerances(Reader& top, RigDescription& description) {
+  const auto table = top.table("tolerance");
+  if (!table) return;
+  std::vector<std::string> known;
+  for (const auto& p : parameter_paths()) known.push_back(std::string(p.table) + "." + std::string(p.key));
+
+  const auto take = [&](const std::string& path, const toml::node& node) {
+    if (find_parameter(description.rig, path) == nullptr) {
+      const std::vector<std::string_view> words(known.begin(), known.end());
+      table->fail(node, with_suggestion("tolerance of the unknown parameter", path, words),
+                  "a parameter path such as \"body.mass\", or that of an effect in this description");
+    }
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!value || !(*value > 0.0 && *value <= 10.0)) {
+      table->fail(node, "the tolerance of " + path + " is not a number in 0 … 10",
+                  "a relative bound, such as 0.03 for ±3 %");
+    }
+    description.tolerance[path] = *value;
+  };
+  const auto walk = [&](const auto& self, const toml::table& inner, const std::string& prefix) -> void {
+    for (const auto& [key, node] : inner) {
+      const std::string path = prefix + std::string(key.str());
+      if (node.is_table()) {
+        self(self, *node.as_table(), path + ".");
+      } else {
+        take(path, node);
+      }
+    }
+  };
+  walk(walk, table->raw(), "");
+}
+
+void read_sensors(Reader& top, RigDescription& description) {
+  if (auto noise = top.table("noise")) {
+    for_each_channel(*noise, [&](model::Channel channel, const std::string& key, const toml::node& node) {
+      const double value = noise->number(key);
+      if (value < 0.0) noise->fail(node, noise->path(key) + " is negative", "the rms of the channel's noise, >= 0");
+      description.noise[model::index(channel)] = value;
+    });
+  }
+  if (auto range = top.table("range")) {
+    for_each_channel(*range, [&](model::Channel channel, const std::string& key, const toml::node& node) {
+      const auto* pair = node.as_array();
+      const bool numbers = pair != nullptr && pair->size() == 2 && (*pair)[0].is_number() && (*pair)[1].is_number();
+      if (!numbers || !(*(*pair)[0].value<double>() < *(*pair)[1].value<double>())) {
+        range->fail(node, range->path(key) + " is not a range", "[lowest, highest] in SI units");
+      }
+      description.range[model::index(channel)] = {*(*pair)[0].value<double>(), *(*pair)[1].value<double>()};
+    });
+  }
+  if (auto channels = top.table("channels")) {
+    for (const auto& [key, node] : channels->raw()) {
+      const std::string name(key.str());
+      if (!is_recorded_quantity(name)) {
+        std::vector<std::string_view> names{"t"};
+        for (const auto& n : model::channel_names) names.push_back(n.name);
+        channels->fail(node, with_suggestion("unknown channel", channels->path(name), names),
+                       "t, a channel or duct_1 … duct_6");
+      }
+      Reader entry = *channels->table(name);
+      ColumnSource column;
+      column.column = entry.text("column");
+      entry.optional_number("scale", column.scale);
+      entry.optional_number("offset", column.offset);
+      if (column.scale == 0.0) entry.fail("scale", entry.path("scale") + " is 0", "a factor other than 0");
+      entry.finish();
+      description.channels[name] = column;
+    }
+    channels->accept_all_keys();
+  }
+}
+
+model::OpenDucts read_ducts(Reader& table, std::string_view key, int installed) {
+  const toml::node& node = table.need(key, "a number of open ducts, or a list of them such as [1, 3]");
+  const std::string expected = "a number of open ducts from 0 to " + std::to_string(installed) + ", or a list of them";
+  if (node.is_array()) {
+    model::OpenDucts open = 0;
+    for (const auto& item : *node.as_array()) {
+      const auto duct = item.value<std::int64_t>();
+      if (!duct || *duct < 1 || *duct > installed) table.fail(node, table.path(key) + " names no such duct", expected);
+      open = static_cast<model::OpenDucts>(open | (1U << static_cast<unsigned>(*duct - 1)));
+    }
+    return open;
+  }
+  const auto n = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
+  if (!n || *n < 0 || *n > installed) table.fail(node, table.path(key) + " is no such number of ducts", expected);
+  return model::first_ducts(static_cast<int>(*n));
+}
+
+void read_controller(Reader& top, const Rig& rig, ControllerDescription& controller) {
+  const auto positive = [](Reader& table, std::string_view key, double& value) {
+    table.optional_number(key, value);
+    if (!(value > 0.0)) table.fail(key, table.path(key) + " is not > 0", "a number > 0 in SI units");
+  };
+  if (auto limits = top.table("limits")) {
+    positive(*limits, "stroke", controller.stroke);
+    positive(*limits, "speed", controller.speed);
+    positive(*limits, "force", controller.force);
+    positive(*limits, "ramp", controller.ramp);
+    limits->finish();
+  }
+  if (auto estimator = top.table("estimator")) {
+    if (estimator->has("cross_over")) positive(*estimator, "cross_over", controller.cross_over);
+    estimator->finish();
+  }
+  auto valves = top.table("valves");
+  if (!valves) return;
+  const int installed = rig.has_fdva ? rig.fdva.ducts : 0;
+  if (valves->has("safe")) controller.safe_ducts = read_ducts(*valves, "safe", installed);
+  if (valves->has("plan")) {
+    const toml::node& node = valves->need("plan", "");
+    const std::string expected = "a list of { t = seconds, open = ducts } with t >= 0 growing";
+    const auto* list = node.as_array();
+    if (list == nullptr) valves->fail(node, "valves.plan is not a list", expected);
+    for (const auto& item : *list) {
+      if (!item.is_table()) valves->fail(item, "an entry of valves.plan is not a table", expected);
+      Reader entry(*item.as_table(), "valves.plan", valves->source());
+      const double t = entry.number("t");
+      if (t < 0.0 || (!controller.valve_plan.empty() && t <= controller.valve_plan.back().time)) {
+        valves->fail(item, "valves.plan runs backwards", expected);
+      }
+      controller.valve_plan.push_back({t, read_ducts(entry, "open", installed)});
+      entry.finish();
+    }
+  }
+  valves->finish();
+}
+
+/// A rig that the model refuses, at the line where the number stands.
+void check_physics(const toml::table& top, const RigDescription& description) {
+  const auto fault = model::find_fault(description.rig, description.period(), model::RigModel<>::Line::longest);
+  if (!fault) return;
+  const toml::node* node = &top;
+  std::string path;
+  const auto descend = [&](std::string_view key) {
+    if (key.empty()) return;
+    path += (path.empty() ? "" : ".") + std::string(key);
+    const toml::table* table = node->as_table();
+    const toml::node* inner = table != nullptr ? table->get(key) : nullptr;
+    if (inner != nullptr) node = inner;
+  };
+  if (!fault->table.empty() && !top.contains(fault->table)) descend("effects");
+  descend(fault->table);
+  descend(fault->key);
+  throw InputError(description.source, node->source().begin.line, path + " cannot be what it is", fault->expected);
+}
+
+}  // namespace
+
+std::span<const ParameterPath> parameter_paths() { return paths; }
+
+double* find_parameter(model::RigParameters<double>& rig, std::string_view path) {
+  for (const auto& p : paths) {
+    if (path.size() == p.table.size() + 1 + p.key.size() && path.starts_with(p.table) && path.ends_with(p.key) &&
+        path[p.table.size()] == '.') {
+      return p.table == "fdva" && !rig.has_fdva ? nullptr : &p.value(rig);
+    }
+  }
+  double* found = nullptr;
+  rig.effects.for_each([&](auto& slot) {
+    using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+    for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
+      const std::string name =
+          "effects." + std::string(Effect::card.name) + "." + std::string(Effect::card.parameters[i].name);
+      if (slot.active && name == path) found = &(slot.effect.*Effect::values[i]);
+    }
+  });
+  return found;
+}
+
+std::string_view nearest(std::string_view word, std::span<const std::string_view> known) {
+  std::string_view best;
+  std::size_t best_distance = std::numeric_limits<std::size_t>::max();
+  for (const auto& candidate : known) {
+    // Levenshtein, one row of the table at a time
+    std::vector<std::size_t> row(candidate.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= word.size(); ++i) {
+      std::size_t diagonal = row[0];
+      row[0] = i;
+      for (std::size_t j = 1; j <= candidate.size(); ++j) {
+        const std::size_t changed = diagonal + (word[i - 1] == candidate[j - 1] ? 0 : 1);
+        diagonal = row[j];
+        row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+      }
+    }
+    if (row.back() < best_distance) {
+      best_distance = row.back();
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+RigDescription parse_rig(std::string_view text, std::string_view source) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    throw InputError(source, 0, "the file is empty", "a rig description, beginning with kind and sample_rate");
+  }
+  toml::table top_table;
+  try {
+    top_table = toml::parse(text, source);
+  } catch (const toml::parse_error& error) {
+    throw InputError(source, error.source().begin.line, "TOML syntax: " + std::string(error.description()),
+                     "a rig description in TOML");
+  }
+  RigDescription description;
+  description.source = source;
+  Reader top(top_table, "", source);
+  description.rig.kind = read_kind(top);
+  description.sample_rate = top.number("sample_rate");
+  if (!(description.sample_rate > 0.0 && description.sample_rate <= 1e6)) {
+    top.fail("sample_rate", "sample_rate is not in 0 … 1e6 Hz", "the rate of the loop in Hz, such as 1000.0");
+  }
+  read_parameters(top, description.rig);
+  read_effects(top, description.rig);
+  read_sensors(top, description);
+  read_controller(top, description.rig, description.controller);
+  read_tolerances(top, description);
+  top.finish();
+  check_physics(top_table, description);
+  return description;
+}
+
+RigDescription read_rig(const std::filesystem::path& file) {
+  std::error_code status;
+  if (std::filesystem::is_directory(file, status)) {
+    throw InputError(file.string(), 0, "is a directory", "a rig description in TOML");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string(), 0, "cannot be opened", "a readable rig description in TOML");
+  const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  if (stream.bad()) throw InputError(file.string(), 0, "cannot be read", "a readable rig description in TOML");
+  return parse_rig(text, file.string());
+}
+
+}  // namespace host_sim

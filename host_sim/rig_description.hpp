@@ -1,0 +1,81 @@
+// A rig description: the TOML file in which a user tells rigtwin what his rig is.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_sim/channel_map.hpp"
+#include "model/channel.hpp"
+#include "model/fdva.hpp"
+#include "model/rig_parameters.hpp"
+
+namespace host_sim {
+
+/// Measuring range of a channel [SI]; a sample at or beyond it is clipped.
+struct MeasuringRange {
+  double lower;
+  double upper;
+};
+
+/// What the controller may do and how it is set up; defaults are those of the TU Darmstadt rig.
+struct ControllerDescription {
+  double stroke = 0.250;  ///< whole travel of cylinder or machine [m], half of it to each side of the middle
+  double speed = 0.7;     ///< of cylinder or machine [m/s]
+  double force = 25e3;    ///< [N]
+  double ramp = 0.05;  ///< speed at which the command goes to the start of a run, and to rest in the safe state [m/s]
+  double cross_over = 0.0;          ///< of the velocity estimate [Hz]; 0: the firmware's own default
+  model::OpenDucts safe_ducts = 0;  ///< open in the safe state
+  struct Switching {
+    double time;            ///< since the start of the run [s]
+    model::OpenDucts open;  ///< from then on
+  };
+  std::vector<Switching> valve_plan;  ///< by time; empty: fdva.open_ducts throughout
+};
+
+/// A rig, how well it is known, and how its recordings are written.
+struct RigDescription {
+  model::RigParameters<double> rig;
+  double sample_rate = 0.0;                                               ///< of the loop and of its recordings [Hz]
+  std::map<std::string, double> tolerance;                                ///< parameter path → relative hard bound
+  std::array<std::optional<double>, model::channel_count> noise;          ///< rms of the sensor's noise [SI]
+  std::array<std::optional<MeasuringRange>, model::channel_count> range;  ///< [SI]
+  ChannelMap channels;
+  ControllerDescription controller;
+  std::string source;  ///< the file, as the user called it
+
+  [[nodiscard]] double period() const { return 1.0 / sample_rate; }
+};
+
+/// A parameter as rig descriptions, tolerances and results name it: "body.mass".
+struct ParameterPath {
+  std::string_view table;
+  std::string_view key;
+  std::string_view unit;
+  double& (*value)(model::RigParameters<double>&);
+};
+
+/// All real-valued parameters of a rig that stand in tables of their own (effects not included).
+[[nodiscard]] std::span<const ParameterPath> parameter_paths();
+
+/// The parameter "table.key" or "effects.name.key" of a rig, nullptr when there is none of that name or the rig does
+/// not have that effect.
+[[nodiscard]] double* find_parameter(model::RigParameters<double>& rig, std::string_view path);
+
+/// Reads and checks a description. Everything that is wrong – TOML syntax, an unknown key (the nearest known one is
+/// named), a missing table, a number that no rig can have, a delay beyond the line's capacity – is an InputError.
+[[nodiscard]] RigDescription read_rig(const std::filesystem::path& file);
+
+/// The same from text; `source` stands for the file in messages.
+[[nodiscard]] RigDescription parse_rig(std::string_view text, std::string_view source);
+
+/// The word of `known` that is nearest to `word` (fewest insertions, deletions and substitutions).
+[[nodiscard]] std::string_view nearest(std::string_view word, std::span<const std::string_view> known);
+
+}  // namespace host_sim
