@@ -9,5 +9,5 @@ grown=$(mktemp -d)
 trap 'rm -rf "$grown"' EXIT
 corpus=tests/fuzz/corpus/$target
 [ -d "$corpus" ] || { echo "$corpus is missing: a fuzzer needs seeds"; exit 1; }
-"$builds/fuzz/bin/$target" -seed=1 -runs=20000 -max_total_time=60 -max_len=4096 -timeout=10 -print_final_stats=1 \
+"$builds/fuzz/bin/$target" -seed=1 -runs=200000 -max_total_time=30 -max_len=4096 -timeout=10 -print_final_stats=1 \
   -artifact_prefix="$builds/fuzz/$target-" "$grown" "$corpus"
