@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <initializer_list>
+#include <system_error>
 
 #include "host_sim/input_error.hpp"
 
@@ -87,6 +88,9 @@ OutputFile::OutputFile(const std::filesystem::path& file) : name_(file.string())
   const fs::file_status status = fs::status(file, error);
   if (status.type() == fs::file_type::directory || !file.has_filename()) {
     throw OutputError(name_, "is a directory", "the name of a file");
+  }
+  if (error == std::errc::filename_too_long) {
+    throw OutputError(name_, "cannot be created: " + error.message(), "a shorter name");
   }
   const bool exists = fs::exists(status);
   if (exists && ::access(file.c_str(), W_OK) != 0) {
