@@ -29,9 +29,11 @@ namespace firmware {
 ///
 /// Default cross-over. Table 2 of the paper: laser 0.25 mm, accelerometer ±98 m/s² with a linearity of 0.98 m/s².
 /// Taking that as an error growing with the square of the excursion, 0.98 (a/98)², the wheel's 14 m/s² rms on a class-B
-/// road have an error of σ_a = 0.02 m/s²: (5) gives ω = 6.1 1/s, 0.98 Hz, hence 1 Hz. The minimum is flat (a factor of
-/// 2 in ω costs less than 40 % of σ_v) and lies at 0.25 mm/s. Default differentiation: 30 Hz, twice the wheel mode;
-/// noise 12 mm/s from 0.25 mm. Against wheel velocities of 0.2 m/s.
+/// road have an error of σ_a = 0.02 m/s²: (5) gives ω = 6.1 1/s, 0.98 Hz, hence 1 Hz. There σ_v =
+/// 0.25 mm/s; twice the frequency costs 54 % more noise, half of it 24 %.
+///
+/// Default differentiation: 30 Hz, twice the wheel mode; noise 12 mm/s from 0.25 mm, against a wheel's 0.2 m/s on that
+/// road.
 class VelocityObserver {
  public:
   enum class Inputs : unsigned char { nothing, displacement, acceleration, both };
