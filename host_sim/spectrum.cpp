@@ -1,0 +1,99 @@
+#include "host_sim/spectrum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <kissfft/kissfft.hh>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+namespace host_sim {
+
+// kissfft transforms the N real numbers as N/2 complex ones and takes the result apart.
+struct RealTransform::Plan {
+  kissfft<double> half;
+};
+
+std::size_t good_fft_size(std::size_t n) {
+  for (std::size_t size = n <= 2 ? 2 : n + n % 2;; size += 2) {
+    std::size_t rest = size;
+    for (const std::size_t factor : {std::size_t{2}, std::size_t{3}, std::size_t{5}}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return size;
+  }
+}
+
+RealTransform::RealTransform(std::size_t length)
+    : length_(length >= 2 && length % 2 == 0 ? length : throw std::invalid_argument("RealTransform: length not even")),
+      plan_(new Plan{kissfft<double>(length / 2, false)}),
+      input_(length),
+      output_(length / 2 + 1) {}
+
+RealTransform::~RealTransform() = default;
+
+std::span<const std::complex<double>> RealTransform::operator()(std::span<const double> signal) {
+  if (signal.size() > length_) throw std::invalid_argument("RealTransform: signal longer than the transform");
+  std::copy(signal.begin(), signal.end(), input_.begin());
+  std::fill(input_.begin() + static_cast<std::ptrdiff_t>(signal.size()), input_.end(), 0.0);
+  plan_->half.transform_real(input_.data(), output_.data());
+  // It returns the two real bins, 0 and N/2, as one complex number.
+  output_.back() = output_.front().imag();
+  output_.front() = output_.front().real();
+  return output_;
+}
+
+std::vector<double> hann_window(std::size_t length) {
+  std::vector<double> window(length);
+  for (std::size_t n = 0; n < length; ++n) {
+    window[n] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(length));
+  }
+  return window;
+}
+
+double welch_standard_error(std::span<const double> window, std::size_t hop, std::size_t averages) {
+  const auto overlap = [&](std::size_t shift) {
+    return std::inner_product(window.begin() + static_cast<std::ptrdiff_t>(shift), window.end(), window.begin(), 0.0);
+  };
+  const double power = overlap(0);
+  const auto K = static_cast<double>(averages);
+  double sum = 1.0;
+  for (std::size_t j = 1; j < averages && j * hop < window.size(); ++j) {
+    const double share = overlap(j * hop) / power;
+    sum += 2.0 * (1.0 - static_cast<double>(j) / K) * share * share;
+  }
+  return std::sqrt(sum / K);
+}
+
+PowerSpectrum welch(std::span<const double> signal, double sample_rate, std::size_t segment) {
+  if (signal.size() < 4 || !(sample_rate > 0.0)) throw std::invalid_argument("welch: no signal, or no sample rate");
+  std::size_t length = good_fft_size(segment);
+  if (length > signal.size()) length = signal.size() - signal.size() % 2;
+  const std::size_t hop = length / 2;
+  const std::vector<double> window = hann_window(length);
+  const double power = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
+
+  RealTransform transform(length);
+  PowerSpectrum spectrum;
+  spectrum.density.assign(transform.bins(), 0.0);
+  std::vector<double> piece(length);
+  for (std::size_t start = 0; start + length <= signal.size(); start += hop) {
+    const std::span<const double> part = signal.subspan(start, length);
+    const double mean = std::accumulate(part.begin(), part.end(), 0.0) / static_cast<double>(length);
+    for (std::size_t n = 0; n < length; ++n) piece[n] = window[n] * (part[n] - mean);
+    const std::span<const std::complex<double>> bins = transform(piece);
+    for (std::size_t k = 0; k < bins.size(); ++k) spectrum.density[k] += std::norm(bins[k]);
+    ++spectrum.averages;
+  }
+
+  const double scale = 1.0 / (sample_rate * power * static_cast<double>(spectrum.averages));
+  spectrum.frequency.resize(transform.bins());
+  for (std::size_t k = 0; k < transform.bins(); ++k) {
+    spectrum.frequency[k] = static_cast<double>(k) * sample_rate / static_cast<double>(length);
+    spectrum.density[k] *= k == 0 || k == length / 2 ? scale : 2.0 * scale;
+  }
+  spectrum.relative_standard_error = welch_standard_error(window, hop, spectrum.averages);
+  return spectrum;
+}
+
+}  // namespace host_sim
