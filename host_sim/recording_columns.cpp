@@ -205,8 +205,8 @@ void check_time(Recording& recording, const StampRounding& rounding, const Place
     const double middle = median_step(time);
     if (std::abs(mean - middle) > printed + jitter * middle) period = middle;  // the mean holds a gap
     const double whole_rate = std::round(1.0 / period);
-    if (whole_rate >= 1.0 &&
-        std::abs(1.0 / whole_rate - period) <= (printed + arithmetic) / static_cast<double>(n - 1) + 1e-9 * period) {
+    const double mean_error = (printed + arithmetic) / static_cast<double>(n - 1) + 1e-9 * period;
+    if (whole_rate >= 1.0 && std::abs(1.0 / whole_rate - period) <= std::min(mean_error, jitter * period)) {
       period = 1.0 / whole_rate;
     }
   }

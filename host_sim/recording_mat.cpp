@@ -2,8 +2,8 @@
 //
 // matio and HDF5 below it can be brought down by a damaged file (of the versions that Debian 12 has, several ways are
 // public). So the file is read in a child process that hands the vectors over through a pipe: whatever the libraries do
-// there, here it is a file that cannot be read. What they take for the end of the file and is none is found by counting:
-// the elements of a MATLAB 5 file fill it exactly, and as many variables come as there are elements.
+// there, here it is a file that cannot be read. What they take for the end of the file and is none is found by
+// counting: the elements of a MATLAB 5 file fill it exactly, and as many variables come as there are elements.
 #include <matio.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -41,7 +41,7 @@ namespace host_sim {
 namespace {
 
 constexpr std::string_view a_whole_file = "a whole MATLAB 5 or 7.3 file";
-constexpr rlim_t most_memory = rlim_t{8} << 30U;  // [byte]: what a damaged length may make the libraries ask for
+constexpr rlim_t most_memory = rlim_t{4} << 30U;  // [byte]: what a damaged length may make the libraries ask for
 constexpr rlim_t most_processor_time = 120;       // [s]: a damaged file may make them go round in circles
 
 struct FreeVariable {
