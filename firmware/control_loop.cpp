@@ -58,7 +58,7 @@ void ControlLoop::step() {
   }
   if (acknowledged && !hazard) mode_ = next(mode_, Event::acknowledge);
   if ((requests & start_request) != 0 && mode_ == Mode::idle) get_ready();
-  if (mode_ == Mode::ready && !hazard && move_.arrived() && settling_left_ == 0) {
+  if (mode_ == Mode::ready && !hazard && reference_begins_ && move_.arrived() && settling_left_ == 0) {
     mode_ = next(mode_, Event::in_position);
     sample_ = 0;
   }

@@ -28,11 +28,12 @@ namespace firmware {
 ///   (5)  σ_v² = h (3/2 ω³ σ_y² + σ_a²/ω),   smallest at ω² = (√2/3) σ_a/σ_y;    (3): σ_v² = h ω³ σ_y²/(2√2)
 ///
 /// Default cross-over. Table 2 of the paper: laser 0.25 mm, accelerometer ±98 m/s² with a linearity of 0.98 m/s².
-/// Taking that as an error growing with the square of the excursion, 0.98 (a/98)², the wheel's 14 m/s² rms on a class-B
-/// road have an error of σ_a = 0.02 m/s²: (5) gives ω = 6.1 1/s, 0.98 Hz, hence 1 Hz. There σ_v =
-/// 0.25 mm/s; twice the frequency costs 54 % more noise, half of it 24 %.
+/// Taking that as an error growing with the square of the excursion, 0.98 (a/98)², the wheel's 11.3 m/s² rms on a
+/// class-B road at 100 km/h (linear component) leave a bias and, around it, σ_a = 0.98 √2 (11.3/98)² = 0.018 m/s². (5)
+/// then gives ω = 5.8 1/s, 0.93 Hz, hence 1 Hz, and there σ_v = 0.27 mm/s; twice the optimal frequency costs 54 % more
+/// noise, half of it 24 %.
 ///
-/// Default differentiation: 30 Hz, twice the wheel mode; noise 12 mm/s from 0.25 mm, against a wheel's 0.2 m/s on that
+/// Default differentiation: 30 Hz, twice the wheel mode; noise 12 mm/s from 0.25 mm, against a wheel's 0.16 m/s on that
 /// road.
 class VelocityObserver {
  public:
