@@ -29,7 +29,7 @@ double class_roughness(std::string_view letter) {
 }
 
 double default_bandwidth(model::RigKind kind, double sample_rate) {
-  return std::min(kind == model::RigKind::quarter_car ? 40.0 : 100.0, 0.2 * sample_rate);
+  return std::min(kind == model::RigKind::hil ? 100.0 : 30.0, 0.2 * sample_rate);
 }
 
 FootPointMotion drive_over(const IsoRoad& road, double sample_rate, std::size_t samples) {
@@ -55,6 +55,7 @@ FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMot
   car.tyre.stiffness = 200e3;
   car.tyre.damping = 100.0;
   car.effects = {};
+  car.suspension.damping += 1140.0;
   const model::RigModel<> model(car, 1.0 / sample_rate);
   if (road.empty()) return road;
   auto x = model.start(road.front().position);

@@ -32,17 +32,18 @@ struct IsoRoad {
 /// G_d(n₀) of class 'A' … 'H', the geometric mean of the class [m³]: 16 · 4^k · 10⁻⁶. UsageError for another letter.
 [[nodiscard]] double class_roughness(std::string_view letter);
 
-/// 40 Hz where a servo-hydraulic cylinder moves the foot point (quarter_car), 100 Hz where it is a number and only the
-/// tyre's contact patch averages (hil: −3 dB at 0.44 v/L, L = 0.12 m, v = 100 km/h), never above a fifth of the sample
-/// rate, beyond which a step no longer follows the cubic between samples.
+/// 30 Hz where a cylinder or machine follows in hardware: a class B road at 100 km/h then has 0.15 m/s and 17 m/s² rms,
+/// a fifth of what the paper's cylinder (0.7 m/s) and acceleration sensors (98 m/s²) bear. 100 Hz where the foot point
+/// is a number and only the tyre's contact patch averages (hil: −3 dB at 0.44 v/L, L = 0.12 m). Never above a fifth of
+/// the sample rate, beyond which a step no longer follows the cubic between samples.
 [[nodiscard]] double default_bandwidth(model::RigKind kind, double sample_rate);
 
 /// The motion over such a road, starting flat (model::RoadFilter at rest), `samples` samples.
 [[nodiscard]] FootPointMotion drive_over(const IsoRoad& road, double sample_rate, std::size_t samples);
 
 /// What a rig is told on a given road motion: the motion itself; for a component_bench the deflection (and its
-/// derivatives) that the component, without the rig's effects, would see in the paper's car (290 kg, 40 kg, 200 kN/m,
-/// 100 N s/m) on this road.
+/// derivatives) that the component, without the rig's effects, would see in the paper's car on this road: 290 kg, 40
+/// kg, 200 kN/m, 100 N s/m, and 1140 N s/m beside the component.
 [[nodiscard]] FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMotion road,
                                          double sample_rate);
 

@@ -1,0 +1,89 @@
+#include "host_sim/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <new>
+
+#include "host_sim/input_error.hpp"
+#include "host_sim/version.hpp"
+
+namespace host_sim {
+namespace {
+
+int fail(ExitStatus status, std::string_view message) {
+  std::fprintf(stderr, "rigtwin: %s\n", one_line(message).c_str());
+  return static_cast<int>(status);
+}
+
+void add_simulate(CLI::App& app, SimulateOptions& options) {
+  CLI::App* command = app.add_subcommand("simulate", "Drive a simulated rig over a road, through the firmware");
+  command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
+  command->add_option("--out", options.out, "Recording to write: CSV, or MATLAB if the name ends in .mat")->required();
+  command->add_option("--road", options.road, "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m]")
+      ->capture_default_str();
+  command->add_option("--speed", options.speed, "Speed over the road [m/s]")
+      ->check(CLI::Range(0.1, 150.0))
+      ->capture_default_str();
+  command->add_option("--duration", options.duration, "Length of the run [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of road and sensor noise")->capture_default_str();
+  command
+      ->add_option("--bandwidth", options.bandwidth,
+                   "Low-pass of an ISO 8608 road [Hz] (default: 100 for hil, else 30)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--cut-off", options.cut_off, "Below it the spectrum of an ISO 8608 road is flat [Hz]")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  command->add_flag("--no-noise", options.no_noise, "Sensors without the noise of the rig description");
+  command->callback([&options] { simulate(options); });
+}
+
+void add_compare(CLI::App& app, CompareOptions& options) {
+  CLI::App* command = app.add_subcommand("compare", "Hold recordings against the simulation of their own input");
+  command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
+  command->add_option("--data", options.data, "Recording (CSV or .mat); may be given several times")->required();
+  command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
+  command->add_flag("--refit", options.refit, "First fit the parameters under [tolerance], inside their bounds");
+  command
+      ->add_option("--start", options.start,
+                   "State at the start of a recording: rest, estimated, or automatic (rest where it begins quietly)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, StartChoice>{
+          {"automatic", StartChoice::automatic}, {"rest", StartChoice::rest}, {"estimated", StartChoice::estimated}}));
+  command->callback([&options] { compare(options); });
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC");
+  app.set_version_flag("--version", "rigtwin " + std::string(version));
+  app.require_subcommand(1);
+  SimulateOptions simulate_options;
+  CompareOptions compare_options;
+  add_simulate(app, simulate_options);
+  add_compare(app, compare_options);
+  try {
+    app.parse(argc, argv);
+    if (std::fflush(stdout) != 0) return fail(ExitStatus::cannot_write, "standard output: cannot be written");
+    return static_cast<int>(ExitStatus::done);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return fail(ExitStatus::wrong_usage, std::string(error.what()) + " (rigtwin --help tells more)");
+  } catch (const UsageError& error) {
+    return fail(ExitStatus::wrong_usage, error.what());
+  } catch (const InputError& error) {
+    return fail(ExitStatus::unfit_input, error.what());
+  } catch (const OutputError& error) {
+    return fail(ExitStatus::cannot_write, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ExitStatus::internal, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(ExitStatus::internal, std::string("internal error: ") + error.what());
+  }
+}
+
+}  // namespace host_sim

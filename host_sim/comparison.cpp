@@ -1,0 +1,107 @@
+#include "host_sim/comparison.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "host_sim/input_error.hpp"
+
+namespace host_sim {
+
+ComparedRecording::ComparedRecording(const RigDescription& description, Recording recording, StartChoice choice)
+    : recording_(std::move(recording)), drive_(drive_of(description.rig, recording_)) {
+  constexpr std::size_t least = 16;  // fewer samples resolve no band and no state at the start
+  if (recording_.size() < least) {
+    throw InputError(recording_.source, 0, "only " + std::to_string(recording_.size()) + " samples", "at least 16");
+  }
+  for (const model::Channel channel : response_channels(description.rig.kind, drive_)) {
+    if (!recording_.has(channel)) continue;
+    const auto& data = recording_[channel];
+    Judged judged{channel, 0.0, {}, 0};
+    if (const auto& range = description.range[index(channel)]) {
+      judged.trusted.resize(data.size());
+      for (std::size_t k = 0; k < data.size(); ++k) {
+        judged.trusted[k] = data[k] > range->lower && data[k] < range->upper;
+        if (!judged.trusted[k]) ++judged.clipped;
+      }
+    }
+    double sum = 0.0, squares = 0.0, count = 0.0;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (!trusted(judged, k)) continue;
+      sum += data[k];
+      count += 1.0;
+    }
+    const double mean = count > 0.0 ? sum / count : 0.0;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (trusted(judged, k)) squares += (data[k] - mean) * (data[k] - mean);
+    }
+    judged.data_rms = count > 0.0 ? std::sqrt(squares / count) : 0.0;
+    judged_.push_back(std::move(judged));
+  }
+  if (judged_.empty()) {
+    std::string wanted;
+    for (const model::Channel channel : response_channels(description.rig.kind, drive_)) {
+      wanted += (wanted.empty() ? "" : ", ") + std::string(model::name(channel));
+    }
+    throw InputError(recording_.source, 0,
+                     "nothing is measured that a " + std::string(model::name(description.rig.kind)) + " answers with",
+                     "at least one of " + wanted);
+  }
+  at_rest_ = choice == StartChoice::rest ||
+             (choice == StartChoice::automatic && begins_at_rest(description.rig, drive_, recording_));
+}
+
+Response ComparedRecording::simulate(const model::RigParameters<double>& rig) const {
+  return respond(rig, drive_, at_rest_ ? resting(rig, drive_) : estimated_start(rig, drive_, recording_));
+}
+
+std::size_t ComparedRecording::residual_count() const {
+  std::size_t count = 0;
+  for (const Judged& judged : judged_) {
+    if (judged.data_rms > 0.0) count += recording_.size();
+  }
+  return count;
+}
+
+void ComparedRecording::residuals(const Response& response, std::vector<double>& out) const {
+  for (const Judged& judged : judged_) {
+    if (!(judged.data_rms > 0.0)) continue;
+    const auto& data = recording_[judged.channel];
+    const auto& simulated = response[index(judged.channel)];
+    const double weight = 1.0 / (judged.data_rms * std::sqrt(static_cast<double>(data.size() - judged.clipped)));
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      out.push_back(trusted(judged, k) ? weight * (simulated[k] - data[k]) : 0.0);
+    }
+  }
+}
+
+RecordingComparison ComparedRecording::compare(const Response& response) const {
+  const double rate = 1.0 / recording_.sample_period;
+  RecordingComparison result{
+      recording_.source, static_cast<double>(recording_.size()) / rate, drive_.channel, at_rest_, {}};
+  const std::vector<Band> bands = resolved_bands(recording_.size(), rate);
+  for (const Judged& judged : judged_) {
+    const auto& data = recording_[judged.channel];
+    const auto& simulated = response[index(judged.channel)];
+    std::vector<double> error(data.size(), 0.0);
+    double squares = 0.0;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (!trusted(judged, k)) continue;
+      error[k] = simulated[k] - data[k];
+      squares += error[k] * error[k];
+    }
+    ChannelComparison channel{judged.channel, 0.0, 0.0, judged.data_rms, judged.clipped, {}};
+    channel.error_rms = std::sqrt(squares / static_cast<double>(data.size() - judged.clipped));
+    channel.nrmse =
+        judged.data_rms > 0.0 ? channel.error_rms / judged.data_rms : std::numeric_limits<double>::quiet_NaN();
+    const BandRms error_bands = band_rms(error, rate, bands);
+    const BandRms data_bands = band_rms(data, rate, bands);
+    for (std::size_t i = 0; i < bands.size(); ++i) {
+      channel.bands.push_back({bands[i], error_bands.rms[i], data_bands.rms[i]});
+    }
+    result.channels.push_back(std::move(channel));
+  }
+  return result;
+}
+
+}  // namespace host_sim

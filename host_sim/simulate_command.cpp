@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "host_sim/closed_loop.hpp"
+#include "host_sim/command_line.hpp"
+#include "host_sim/input_error.hpp"
+#include "host_sim/profile_file.hpp"
+#include "host_sim/progress.hpp"
+#include "host_sim/recording.hpp"
+#include "host_sim/road.hpp"
+#include "host_sim/trace.hpp"
+#include "host_sim/version.hpp"
+
+namespace host_sim {
+namespace {
+
+FootPointMotion road_of(const SimulateOptions& options, const RigDescription& rig, std::size_t samples) {
+  constexpr std::string_view standard = "iso8608:";
+  if (!options.road.starts_with(standard)) {
+    return road_from_file(options.road, options.speed, rig.sample_rate, samples);
+  }
+  IsoRoad road;
+  road.roughness = class_roughness(options.road.substr(standard.size()));
+  road.speed = options.speed;
+  road.cut_off = options.cut_off;
+  road.seed = options.seed;
+  road.bandwidth = options.bandwidth.value_or(default_bandwidth(rig.rig.kind, rig.sample_rate));
+  if (road.bandwidth > 0.2 * rig.sample_rate) {
+    throw UsageError("--bandwidth is above a fifth of the sample rate, expected at most " +
+                     std::to_string(0.2 * rig.sample_rate) + " Hz for this rig");
+  }
+  return drive_over(road, rig.sample_rate, samples);
+}
+
+/// What a trip says to a person: reason, channel, value, limit, time.
+std::string describe(const firmware::Trip& trip) {
+  using firmware::Reason;
+  std::string text(firmware::name(trip.reason));
+  if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
+  const bool in_a_row = trip.reason == Reason::sample_missing || trip.reason == Reason::sample_not_finite ||
+                        trip.reason == Reason::sample_clipped || trip.reason == Reason::sample_stale;
+  char numbers[96];
+  std::snprintf(
+      numbers, sizeof numbers,
+      in_a_row ? ": last %.4g, %.0f times in a row, at t = %.4f s" : ": %.4g against a limit of %.4g, at t = %.4f s",
+      trip.value, trip.limit, trip.time.seconds());
+  return text + numbers;
+}
+
+void print_channels(const Recording& recording) {
+  std::printf("  %-6s %-5s %12s %12s %12s\n", "", "unit", "rms", "lowest", "highest");
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    const auto& column = recording.channels[i];
+    if (column.empty()) continue;
+    double squares = 0.0;
+    for (const double value : column) squares += value * value;
+    const auto [low, high] = std::minmax_element(column.begin(), column.end());
+    const std::string unit(model::channel_names[i].unit);
+    const int width = unit.find("²") != std::string::npos ? 6 : 5;  // ² is two bytes
+    std::printf("  %-6s %-*s %12.5g %12.5g %12.5g\n", std::string(model::channel_names[i].name).c_str(), width,
+                unit.c_str(), std::sqrt(squares / static_cast<double>(column.size())), *low, *high);
+  }
+}
+
+}  // namespace
+
+void simulate(const SimulateOptions& options) {
+  const RigDescription rig = read_rig(options.rig);
+  if (options.duration * rig.sample_rate < 1.0 || options.duration > 86400.0) {
+    throw UsageError("--duration does not fit, expected at least one sample and at most a day (86400 s)");
+  }
+  const auto samples = static_cast<std::size_t>(std::llround(options.duration * rig.sample_rate));
+  const FootPointMotion motion = excitation(rig.rig, road_of(options, rig, samples), rig.sample_rate);
+
+  Progress progress("simulate");
+  RunOptions run_options;
+  run_options.seed = options.seed;
+  run_options.noise = options.no_noise ? SimulatedRig::Noise::none : SimulatedRig::Noise::as_described;
+  run_options.progress = [&progress](double share) { progress.show(share); };
+  Run run = run_closed_loop(rig, motion, run_options);
+  if (run.recording.size() == 0) {
+    throw InputError(rig.source, 0, "the run tripped before its first sample: " + describe(run.trip),
+                     "a rig that can reach the beginning of the road");
+  }
+
+  char what[160];
+  std::snprintf(what, sizeof what, "rigtwin %s simulate: %s, %s, %.2f m/s, seed %llu", std::string(version).c_str(),
+                std::string(model::name(rig.rig.kind)).c_str(), options.road.c_str(), options.speed,
+                static_cast<unsigned long long>(options.seed));
+  run.recording.comments.emplace_back(what);
+  write_recording(options.out, run.recording);
+
+  std::printf("%s: %s, %.6g s at %.6g Hz over %s at %.4g m/s, seed %llu\n", options.rig.c_str(),
+              std::string(model::name(rig.rig.kind)).c_str(),
+              static_cast<double>(run.recording.size()) / rig.sample_rate, rig.sample_rate, options.road.c_str(),
+              options.speed, static_cast<unsigned long long>(options.seed));
+  print_channels(run.recording);
+  if (firmware::is_fault(run.trip.reason)) {
+    std::fprintf(stderr, "rigtwin: the firmware stopped the run in the safe state, %s\n", describe(run.trip).c_str());
+  }
+  if (run.counters.limited_commands > 0) {
+    std::printf("  %llu commands were slowed down to the speed limit of %.3g m/s\n",
+                static_cast<unsigned long long>(run.counters.limited_commands), rig.controller.speed);
+  }
+  std::printf("trace     %s\nrecording %s (%zu samples)\n", hexadecimal(trace_hash(run.recording)).c_str(),
+              options.out.c_str(), run.recording.size());
+}
+
+}  // namespace host_sim
