@@ -112,7 +112,9 @@ Recording read_recording(const std::filesystem::path& file, const ChannelMap& ma
 void write_recording(const std::filesystem::path& file, const Recording& recording) {
   check_columns(file, recording);
   if (is_called_mat(file)) return write_recording_mat(file, recording);
-  write_file(file, format_recording_csv(recording));
+  OutputFile output(file);
+  format_recording_csv(recording, [&](std::string_view text) { output.write(text); });
+  output.commit();
 }
 
 }  // namespace host_sim

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -81,6 +83,9 @@ void check_time(Recording& recording, const StampRounding& rounding, const Place
 [[nodiscard]] Recording read_recording_csv(int descriptor, std::string head, std::string_view source,
                                            const ChannelMap& map, std::optional<double> expected_rate,
                                            std::size_t block = std::size_t{1} << 20U);
+
+/// Hands the CSV text over piece by piece: of an hour it is more than the recording itself.
+void format_recording_csv(const Recording& recording, const std::function<void(std::string_view)>& take);
 
 /// MATLAB files.
 [[nodiscard]] Recording read_recording_mat(const std::filesystem::path& file, const ChannelMap& map,

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <system_error>
 #include <utility>
 
@@ -296,7 +297,7 @@ Recording parse_recording_csv(std::string_view text, std::string_view source, co
   return reader.finish(expected_rate);
 }
 
-std::string format_recording_csv(const Recording& recording) {
+void format_recording_csv(const Recording& recording, const std::function<void(std::string_view)>& take) {
   std::string text = "# " + std::string(recording_mark) + "\n";
   for (const std::string& comment : recording.comments) text += "# " + one_line(comment) + "\n";
 
@@ -316,16 +317,24 @@ std::string format_recording_csv(const Recording& recording) {
   }
   text += '\n';
 
-  constexpr std::size_t usual_width = 21;
-  text.reserve(text.size() + recording.size() * columns.size() * usual_width);
+  constexpr std::size_t block = std::size_t{1} << 17U;
   for (std::size_t k = 0; k < recording.size(); ++k) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (c > 0) text += ',';
       append(text, (*columns[c])[k]);
     }
     text += '\n';
+    if (text.size() < block) continue;
+    take(text);
+    text.clear();
   }
-  return text;
+  take(text);
+}
+
+std::string format_recording_csv(const Recording& recording) {
+  std::string whole;
+  format_recording_csv(recording, [&](std::string_view text) { whole += text; });
+  return whole;
 }
 
 }  // namespace host_sim
