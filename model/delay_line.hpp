@@ -47,6 +47,7 @@ class DelayLine {
     ring_.fill(value);
     set(delay);
     delay_ = target_;
+    sliding_ = false;
     split();
   }
 
@@ -54,17 +55,18 @@ class DelayLine {
   void set(S delay) {
     require(delay >= S(0) && delay <= S(longest), "delay within the capacity of the line");
     target_ = delay;
+    sliding_ = delay_ != target_;
   }
 
   /// Takes the value of this instant; then read() is the value one delay before it. `h`: sample period [s].
   void push(const Value& newest) {
     newest_ = (newest_ + 1) & mask;
     ring_[newest_] = newest;
-    if (delay_ != target_) move();
+    if (sliding_) move();
   }
 
   [[nodiscard]] Value read(S h) const {
-    if (at_.fraction == S(0)) return ago(at_.whole);
+    if (!between_samples_) return ago(at_.whole);
     return between(h, static_cast<const Value*>(nullptr));
   }
 
@@ -85,6 +87,7 @@ class DelayLine {
       delay_ -= S(slide);
     } else {
       delay_ = target_;
+      sliding_ = false;
     }
     split();
   }
@@ -96,6 +99,7 @@ class DelayLine {
     S fraction = delay_ - S(whole);
     if (fraction < rounding) fraction = S(0);
     at_ = {whole, fraction};
+    between_samples_ = fraction != S(0);
   }
 
   template <class V>
@@ -116,6 +120,8 @@ class DelayLine {
   SampleDelay<S> at_{};
   S delay_{};
   S target_{};
+  bool sliding_ = false;          ///< delay_ is on its way to target_
+  bool between_samples_ = false;  ///< the delay is not a whole number
 };
 
 }  // namespace model

@@ -6,6 +6,7 @@
 
 #include "model/exact_discretisation.hpp"
 #include "model/fdva.hpp"
+#include "model/pair.hpp"
 
 namespace model {
 
@@ -22,26 +23,26 @@ struct Recent {
   }
 };
 
-/// Adds columns · [now, before, earlier] to x.
-template <class S, int N>
-void add_continued(Column<S, N>& x, const Block<S, N, 3>& columns, const Recent<S>& load) {
-  x += columns.col(0) * load.now;
-  x += columns.col(1) * load.before;
-  x += columns.col(2) * load.earlier;
+/// The factors of ExactDiscretisation::continued.
+template <class S>
+[[nodiscard]] RIGTWIN_INLINE std::array<S, 3> oldest_first(const Recent<S>& load) {
+  return {load.earlier, load.before, load.now};
 }
 
 /// Flows q_j = A_p u/n + δ_j of the open ducts: the mean follows the piston, the deviations (8b) of Fdva are kept here.
 ///
 /// Opening and closing keeps every flow that goes on, ends the flow of a closing duct and starts an opening one at
 /// zero; the piston then moves with what still flows. Kinetic energy ½ I Σ q_j² can only fall by it.
+///
+/// A closed duct has no share in the mean, so its flow, deviation and losses stay exactly zero without a branch.
 template <class S>
 class DuctFlows {
  public:
   /// One period of (8b): exact in its linear part, third order in the losses.
   struct Step {
-    S decay{};                    ///< e^{−R h/I} [1]
-    std::array<S, 3> per_loss{};  ///< by which q|q| of now, before, earlier enters [s/m³]
-    S per_velocity{};             ///< A_p [m²]
+    Pair<S> decay{};                                  ///< e^{−R h/I} [1]
+    Pair<S> per_oldest{}, per_older{}, per_newest{};  ///< by which q|q| − 1/n Σ q|q| of three samples enters [s/m³]
+    S piston_area{};                                  ///< A_p [m²]
   };
 
   [[nodiscard]] static Step step_of(const typename Fdva<S>::Parameters& p, const typename Fdva<S>::Duct& duct,
@@ -49,13 +50,14 @@ class DuctFlows {
     const Block<S, 1, 1> rate(-duct.laminar_loss / duct.inertance);
     const ExactDiscretisation<S, 1> exact(rate, period);
     const Block<S, 1, 3> columns = exact.continued(Column<S, 1>(-duct.minor_loss / duct.inertance));
-    return {exact.transition()(0), {columns(0), columns(1), columns(2)}, p.piston_area};
+    const auto both = [](S value) { return Pair<S>::both(value); };
+    return {both(exact.transition()(0)), both(columns(0)), both(columns(1)), both(columns(2)), p.piston_area};
   }
 
   /// Everything at rest, `open` ducts open.
   void start(OpenDucts open) {
     *this = DuctFlows{};
-    set_list(open);
+    share_among(open);
   }
 
   [[nodiscard]] int open_count() const { return count_; }
@@ -64,49 +66,55 @@ class DuctFlows {
 
   /// Flow of duct j = 0 … 5 [m³/s] when the piston moves at `velocity`.
   [[nodiscard]] S flow(std::size_t j, S velocity, const Step& step) const {
-    return ((open_ >> j) & 1) != 0 ? mean(velocity, step) + deviation_[j] : S(0);
+    return velocity * (step.piston_area * at(share_, j)) + at(deviation_, j);
   }
 
   /// Opens and closes ducts; returns the piston velocity afterwards [m/s].
   [[nodiscard]] S switch_to(OpenDucts open, S velocity, const Step& step) {
     std::array<S, duct_capacity> flow{};
+    std::array<Recent<S>, duct_capacity> loss{};
+    Recent<S> losses{};
     S sum = S(0);
     for (std::size_t j = 0; j < duct_capacity; ++j) {
-      const bool stays = ((open_ >> j) & (open >> j) & 1) != 0;
-      flow[j] = stays ? this->flow(j, velocity, step) : S(0);
+      if (!is_open(j) || ((open >> j) & 1) == 0) continue;
+      const S share = at(share_, j);
+      flow[j] = this->flow(j, velocity, step);
+      loss[j] = {at(loss_, j), at(excess_, j) + share * losses_.before, at(older_excess_, j) + share * losses_.earlier};
       sum += flow[j];
-      if (!stays) loss_[j] = Recent<S>{};
+      losses.now += loss[j].now;
+      losses.before += loss[j].before;
+      losses.earlier += loss[j].earlier;
     }
-    set_list(open);
-    const S after = sum / step.per_velocity;
+    start(open);
+    losses_ = losses;
+    const S after = sum / step.piston_area;
     for (std::size_t j = 0; j < duct_capacity; ++j) {
-      deviation_[j] = ((open >> j) & 1) != 0 ? flow[j] - mean(after, step) : S(0);
-    }
-    losses_ = Recent<S>{};
-    for (const auto& loss : loss_) {
-      losses_.now += loss.now;
-      losses_.before += loss.before;
-      losses_.earlier += loss.earlier;
+      if (!is_open(j)) continue;
+      const S share = at(share_, j);
+      set(deviation_, j, flow[j] - this->flow(j, after, step));
+      set(loss_, j, loss[j].now);
+      set(excess_, j, loss[j].before - share * losses_.before);
+      set(older_excess_, j, loss[j].earlier - share * losses_.earlier);
     }
     return after;
   }
 
   /// (8b) over one period, then the losses at the new piston velocity.
-  void advance(S velocity, const Step& step) {
-    const S share = share_;
-    const S flow = mean(velocity, step);
+  RIGTWIN_INLINE void advance(S velocity, const Step& step) {
+    const Pair<S> moved = Pair<S>::both(velocity * step.piston_area);
+    const Pair<S> lost_together = Pair<S>::both(losses_.now);
     S sum = S(0);
-    for (int i = 0; i < count_; ++i) {
-      const auto j = list_[static_cast<std::size_t>(i)];
-      Recent<S>& loss = loss_[j];
-      const S deviation = step.decay * deviation_[j] + step.per_loss[0] * (loss.now - losses_.now * share) +
-                          step.per_loss[1] * (loss.before - losses_.before * share) +
-                          step.per_loss[2] * (loss.earlier - losses_.earlier * share);
-      const S q = flow + deviation;
-      const S lost = q * (q < S(0) ? -q : q);
-      deviation_[j] = deviation;
-      loss.push(lost);
-      sum += lost;
+    for (std::size_t i = 0; i < used_pairs_; ++i) {
+      const Pair<S> excess = loss_[i] - lost_together * share_[i];
+      const Pair<S> deviation = step.decay * deviation_[i] + step.per_oldest * older_excess_[i] +
+                                step.per_older * excess_[i] + step.per_newest * excess;
+      const Pair<S> q = moved * share_[i] + deviation;
+      const Pair<S> loss = q * abs(q);
+      deviation_[i] = deviation;
+      older_excess_[i] = excess_[i];
+      excess_[i] = excess;
+      loss_[i] = loss;
+      sum += loss[0] + loss[1];
     }
     losses_.push(sum);
   }
@@ -123,28 +131,38 @@ class DuctFlows {
 
   /// Sets everything below `least` to zero.
   void flush(S least) {
-    for (S& d : deviation_) {
-      if (d < least && d > -least) d = S(0);
+    for (std::size_t j = 0; j < duct_capacity; ++j) {
+      if (at(deviation_, j) < least && at(deviation_, j) > -least) set(deviation_, j, S(0));
     }
   }
 
  private:
-  [[nodiscard]] S mean(S velocity, const Step& step) const { return step.per_velocity * velocity * share_; }
+  using PerDuct = std::array<Pair<S>, duct_capacity / 2>;
 
-  void set_list(OpenDucts open) {
-    open_ = open;
-    count_ = 0;
-    for (std::size_t j = 0; j < duct_capacity; ++j) {
-      if (((open >> j) & 1) != 0) list_[static_cast<std::size_t>(count_++)] = static_cast<unsigned char>(j);
-    }
-    share_ = count_ == 0 ? S(0) : S(1) / S(count_);
+  [[nodiscard]] bool is_open(std::size_t j) const { return ((open_ >> j) & 1) != 0; }
+  [[nodiscard]] static S at(const PerDuct& values, std::size_t j) { return values[j / 2][j % 2]; }
+  static void set(PerDuct& values, std::size_t j, S value) {
+    Pair<S>& pair = values[j / 2];
+    pair = j % 2 == 0 ? Pair<S>(value, pair[1]) : Pair<S>(pair[0], value);
   }
 
-  std::array<S, duct_capacity> deviation_{};
-  std::array<Recent<S>, duct_capacity> loss_{};
+  /// The open ducts carry equal parts of the mean.
+  void share_among(OpenDucts open) {
+    open_ = open;
+    count_ = model::count(open);
+    used_pairs_ = 0;
+    for (std::size_t j = 0; j < duct_capacity; ++j) {
+      set(share_, j, is_open(j) ? S(1) / S(count_) : S(0));
+      if (is_open(j)) used_pairs_ = j / 2 + 1;
+    }
+  }
+
+  PerDuct share_{};                    ///< 1/n of an open duct, 0 of a closed one
+  PerDuct deviation_{};                ///< δ_j [m³/s]
+  PerDuct loss_{};                     ///< q_j|q_j| now [m⁶/s²]
+  PerDuct excess_{}, older_excess_{};  ///< q_j|q_j| − 1/n Σ q|q| one and two samples before [m⁶/s²]
   Recent<S> losses_{};
-  S share_{};
-  std::array<unsigned char, duct_capacity> list_{};
+  std::size_t used_pairs_ = 0;  ///< pairs of ducts up to the last open one
   int count_ = 0;
   OpenDucts open_ = 0;
 };

@@ -115,14 +115,14 @@ class ExactDiscretisation {
     return columns;
   }
 
-  /// Columns for an input known only up to now: quadratic through the newest three samples n₀, n₋₁, n₋₂, continued over
-  /// the period (exponential Adams–Bashforth, third order).
+  /// Columns for an input known only up to now: quadratic through the newest three samples n₋₂, n₋₁, n₀, continued over
+  /// the period (exponential Adams–Bashforth, third order). The oldest comes first: the newest is known last.
   [[nodiscard]] Block<S, N, 3> continued(const Vector& b) const {
     const Vector c0 = monomial(b, 0), c1 = monomial(b, 1), c2 = monomial(b, 2);
     Block<S, N, 3> columns;
-    columns.col(0) = c0 + c1 * S(1.5) + c2 * S(0.5);
+    columns.col(0) = (c1 + c2) * S(0.5);
     columns.col(1) = c1 * S(-2) - c2;
-    columns.col(2) = (c1 + c2) * S(0.5);
+    columns.col(2) = c0 + c1 * S(1.5) + c2 * S(0.5);
     return columns;
   }
 

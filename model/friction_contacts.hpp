@@ -20,7 +20,7 @@ namespace model {
 template <class S>
 class FrictionContacts {
  public:
-  enum Contact : int { suspension, piston, body_guide, wheel_guide };
+  enum Contact : int { suspension, piston, wheel_guide, body_guide };
   static constexpr int contacts = 4;
   static constexpr int sweeps =
       12;  ///< remaining error of λ: below 1e-3 f for guides and suspension of any rig (tests)

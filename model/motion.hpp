@@ -1,6 +1,8 @@
 // How an input moves between two samples.
 #pragma once
 
+#include <array>
+
 namespace model {
 
 /// A displacement with its first derivative: what a test machine is told, and what it reaches.
@@ -17,6 +19,12 @@ struct Motion {
   S velocity{};      ///< ż [m/s]
   S acceleration{};  ///< z̈ [m/s²]
 };
+
+/// The factors of ExactDiscretisation::hermite for an input that moves from sample to sample.
+template <class From, class To>
+[[nodiscard]] constexpr auto driven_by(const From& from, const To& to) {
+  return std::array{from.position, from.velocity, to.position, to.velocity};
+}
 
 /// Cubic Hermite polynomial between two samples a period h apart, s = 0 at `from`, s = 1 at `to`:
 ///

@@ -25,14 +25,14 @@ struct QuarterCar {
     S tyre_stiffness;         ///< k_t [N/m]
     S tyre_damping;           ///< b_t [N s/m]
     S virtual_damping;        ///< b̃ [N s/m]
-    S body_guide_damping{};   ///< c_b [N s/m]
     S wheel_guide_damping{};  ///< c_w [N s/m]
+    S body_guide_damping{};   ///< c_b [N s/m]
   };
   struct State {
     S z_w, v_w, z_b, v_b;  ///< z_w [m], ż_w [m/s], z_b [m], ż_b [m/s]
   };
-  struct Accelerations {
-    S wheel, body;  ///< z̈_w, z̈_b [m/s²]
+  struct Forces {
+    S wheel, body;  ///< m_w z̈_w, m_b z̈_b [N]
   };
 
   static constexpr double gravity = 9.81;  ///< g [m/s²]
@@ -42,12 +42,11 @@ struct QuarterCar {
     return p.tyre_stiffness * (z_r - x.z_w) + p.tyre_damping * (v_r - x.v_w);
   }
 
-  /// (1), (2)
-  [[nodiscard]] static constexpr Accelerations accelerations(const Parameters& p, const State& x, S tyre_force,
-                                                             S suspension_force) {
+  /// Right-hand sides of (1) and (2) [N]
+  [[nodiscard]] static constexpr Forces net_forces(const Parameters& p, const State& x, S tyre_force,
+                                                   S suspension_force) {
     const S upward = suspension_force + p.virtual_damping * (x.v_w - x.v_b);
-    return {(tyre_force - upward - p.wheel_guide_damping * x.v_w) / p.wheel_mass,
-            (upward - p.body_guide_damping * x.v_b) / p.body_mass};
+    return {tyre_force - upward - p.wheel_guide_damping * x.v_w, upward - p.body_guide_damping * x.v_b};
   }
 
   /// (m_b + m_w) g [N]

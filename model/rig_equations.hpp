@@ -3,6 +3,7 @@
 
 #include "model/exact_discretisation.hpp"
 #include "model/fdva.hpp"
+#include "model/inline.hpp"
 #include "model/places.hpp"
 #include "model/quarter_car.hpp"
 #include "model/rig_parameters.hpp"
@@ -29,8 +30,8 @@ class RigEquations {
     S z_r{}, v_r{};            ///< foot point [m], [m/s]
     S suspension_force{};      ///< F_s [N]
     S tyre_force{};            ///< what laws add to (3) [N]
-    S body_guide_friction{};   ///< against ż_b [N]
     S wheel_guide_friction{};  ///< against ż_w [N]
+    S body_guide_friction{};   ///< against ż_b [N]
   };
   struct ComponentDrive {
     S deflection{}, velocity{};  ///< e [m], ė [m/s]
@@ -56,23 +57,27 @@ class RigEquations {
     rig.effects.act_on(guides_);
     car_.body_guide_damping = guides_.body_damping;
     car_.wheel_guide_damping = guides_.wheel_damping;
+    if (rig.kind != RigKind::component_bench) {
+      per_body_mass_ = S(1) / car_.body_mass;
+      per_wheel_mass_ = S(1) / car_.wheel_mass;
+    }
   }
 
-  [[nodiscard]] S tyre_force(const CarState& x, S z_r, S v_r) const {
+  [[nodiscard]] RIGTWIN_INLINE S tyre_force(const CarState& x, S z_r, S v_r) const {
     return QuarterCar<S>::tyre_force(car_, as_car(x), z_r, v_r);
   }
 
-  [[nodiscard]] CarState car(const CarState& x, const CarDrive& in) const {
+  [[nodiscard]] RIGTWIN_INLINE CarState car(const CarState& x, const CarDrive& in) const {
     const S tyre = tyre_force(x, in.z_r, in.v_r) + in.tyre_force;
-    const auto a = QuarterCar<S>::accelerations(car_, as_car(x), tyre, in.suspension_force);
+    const auto net = QuarterCar<S>::net_forces(car_, as_car(x), tyre, in.suspension_force);
     CarState rate;
-    rate << x(1), a.wheel - in.wheel_guide_friction / car_.wheel_mass, x(3),
-        a.body - in.body_guide_friction / car_.body_mass;
+    rate << x(1), (net.wheel - in.wheel_guide_friction) * per_wheel_mass_, x(3),
+        (net.body - in.body_guide_friction) * per_body_mass_;
     return rate;
   }
 
   /// (5) without loads [N]
-  [[nodiscard]] S component_force(const ComponentState& c, S deflection, S velocity) const {
+  [[nodiscard]] RIGTWIN_INLINE S component_force(const ComponentState& c, S deflection, S velocity) const {
     const S spring_damper = suspension_.stiffness * deflection + suspension_.damping * velocity;
     return has_fdva_ ? spring_damper + Fdva<S>::force(fdva_, deflection, c(0)) : spring_damper;
   }
@@ -92,7 +97,7 @@ class RigEquations {
     const S deflection = x(0) - x(2), velocity = x(1) - x(3);  // (4)
     const S force = component_force(component_state, deflection, velocity) + in.parallel_force;
     JoinedState rate;
-    rate << car(car_state, {in.z_r, in.v_r, force, in.tyre_force, in.body_guide_friction, in.wheel_guide_friction}),
+    rate << car(car_state, {in.z_r, in.v_r, force, in.tyre_force, in.wheel_guide_friction, in.body_guide_friction}),
         component(component_state, {deflection, velocity, in.minor_losses, in.piston_friction}, open);
     return rate;
   }
@@ -106,9 +111,12 @@ class RigEquations {
   [[nodiscard]] bool has_fdva() const { return has_fdva_; }
 
  private:
-  [[nodiscard]] static typename QuarterCar<S>::State as_car(const CarState& x) { return {x(0), x(1), x(2), x(3)}; }
+  [[nodiscard]] RIGTWIN_INLINE static typename QuarterCar<S>::State as_car(const CarState& x) {
+    return {x(0), x(1), x(2), x(3)};
+  }
 
   typename QuarterCar<S>::Parameters car_;
+  S per_wheel_mass_{}, per_body_mass_{};  ///< 1/m_w, 1/m_b [1/kg]
   SuspensionComponent<S> suspension_;
   Piston<S> piston_{};
   Guides<S> guides_{};

@@ -12,6 +12,7 @@
 #include "model/duct_flows.hpp"
 #include "model/friction_contacts.hpp"
 #include "model/motion.hpp"
+#include "model/pair.hpp"
 #include "model/places.hpp"
 #include "model/require.hpp"
 #include "model/rig_equations.hpp"
@@ -133,22 +134,22 @@ class RigModel {
   static constexpr std::size_t counts = duct_capacity + 1;  ///< 0 … 6 ducts open
 
   struct CarStep {
-    Block<S, 4, 4> state;
-    Block<S, 4, 4> foot_point;
-    Column<S, 4> force;
-    Block<S, 4, 3> tyre;
+    PackedColumns<S, 4, 4> state;
+    PackedColumns<S, 4, 4> foot_point;
+    PackedColumns<S, 4, 1> force;
+    PackedColumns<S, 4, 3> tyre;
   };
   struct ComponentStep {
-    Block<S, 2, 2> state;
-    Block<S, 2, 4> stroke;
-    Block<S, 2, 3> losses;
+    PackedColumns<S, 2, 2> state;
+    PackedColumns<S, 2, 4> stroke;
+    PackedColumns<S, 2, 3> losses;
     Block<S, 2, Friction::contacts> friction;
   };
   struct JoinedStep {
-    Block<S, 6, 6> state;
-    Block<S, 6, 4> foot_point;
-    Block<S, 6, 2> actuator;
-    Block<S, 6, 3> losses, suspension, tyre;
+    PackedColumns<S, 6, 6> state;
+    PackedColumns<S, 6, 4> foot_point;
+    PackedColumns<S, 6, 2> actuator;
+    PackedColumns<S, 6, 3> losses, suspension, tyre;
     Block<S, 6, Friction::contacts> friction;
   };
 
@@ -160,15 +161,26 @@ class RigModel {
   [[nodiscard]] ComponentStep component_step(int open) const;
   [[nodiscard]] JoinedStep joined_step(int open) const;
 
-  void step_joined(State& x, const Input& in) const;
-  void step_car(State& x, const Input& in) const;
-  void step_machine(State& x, const Stroke<S>& command) const;
+  void step_with_laws(State& x, const Input& in) const;
+  template <bool WithLaws>
+  void advance(State& x, const Input& in) const;
+  template <bool WithLaws>
+  void advance_joined(State& x, const Input& in) const;
+  template <bool WithLaws>
+  void advance_car(State& x, const Input& in) const;
+  template <bool WithLaws>
+  void advance_machine(State& x, const Stroke<S>& command) const;
+  void rub_joined(State& x) const;
+  void rub_component(State& x) const;
   void refresh_laws(State& x) const;
   void start_laws(State& x) const;
   void flush(State& x) const;
 
+  [[nodiscard]] Signals<S> channels(const State& x, S force, S mass_beyond) const;
+  void fill_car(Signals<S>& s, const State& x, S suspension_force, S mass_beyond) const;
   [[nodiscard]] S tyre_law(const State& x) const;
   [[nodiscard]] S suspension_law(S deflection, S velocity) const;
+  template <bool WithLaws>
   [[nodiscard]] S component_force(const State& x) const;
 
   RigParameters<S> rig_;
@@ -180,6 +192,7 @@ class RigModel {
   S mass_beyond_sensor_;
   bool has_tyre_law_ = false;
   bool has_suspension_law_ = false;
+  bool has_laws_ = false;
   bool has_delay_ = false;
   Friction contacts_;
   typename DuctFlows<S>::Step duct_step_{};

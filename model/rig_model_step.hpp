@@ -30,7 +30,8 @@ RigModel<S, D>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
   });
   const auto& guides = equations_.guides();
   contacts_ = Friction({equations_.suspension().dry_friction, equations_.piston().dry_friction,
-                        guides.body_dry_friction, guides.wheel_dry_friction});
+                        guides.wheel_dry_friction, guides.body_dry_friction});
+  has_laws_ = contacts_.any() || has_tyre_law_ || has_suspension_law_;
 
   if (equations_.has_fdva()) {
     duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
@@ -114,80 +115,101 @@ auto RigModel<S, D>::start(const Column<S, 6>& core, const Motion<S>& foot_point
   x.ducts.start(first_ducts(equations_.has_fdva() ? equations_.fdva().open_ducts : 0));
   if (x.ducts.open_count() == 0) x.core(5) = S(0);
   start_laws(x);
-  x.received_force = component_force(x);
+  x.received_force = has_machine() ? component_force<true>(x) : S(0);
   return x;
 }
 
 template <class S, std::size_t D>
 void RigModel<S, D>::step(State& x, const Input& in) const {
-  if (joined()) {
-    step_joined(x, in);
-  } else {
-    if (has_car()) step_car(x, in);
-    if (has_machine()) {
-      step_machine(x, has_car() ? deflection(x) : in.command);
-      x.received_force = component_force(x) + in.force_noise;
-    }
-  }
+  if (has_laws_) return step_with_laws(x, in);
+  advance<false>(x, in);
   if ((++x.steps & 63U) == 0U) flush(x);
 }
 
 template <class S, std::size_t D>
-void RigModel<S, D>::step_joined(State& x, const Input& in) const {
-  const JoinedStep& m = joined_[static_cast<std::size_t>(x.ducts.open_count())];
-  Column<S, 6> driven = m.foot_point.col(0) * x.foot_point.position;
-  driven += m.foot_point.col(1) * x.foot_point.velocity;
-  driven += m.foot_point.col(2) * in.foot_point.position;
-  driven += m.foot_point.col(3) * in.foot_point.velocity;
-  driven += m.actuator.col(0) * x.actuator_force;
-  driven += m.actuator.col(1) * in.actuator_force;
-  if (equations_.has_fdva()) add_continued(driven, m.losses, x.ducts.losses());
-  if (has_suspension_law_) add_continued(driven, m.suspension, x.suspension_load);
-  if (has_tyre_law_) add_continued(driven, m.tyre, x.tyre_load);
+RIGTWIN_APART void RigModel<S, D>::step_with_laws(State& x, const Input& in) const {
+  advance<true>(x, in);
+  if ((++x.steps & 63U) == 0U) flush(x);
+}
 
-  Column<S, 6> free = m.state.col(0) * x.core(0);
-  for (int j = 1; j < 6; ++j) free += m.state.col(j) * x.core(j);
-  x.core = free + driven;
-  if (contacts_.any()) {
-    contacts_.solve(x.core, m.friction, x.friction, [](int contact, const Column<S, 6>& core) {
-      switch (contact) {
-        case Friction::suspension:
-          return core(1) - core(3);
-        case Friction::piston:
-          return core(5);
-        case Friction::body_guide:
-          return core(3);
-        default:
-          return core(1);
-      }
-    });
+/// WithLaws: the rig has dry friction or nonlinear laws of tyre or suspension. Without them a step is a straight line.
+template <class S, std::size_t D>
+template <bool WithLaws>
+RIGTWIN_INLINE void RigModel<S, D>::advance(State& x, const Input& in) const {
+  if (joined()) return advance_joined<WithLaws>(x, in);
+  Stroke<S> command = in.command;
+  if (has_car()) {
+    advance_car<WithLaws>(x, in);
+    command = deflection(x);
   }
+  if (has_machine()) {
+    advance_machine<WithLaws>(x, command);
+    x.received_force = component_force<WithLaws>(x) + in.force_noise;
+  }
+}
+
+template <class S, std::size_t D>
+template <bool WithLaws>
+RIGTWIN_INLINE void RigModel<S, D>::advance_joined(State& x, const Input& in) const {
+  const JoinedStep& m = joined_[static_cast<std::size_t>(x.ducts.open_count())];
+  Packed<S, 6> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
+  m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
+  if (WithLaws && has_suspension_law_) m.suspension.add_to(next, oldest_first(x.suspension_load));
+  if (WithLaws && has_tyre_law_) m.tyre.add_to(next, oldest_first(x.tyre_load));
+  if (equations_.has_fdva()) m.losses.add_to(next, oldest_first(x.ducts.losses()));
+  next = next + m.state.times({x.core(0), x.core(1), x.core(2), x.core(3), x.core(4), x.core(5)});
+  next.store(x.core);
+  if (WithLaws && contacts_.any()) rub_joined(x);
   x.foot_point = in.foot_point;
   x.actuator_force = in.actuator_force;
   if (equations_.has_fdva()) x.ducts.advance(x.core(5), duct_step_);
-  refresh_laws(x);
+  if constexpr (WithLaws) refresh_laws(x);
+}
+
+/// Dry friction of this step, on top of what moves freely.
+template <class S, std::size_t D>
+RIGTWIN_APART void RigModel<S, D>::rub_joined(State& x) const {
+  const JoinedStep& m = joined_[static_cast<std::size_t>(x.ducts.open_count())];
+  contacts_.solve(x.core, m.friction, x.friction, [](int contact, const Column<S, 6>& core) {
+    switch (contact) {
+      case Friction::suspension:
+        return core(1) - core(3);
+      case Friction::piston:
+        return core(5);
+      case Friction::body_guide:
+        return core(3);
+      default:
+        return core(1);
+    }
+  });
 }
 
 template <class S, std::size_t D>
-void RigModel<S, D>::step_car(State& x, const Input& in) const {
-  const CarStep& m = car_;
-  Column<S, 4> driven = m.foot_point.col(0) * x.foot_point.position;
-  driven += m.foot_point.col(1) * x.foot_point.velocity;
-  driven += m.foot_point.col(2) * in.foot_point.position;
-  driven += m.foot_point.col(3) * in.foot_point.velocity;
-  driven += m.force * x.received_force;
-  if (has_tyre_law_) add_continued(driven, m.tyre, x.tyre_load);
+RIGTWIN_APART void RigModel<S, D>::rub_component(State& x) const {
+  const ComponentStep& m = component_[static_cast<std::size_t>(x.ducts.open_count())];
+  Column<S, 2> c = x.core.template tail<2>();
+  contacts_.solve(c, m.friction, x.friction, [](int contact, const Column<S, 2>& component) {
+    return contact == Friction::piston ? component(1) : S(0);
+  });
+  x.core.template tail<2>() = c;
+}
 
-  Column<S, 4> free = m.state.col(0) * x.core(0);
-  for (int j = 1; j < 4; ++j) free += m.state.col(j) * x.core(j);
-  x.core.template head<4>() = free + driven;
+template <class S, std::size_t D>
+template <bool WithLaws>
+RIGTWIN_INLINE void RigModel<S, D>::advance_car(State& x, const Input& in) const {
+  Packed<S, 4> next = car_.foot_point.times(driven_by(x.foot_point, in.foot_point));
+  if (WithLaws && has_tyre_law_) car_.tyre.add_to(next, oldest_first(x.tyre_load));
+  car_.force.add_to(next, {x.received_force});
+  next = next + car_.state.times({x.core(0), x.core(1), x.core(2), x.core(3)});
+  next.store(x.core.template head<4>());
   x.foot_point = in.foot_point;
-  if (has_tyre_law_) x.tyre_load.push(tyre_law(x));
+  if (WithLaws && has_tyre_law_) x.tyre_load.push(tyre_law(x));
 }
 
 template <class S, std::size_t D>
-void RigModel<S, D>::step_machine(State& x, const Stroke<S>& command) const {
-  x.command = command;
+template <bool WithLaws>
+RIGTWIN_INLINE void RigModel<S, D>::advance_machine(State& x, const Stroke<S>& command) const {
+  if (!has_car()) x.command = command;
   Stroke<S> reached = command;
   if (has_delay_) {
     x.line.push(command);
@@ -195,24 +217,15 @@ void RigModel<S, D>::step_machine(State& x, const Stroke<S>& command) const {
   }
   if (equations_.has_fdva()) {
     const ComponentStep& m = component_[static_cast<std::size_t>(x.ducts.open_count())];
-    Column<S, 2> driven = m.stroke.col(0) * x.reached.position;
-    driven += m.stroke.col(1) * x.reached.velocity;
-    driven += m.stroke.col(2) * reached.position;
-    driven += m.stroke.col(3) * reached.velocity;
-    add_continued(driven, m.losses, x.ducts.losses());
-    Column<S, 2> c = m.state.col(0) * x.core(4);
-    c += m.state.col(1) * x.core(5);
-    c += driven;
-    if (contacts_.any()) {
-      contacts_.solve(c, m.friction, x.friction, [](int contact, const Column<S, 2>& component) {
-        return contact == Friction::piston ? component(1) : S(0);
-      });
-    }
-    x.core.template tail<2>() = c;
-    x.ducts.advance(c(1), duct_step_);
+    Packed<S, 2> c = m.state.times({x.core(4), x.core(5)});
+    m.losses.add_to(c, oldest_first(x.ducts.losses()));
+    c = c + m.stroke.times(driven_by(x.reached, reached));
+    c.store(x.core.template tail<2>());
+    if (WithLaws && contacts_.any()) rub_component(x);
+    x.ducts.advance(x.core(5), duct_step_);
   }
   x.reached = reached;
-  if (has_suspension_law_) x.suspension_load.push(suspension_law(reached.position, reached.velocity));
+  if (WithLaws && has_suspension_law_) x.suspension_load.push(suspension_law(reached.position, reached.velocity));
 }
 
 template <class S, std::size_t D>
@@ -260,25 +273,30 @@ void RigModel<S, D>::start_laws(State& x) const {
   if (has_suspension_law_) x.suspension_load.start(suspension_law(d.position, d.velocity));
   if (has_tyre_law_ && (joined() || has_car())) x.tyre_load.start(tyre_law(x));
   if (equations_.has_fdva()) {
-    for (int i = 0; i < 3; ++i) x.ducts.advance(x.core(5), {S(1), {}, duct_step_.per_velocity});
+    for (int i = 0; i < 3; ++i)
+      x.ducts.advance(x.core(5),
+                      typename DuctFlows<S>::Step{.decay = Pair<S>::both(S(1)), .piston_area = duct_step_.piston_area});
   }
 }
 
 /// F of a test machine's component, dry friction by the sign of the prescribed velocity.
 template <class S, std::size_t D>
-S RigModel<S, D>::component_force(const State& x) const {
-  if (joined() || !has_machine()) return S(0);
+template <bool WithLaws>
+RIGTWIN_INLINE S RigModel<S, D>::component_force(const State& x) const {
   S force = equations_.component_force(x.core.template tail<2>(), x.reached.position, x.reached.velocity);
+  if (!WithLaws) return force;
   if (has_suspension_law_) force += x.suspension_load.now;
   const S friction = contacts_.limits()[Friction::suspension];
-  if (x.reached.velocity > S(0)) force += friction;
-  if (x.reached.velocity < S(0)) force -= friction;
+  if (friction > S(0)) {
+    if (x.reached.velocity > S(0)) force += friction;
+    if (x.reached.velocity < S(0)) force -= friction;
+  }
   return force;
 }
 
 template <class S, std::size_t D>
-S RigModel<S, D>::suspension_force(const State& x) const {
-  if (!joined()) return has_machine() ? component_force(x) : x.received_force;
+RIGTWIN_INLINE S RigModel<S, D>::suspension_force(const State& x) const {
+  if (!joined()) return has_machine() ? component_force<true>(x) : x.received_force;
   const Stroke<S> d = deflection(x);
   S force = equations_.component_force(x.core.template tail<2>(), d.position, d.velocity) + x.actuator_force +
             x.friction[Friction::suspension];
@@ -288,39 +306,52 @@ S RigModel<S, D>::suspension_force(const State& x) const {
 
 template <class S, std::size_t D>
 Signals<S> RigModel<S, D>::signals(const State& x) const {
-  Signals<S> s{};
-  if (joined() || has_car()) {
-    const S force = joined() ? suspension_force(x) : x.received_force;
-    const S law = has_tyre_law_ ? x.tyre_load.now : S(0);
-    const Column<S, 4> car = x.core.template head<4>();
-    const S z_r = x.foot_point.position, v_r = x.foot_point.velocity;
-    const Column<S, 4> rate = equations_.car(
-        car, {z_r, v_r, force, law, x.friction[Friction::body_guide], x.friction[Friction::wheel_guide]});
-    s[index(Channel::z_r)] = z_r;
-    s[index(Channel::z_w)] = car(0);
-    s[index(Channel::z_b)] = car(2);
-    s[index(Channel::zdd_r)] = x.foot_point.acceleration;
-    s[index(Channel::zdd_w)] = rate(1);
-    s[index(Channel::zdd_b)] = rate(3);
-    s[index(Channel::dz_w)] = z_r - car(0);
-    s[index(Channel::dz_b)] = car(0) - car(2);
-    s[index(Channel::F_w)] = equations_.tyre_force(car, z_r, v_r) + law;
-    s[index(Channel::F_act)] = x.actuator_force;
-  }
-  if (!joined()) {
-    s[index(Channel::x_cmd)] = has_car() ? deflection(x).position : x.command.position;
-    s[index(Channel::x_act)] = x.reached.position;
-    s[index(Channel::F)] = has_machine() ? component_force(x) : x.received_force;
-  }
-  return s;
+  return channels(x, has_machine() ? component_force<true>(x) : x.received_force, S(0));
 }
 
 template <class S, std::size_t D>
 Signals<S> RigModel<S, D>::measured(const State& x) const {
-  Signals<S> s = signals(x);
-  s[index(Channel::F_w)] += mass_beyond_sensor_ * s[index(Channel::zdd_r)];
-  if (!joined() && has_machine()) s[index(Channel::F)] = x.received_force;
+  return channels(x, x.received_force, mass_beyond_sensor_);
+}
+
+/// `force`: F of a rig with a test machine; `mass_beyond`: between the sensor of F_w and the wheel spring.
+template <class S, std::size_t D>
+RIGTWIN_INLINE Signals<S> RigModel<S, D>::channels(const State& x, S force, S mass_beyond) const {
+  Signals<S> s;
+  if (joined()) {
+    fill_car(s, x, suspension_force(x), mass_beyond);
+    s[index(Channel::x_cmd)] = s[index(Channel::x_act)] = s[index(Channel::F)] = S(0);
+    return s;
+  }
+  if (has_car()) {
+    fill_car(s, x, x.received_force, mass_beyond);
+    s[index(Channel::x_cmd)] = s[index(Channel::dz_b)];
+  } else {
+    s.fill(S(0));
+    s[index(Channel::x_cmd)] = x.command.position;
+  }
+  s[index(Channel::x_act)] = x.reached.position;
+  s[index(Channel::F)] = force;
   return s;
+}
+
+template <class S, std::size_t D>
+RIGTWIN_INLINE void RigModel<S, D>::fill_car(Signals<S>& s, const State& x, S suspension_force, S mass_beyond) const {
+  const S law = has_tyre_law_ ? x.tyre_load.now : S(0);
+  const Column<S, 4> car = x.core.template head<4>();
+  const S z_r = x.foot_point.position, v_r = x.foot_point.velocity;
+  const Column<S, 4> rate = equations_.car(
+      car, {z_r, v_r, suspension_force, law, x.friction[Friction::wheel_guide], x.friction[Friction::body_guide]});
+  s[index(Channel::z_r)] = z_r;
+  s[index(Channel::z_w)] = car(0);
+  s[index(Channel::z_b)] = car(2);
+  s[index(Channel::zdd_r)] = x.foot_point.acceleration;
+  s[index(Channel::zdd_w)] = rate(1);
+  s[index(Channel::zdd_b)] = rate(3);
+  s[index(Channel::dz_w)] = z_r - car(0);
+  s[index(Channel::dz_b)] = car(0) - car(2);
+  s[index(Channel::F_w)] = equations_.tyre_force(car, z_r, v_r) + law + mass_beyond * x.foot_point.acceleration;
+  s[index(Channel::F_act)] = x.actuator_force;
 }
 
 template <class S, std::size_t D>
@@ -343,7 +374,7 @@ S RigModel<S, D>::energy(const State& x) const {
 }
 
 template <class S, std::size_t D>
-void RigModel<S, D>::flush(State& x) const {
+RIGTWIN_APART void RigModel<S, D>::flush(State& x) const {
   const S least = S(1e-100);
   const auto flush_one = [least](S& value) {
     if (value < least && value > -least) value = S(0);
