@@ -1,0 +1,228 @@
+#include "host_sim/stability/linear_rig.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "model/places.hpp"
+#include "model/rig_equations.hpp"
+
+namespace host_sim::stability {
+namespace {
+
+using Equations = model::RigEquations<double>;
+
+constexpr std::array<std::string_view, 7> linear_effects{"actuator_delay", "actuator_lag", "actuator_resonance",
+                                                         "viscous_damping", "top_mount", "relaxation",
+                                                         "body_guide_damping"};
+constexpr std::array<std::string_view, 12> nonlinear_effects{
+    "actuator_rate_limit", "coulomb_friction",    "quadratic_damping",    "progressive_spring",
+    "bump_stop",           "backlash",            "seal_friction",        "body_guide_friction",
+    "wheel_guide_friction", "tyre_lift_off",      "progressive_tyre",     "sensor_hold"};
+constexpr std::array<std::string_view, 1> effects_outside{"force_sensor_inertia"};
+
+template <std::size_t N>
+bool among(const std::array<std::string_view, N>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+Eigen::Index index_of(std::size_t i) { return static_cast<Eigen::Index>(i); }
+
+/// States that are reached from `start` along the entries of `links` (i is reached by j where links(i, j) ≠ 0).
+std::vector<bool> reached(const Eigen::MatrixXd& links, std::vector<bool> start) {
+  bool grown = true;
+  while (grown) {
+    grown = false;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      for (std::size_t j = 0; j < start.size() && !start[i]; ++j) {
+        if (start[j] && links(index_of(i), index_of(j)) != 0.0) start[i] = grown = true;
+      }
+    }
+  }
+  return start;
+}
+
+/// Car (1) of LinearRig: inputs F_s, z_r, ż_r; outputs z_w, z_b, F_w.
+StateSpace car_of(const Equations& equations) {
+  using State = Equations::CarState;
+  using Drive = Equations::CarDrive;
+  constexpr int n = State::RowsAtCompileTime;
+  StateSpace car{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 3), Eigen::MatrixXd::Zero(3, n), Eigen::MatrixXd::Zero(3, 3)};
+  for (int j = 0; j < n; ++j) {
+    const State unit = State::Unit(j);
+    car.a.col(j) = equations.car(unit, Drive{});
+    car.c(2, j) = equations.tyre_force(unit, 0.0, 0.0);
+  }
+  car.b.col(0) = equations.car(State::Zero(), Drive{.suspension_force = 1.0});
+  car.b.col(1) = equations.car(State::Zero(), Drive{.z_r = 1.0});
+  car.b.col(2) = equations.car(State::Zero(), Drive{.v_r = 1.0});
+  car.c(0, 0) = 1.0;
+  car.c(1, 2) = 1.0;
+  car.d(2, 1) = equations.tyre_force(State::Zero(), 1.0, 0.0);
+  car.d(2, 2) = equations.tyre_force(State::Zero(), 0.0, 1.0);
+  return car;
+}
+
+/// Component (3): inputs x_act, ẋ_act; output F.
+StateSpace component_of(const Equations& equations, int open) {
+  using State = Equations::ComponentState;
+  using Drive = Equations::ComponentDrive;
+  constexpr int n = State::RowsAtCompileTime;
+  StateSpace component{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 2), Eigen::MatrixXd(1, n), Eigen::MatrixXd(1, 2)};
+  for (int j = 0; j < n; ++j) {
+    const State unit = State::Unit(j);
+    component.a.col(j) = equations.component(unit, Drive{}, open);
+    component.c(0, j) = equations.component_force(unit, 0.0, 0.0);
+  }
+  component.b.col(0) = equations.component(State::Zero(), Drive{.deflection = 1.0}, open);
+  component.b.col(1) = equations.component(State::Zero(), Drive{.velocity = 1.0}, open);
+  component.d(0, 0) = equations.component_force(State::Zero(), 1.0, 0.0);
+  component.d(0, 1) = equations.component_force(State::Zero(), 0.0, 1.0);
+  return component;
+}
+
+/// Machine (2) without its delay: inputs x_cmd, ẋ_cmd; outputs x_act, ẋ_act.
+StateSpace machine_of() {
+  return {Eigen::MatrixXd(0, 0), Eigen::MatrixXd(0, 2), Eigen::MatrixXd(2, 0), Eigen::MatrixXd::Identity(2, 2)};
+}
+
+/// Sensor of F (4) without its delay.
+StateSpace force_sensor_of() {
+  return {Eigen::MatrixXd(0, 0), Eigen::MatrixXd(0, 1), Eigen::MatrixXd(1, 0), Eigen::MatrixXd::Identity(1, 1)};
+}
+
+/// Numerator from a displacement to `output` of a block that takes displacement (input 0) and velocity (input 1).
+Polynomial by_displacement(const TransferMatrix& block, std::size_t output) {
+  return block.numerator(output, 0) + Polynomial::s() * block.numerator(output, 1);
+}
+
+}  // namespace
+
+EffectKind kind_of_effect(std::string_view name) {
+  if (among(linear_effects, name)) return EffectKind::linear;
+  if (among(nonlinear_effects, name)) return EffectKind::nonlinear;
+  if (among(effects_outside, name)) return EffectKind::outside_loop;
+  return EffectKind::unknown;
+}
+
+StateSpace without_idle_states(const StateSpace& system) {
+  const auto n = static_cast<std::size_t>(system.a.rows());
+  std::vector<bool> driven(n), seen(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    driven[i] = !system.b.row(index_of(i)).isZero(0.0);
+    seen[i] = !system.c.col(index_of(i)).isZero(0.0);
+  }
+  driven = reached(system.a, driven);
+  seen = reached(system.a.transpose(), seen);
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (driven[i] && seen[i]) kept.push_back(index_of(i));
+  }
+  return {system.a(kept, kept), system.b(kept, Eigen::all), system.c(Eigen::all, kept), system.d};
+}
+
+TransferMatrix::TransferMatrix(const StateSpace& full) : inputs_(static_cast<std::size_t>(full.d.cols())) {
+  const StateSpace system = without_idle_states(full);
+  const Eigen::Index n = system.a.rows();
+  // Faddeev–LeVerrier: adj(sI − A) = Σ_k M_k s^k, det(sI − A) = Σ_k c_k s^k, from the highest power down. The same sums
+  // in absolute values tell a coefficient that is zero from its rounding error.
+  const auto rounded = [](double value, double size) { return std::abs(value) < 1e-14 * size ? 0.0 : value; };
+  const Eigen::MatrixXd a_size = system.a.cwiseAbs(), b_size = system.b.cwiseAbs(), c_size = system.c.cwiseAbs();
+  Eigen::MatrixXd m_size = Eigen::MatrixXd::Identity(n, n);
+  std::vector<double> c(static_cast<std::size_t>(n) + 1);
+  std::vector<std::vector<double>> numerators(static_cast<std::size_t>(full.d.size()));
+  for (auto& numerator : numerators) numerator.resize(static_cast<std::size_t>(n) + 1);
+  c.back() = 1.0;
+  Eigen::MatrixXd m = Eigen::MatrixXd::Identity(n, n);
+  for (Eigen::Index k = n; k-- > 0;) {
+    const Eigen::MatrixXd part = system.c * m * system.b, part_size = c_size * m_size * b_size;
+    for (Eigen::Index i = 0; i < part.rows(); ++i) {
+      for (Eigen::Index j = 0; j < part.cols(); ++j) {
+        numerators[static_cast<std::size_t>(i * part.cols() + j)][static_cast<std::size_t>(k)] =
+            rounded(part(i, j), part_size(i, j));
+      }
+    }
+    const auto at = static_cast<std::size_t>(k);
+    m = (system.a * m).eval();
+    m_size = (a_size * m_size).eval();
+    const double size = m_size.trace() / static_cast<double>(n - k);
+    c[at] = rounded(-m.trace() / static_cast<double>(n - k), size);
+    m.diagonal().array() += c[at];
+    m_size.diagonal().array() += size;
+  }
+  denominator_ = Polynomial(c);
+  for (Eigen::Index i = 0; i < full.d.rows(); ++i) {
+    for (Eigen::Index j = 0; j < full.d.cols(); ++j) {
+      auto& numerator = numerators[static_cast<std::size_t>(i * full.d.cols() + j)];
+      numerators_.push_back(Polynomial(std::move(numerator)) + system.d(i, j) * denominator_);
+    }
+  }
+}
+
+std::array<Polynomial, 2> LinearRig::machine_response() const {
+  return {by_displacement(machine, 0), machine.denominator()};
+}
+
+std::array<Polynomial, 2> LinearRig::component_response() const {
+  return {by_displacement(component, 0), component.denominator()};
+}
+
+model::RigParameters<double> linear_part(const model::RigParameters<double>& rig) {
+  model::RigParameters<double> linear = rig;
+  linear.fdva.minor_loss = 0.0;
+  linear.effects.for_each([](auto& slot) {
+    if (kind_of_effect(slot.effect.card.name) == EffectKind::nonlinear) slot.active = false;
+  });
+  return linear;
+}
+
+LinearRig linearise(const model::RigParameters<double>& rig) {
+  if (rig.kind != model::RigKind::hil) {
+    throw UnfitLoop("delay stability is a question about the loop of a hil rig, this is a " +
+                    std::string(model::name(rig.kind)));
+  }
+  LinearRig result;
+  if (rig.has_fdva && rig.fdva.minor_loss > 0.0 && rig.fdva.open_ducts > 0) {
+    result.left_out.emplace_back("fdva.minor_loss");
+  }
+  rig.effects.for_each([&](const auto& slot) {
+    if (!slot.active) return;
+    const std::string name(slot.effect.card.name);
+    switch (kind_of_effect(name)) {
+      case EffectKind::linear:
+        break;
+      case EffectKind::nonlinear:
+        result.left_out.push_back(name);
+        break;
+      case EffectKind::outside_loop:
+        result.outside_loop.push_back(name);
+        break;
+      case EffectKind::unknown:
+        throw std::logic_error("stability: nobody said whether the effect " + name + " is linear");
+    }
+  });
+
+  const Equations equations(linear_part(rig));
+  result.car = car_of(equations);
+  result.component = TransferMatrix(component_of(equations, rig.has_fdva ? rig.fdva.open_ducts : 0));
+  result.machine = TransferMatrix(machine_of());
+  result.force_sensor = TransferMatrix(force_sensor_of());
+  model::MachinePath<double> path{};
+  rig.effects.act_on(path);
+  result.machine_delay = path.delay;
+
+  StateSpace loop = result.car;
+  loop.b = result.car.b.leftCols(1).eval();
+  loop.c = (result.car.c.row(0) - result.car.c.row(1)).eval();
+  loop.d = Eigen::MatrixXd::Zero(1, 1);
+  const TransferMatrix car(loop);
+  const TransferMatrix& m = result.machine;
+  const TransferMatrix& k = result.component;
+  const TransferMatrix& s = result.force_sensor;
+  result.p = car.denominator() * m.denominator() * k.denominator() * s.denominator();
+  result.q = -1.0 * (car.numerator(0, 0) * s.numerator(0, 0) *
+                     (k.numerator(0, 0) * by_displacement(m, 0) + k.numerator(0, 1) * by_displacement(m, 1)));
+  return result;
+}
+
+}  // namespace host_sim::stability
