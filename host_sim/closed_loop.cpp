@@ -1,5 +1,6 @@
 #include "host_sim/closed_loop.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -56,10 +57,10 @@ class Recorder {
   /// Columns that were never measured nor computed are left out.
   Recording finish(double sample_rate) {
     for (std::size_t i = 0; i < model::channel_count; ++i) {
-      if (!columns_[i].empty() && !std::isnan(columns_[i].front())) recording_.channels[i] = std::move(columns_[i]);
+      const bool known = std::any_of(columns_[i].begin(), columns_[i].end(), [](double v) { return !std::isnan(v); });
+      if (known) recording_.channels[i] = std::move(columns_[i]);
     }
-    recording_.time.resize(rows_);
-    for (std::size_t k = 0; k < rows_; ++k) recording_.time[k] = static_cast<double>(k) / sample_rate;
+    recording_.time = sample_times(rows_, sample_rate);
     return std::move(recording_);
   }
 
@@ -86,6 +87,9 @@ firmware::Settings firmware_settings(const RigDescription& description) {
   settings.limits.force = c.force;
   settings.ramps.rate = c.ramp;
   if (c.cross_over > 0.0) settings.observers.cross_over = c.cross_over;
+  if (const auto wrong = settings.check(); !wrong.empty()) {
+    throw InputError(description.source, 0, "the firmware cannot be set up like this", wrong);
+  }
   return settings;
 }
 
@@ -97,7 +101,7 @@ firmware::ValvePlan valve_plan(const RigDescription& description) {
     changes.push_back({hal::seconds(s.time), hal::Openings::from_bits(s.open)});
   }
   if (const auto wrong = firmware::ValvePlan::check(changes); !wrong.empty()) {
-    throw InputError(description.source, 0, "valves.plan does not fit: " + std::string(wrong), "such a plan");
+    throw InputError(description.source, 0, "valves.plan does not fit", wrong);
   }
   return {first, changes};
 }
@@ -123,7 +127,7 @@ Run run_closed_loop(const RigDescription& description, const FootPointMotion& ex
   loop.run([&] {
     while (const auto record = journal.pop()) recorder.take(*record);
     if (options.progress && (periods & 0x3fffU) == 0) {
-      options.progress(static_cast<double>(periods) / static_cast<double>(excitation.size() + 1));
+      options.progress(std::min(1.0, static_cast<double>(periods) / static_cast<double>(excitation.size() + 1)));
     }
     return ++periods == 1 || loop.mode() != firmware::Mode::safe;
   });

@@ -1,16 +1,49 @@
 #include "host_sim/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cstdio>
 #include <exception>
-#include <map>
+#include <iostream>
 #include <new>
 
 #include "host_sim/input_error.hpp"
+#include "host_sim/recording_columns.hpp"
 #include "host_sim/version.hpp"
 
 namespace host_sim {
 namespace {
+
+constexpr std::string_view unwritable_output = "standard output: cannot be written, expected room for the results";
+
+/// Numbers within bounds. (CLI::Range lets NaN pass: it compares false.)
+CLI::Validator within(double lowest, double highest) {
+  const auto check = [lowest, highest](const std::string& text) {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && value >= lowest && value <= highest) return std::string();
+    return "is " + in_quotes(text) + ", expected a number from " + shortest(lowest) + " to " + shortest(highest);
+  };
+  return CLI::Validator(check, "");
+}
+
+/// (CLI11 reads −1 as 2⁶⁴ − 1, and what is larger as the same.)
+CLI::Validator a_seed() {
+  const auto check = [](const std::string& text) {
+    std::uint64_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, value);
+    if (read.ec == std::errc() && read.ptr == end) return std::string();
+    return "is " + in_quotes(text) + ", expected a whole number from 0 to 18446744073709551615";
+  };
+  return CLI::Validator(check, "");
+}
+
+StartChoice start_choice(const std::string& word) {
+  if (word == "automatic") return StartChoice::automatic;
+  if (word == "rest") return StartChoice::rest;
+  if (word == "estimated") return StartChoice::estimated;
+  throw UsageError("--start: is " + in_quotes(word) + ", expected automatic, rest or estimated");
+}
 
 int fail(ExitStatus status, std::string_view message) {
   std::fprintf(stderr, "rigtwin: %s\n", one_line(message).c_str());
@@ -24,19 +57,20 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--road", options.road, "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m]")
       ->capture_default_str();
   command->add_option("--speed", options.speed, "Speed over the road [m/s]")
-      ->check(CLI::Range(0.1, 150.0))
+      ->check(within(0.1, 150.0))
       ->capture_default_str();
   command->add_option("--duration", options.duration, "Length of the run [s]")
-      ->check(CLI::PositiveNumber)
+      ->check(within(1e-5, 1e7))
       ->capture_default_str();
-  command->add_option("--seed", options.seed, "Seed of road and sensor noise")->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of road and sensor noise")->check(a_seed())->capture_default_str();
   command
       ->add_option("--bandwidth", options.bandwidth,
                    "Low-pass of an ISO 8608 road [Hz] (default: 100 for hil, else 30)")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--cut-off", options.cut_off, "Below it the spectrum of an ISO 8608 road is flat [Hz]")
-      ->check(CLI::Range(0.001, 10.0))
-      ->capture_default_str();
+      ->check(within(0.1, 2e4));
+  command
+      ->add_option("--cut-off", options.cut_off,
+                   "Below it the spectrum of an ISO 8608 road is flat [Hz] (default: 0.05)")
+      ->check(within(0.001, 10.0));
   command->add_flag("--no-noise", options.no_noise, "Sensors without the noise of the rig description");
   command->callback([&options] { simulate(options); });
 }
@@ -47,18 +81,16 @@ void add_compare(CLI::App& app, CompareOptions& options) {
   command->add_option("--data", options.data, "Recording (CSV or .mat); may be given several times")->required();
   command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
   command->add_flag("--refit", options.refit, "First fit the parameters under [tolerance], inside their bounds");
-  command
-      ->add_option("--start", options.start,
-                   "State at the start of a recording: rest, estimated, or automatic (rest where it begins quietly)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, StartChoice>{
-          {"automatic", StartChoice::automatic}, {"rest", StartChoice::rest}, {"estimated", StartChoice::estimated}}));
+  command->add_option_function<std::string>(
+      "--start", [&options](const std::string& word) { options.start = start_choice(word); },
+      "State at the start of a recording: rest, estimated, or automatic (rest where it begins quietly)");
   command->callback([&options] { compare(options); });
 }
 
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
-  CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC");
+  CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC", "rigtwin");
   app.set_version_flag("--version", "rigtwin " + std::string(version));
   app.require_subcommand(1);
   SimulateOptions simulate_options;
@@ -66,11 +98,19 @@ int run_command_line(int argc, const char* const* argv) {
   add_simulate(app, simulate_options);
   add_compare(app, compare_options);
   try {
+    if (const std::string_view word = argc > 1 ? argv[1] : "-";
+        word != "simulate" && word != "compare" && !word.starts_with('-')) {
+      return fail(ExitStatus::wrong_usage, "unknown command " + in_quotes(word) + ", expected simulate or compare");
+    }
     app.parse(argc, argv);
-    if (std::fflush(stdout) != 0) return fail(ExitStatus::cannot_write, "standard output: cannot be written");
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      return fail(ExitStatus::cannot_write, unwritable_output);
+    }
     return static_cast<int>(ExitStatus::done);
   } catch (const CLI::Success& help) {
-    return app.exit(help);
+    app.exit(help);
+    std::cout.flush();
+    return std::cout ? static_cast<int>(ExitStatus::done) : fail(ExitStatus::cannot_write, unwritable_output);
   } catch (const CLI::ParseError& error) {
     return fail(ExitStatus::wrong_usage, std::string(error.what()) + " (rigtwin --help tells more)");
   } catch (const UsageError& error) {

@@ -20,7 +20,7 @@ struct SimulateOptions {
   double duration = 60.0;           ///< [s]
   std::uint64_t seed = 1;           ///< of road and sensor noise
   std::optional<double> bandwidth;  ///< of an ISO 8608 road [Hz]
-  double cut_off = 0.05;            ///< of an ISO 8608 road [Hz]
+  std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]
   bool no_noise = false;
 };
 void simulate(const SimulateOptions& options);

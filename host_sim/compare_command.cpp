@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -33,29 +34,49 @@ ordered_json channels_json(const std::vector<ChannelComparison>& channels) {
   return object;
 }
 
-/// All recordings as one: powers are averaged with the recordings' lengths as weights.
+const BandError* find_band(const ChannelComparison& channel, int number) {
+  const auto at = std::find_if(channel.bands.begin(), channel.bands.end(),
+                               [number](const BandError& b) { return b.band.number == number; });
+  return at == channel.bands.end() ? nullptr : &*at;
+}
+
+/// All recordings as one: powers are averaged with the recordings' lengths as weights; bands that all of them resolve.
 std::vector<ChannelComparison> pooled(const std::vector<RecordingComparison>& recordings) {
   if (recordings.size() == 1) return recordings.front().channels;
-  std::vector<ChannelComparison> result;
-  std::vector<double> lengths;
+  std::map<model::Channel, std::vector<const ChannelComparison*>> by_channel;
+  std::map<const ChannelComparison*, double> durations;
   for (const RecordingComparison& recording : recordings) {
     for (const ChannelComparison& c : recording.channels) {
-      auto at = std::find_if(result.begin(), result.end(), [&](const auto& r) { return r.channel == c.channel; });
-      if (at == result.end()) {
-        result.push_back({c.channel, 0.0, 0.0, 0.0, 0, {}});
-        lengths.push_back(0.0);
-        at = result.end() - 1;
-      }
-      lengths[static_cast<std::size_t>(at - result.begin())] += recording.duration;
-      at->error_rms += recording.duration * c.error_rms * c.error_rms;
-      at->data_rms += recording.duration * c.data_rms * c.data_rms;
-      at->clipped += c.clipped;
+      by_channel[c.channel].push_back(&c);
+      durations[&c] = recording.duration;
     }
   }
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i].error_rms = std::sqrt(result[i].error_rms / lengths[i]);
-    result[i].data_rms = std::sqrt(result[i].data_rms / lengths[i]);
-    result[i].nrmse = result[i].error_rms / result[i].data_rms;
+  std::vector<ChannelComparison> result;
+  for (const auto& [channel, parts] : by_channel) {
+    // rms over all parts of the rms that `of` finds in each
+    const auto joined = [&durations, &list = parts](const auto& of) {
+      double squares = 0.0, duration = 0.0;
+      for (const ChannelComparison* part : list) {
+        squares += durations[part] * of(*part) * of(*part);
+        duration += durations[part];
+      }
+      return std::sqrt(squares / duration);
+    };
+    ChannelComparison all{channel, 0.0, 0.0, 0.0, 0, {}};
+    all.error_rms = joined([](const ChannelComparison& c) { return c.error_rms; });
+    all.data_rms = joined([](const ChannelComparison& c) { return c.data_rms; });
+    all.nrmse = all.error_rms / all.data_rms;
+    for (const ChannelComparison* part : parts) all.clipped += part->clipped;
+    for (const BandError& shown : parts.front()->bands) {
+      const int number = shown.band.number;
+      if (!std::all_of(parts.begin(), parts.end(), [number](auto* c) { return find_band(*c, number) != nullptr; })) {
+        continue;
+      }
+      all.bands.push_back({shown.band,
+                           joined([number](const ChannelComparison& c) { return find_band(c, number)->error_rms; }),
+                           joined([number](const ChannelComparison& c) { return find_band(c, number)->data_rms; })});
+    }
+    result.push_back(std::move(all));
   }
   return result;
 }
@@ -117,7 +138,11 @@ void compare(const CompareOptions& options) {
   if (options.refit) {
     Progress progress("refit");
     progress.show(0.0);
-    const Refit fitted = refit(description, recordings);
+    const Refit fitted = refit(description, recordings, [&progress](double share, double pooled_error) {
+      char detail[48];
+      std::snprintf(detail, sizeof detail, "normalised error %.4f", pooled_error);
+      progress.show(share, detail);
+    });
     rig = fitted.rig;
     char line[160];
     std::snprintf(line, sizeof line, "refit: normalised error over all channels %.4f -> %.4f\n", fitted.pooled_before,

@@ -9,7 +9,7 @@
 namespace host_sim {
 
 ComparedRecording::ComparedRecording(const RigDescription& description, Recording recording, StartChoice choice)
-    : recording_(std::move(recording)), drive_(drive_of(description.rig, recording_)) {
+    : recording_(std::move(recording)), drive_(drive_of(description.rig, recording_)), range_(description.range) {
   constexpr std::size_t least = 16;  // fewer samples resolve no band and no state at the start
   if (recording_.size() < least) {
     throw InputError(recording_.source, 0, "only " + std::to_string(recording_.size()) + " samples", "at least 16");
@@ -18,10 +18,10 @@ ComparedRecording::ComparedRecording(const RigDescription& description, Recordin
     if (!recording_.has(channel)) continue;
     const auto& data = recording_[channel];
     Judged judged{channel, 0.0, {}, 0};
-    if (const auto& range = description.range[index(channel)]) {
+    if (const auto& range = range_[index(channel)]) {
       judged.trusted.resize(data.size());
       for (std::size_t k = 0; k < data.size(); ++k) {
-        judged.trusted[k] = data[k] > range->lower && data[k] < range->upper;
+        judged.trusted[k] = range->holds(data[k]);
         if (!judged.trusted[k]) ++judged.clipped;
       }
     }
@@ -52,7 +52,7 @@ ComparedRecording::ComparedRecording(const RigDescription& description, Recordin
 }
 
 Response ComparedRecording::simulate(const model::RigParameters<double>& rig) const {
-  return respond(rig, drive_, at_rest_ ? resting(rig, drive_) : estimated_start(rig, drive_, recording_));
+  return respond(rig, drive_, at_rest_ ? resting(rig, drive_) : estimated_start(rig, drive_, recording_, range_));
 }
 
 std::size_t ComparedRecording::residual_count() const {

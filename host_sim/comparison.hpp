@@ -1,6 +1,7 @@
 // A recording against the simulation of its own input.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -72,19 +73,22 @@ class ComparedRecording {
 
   Recording recording_;
   Drive drive_;
-  bool at_rest_;
+  MeasuringRanges range_;
+  bool at_rest_ = false;
   std::vector<Judged> judged_;
 };
 
-/// Fits all parameters under [tolerance] inside their bounds value·(1 ± tolerance), never below zero: least squares of
-/// the normalised errors of all channels of all recordings, trust region with bounds (Ceres). The better of the starts
-/// "as described" and "middle between there and each bound" wins.
+/// Fits all parameters under [tolerance] inside their bounds value · (1 ± tolerance), never below a thousandth of the
+/// value: least squares of the normalised errors of all channels of all recordings, trust region with bounds (Ceres).
+/// The best of three starts wins: as described, half way to the lower bounds, half way to the upper ones.
 struct Refit {
   model::RigParameters<double> rig;
   std::map<std::string, double> parameters;        ///< fitted, by path
   std::vector<std::string> at_bound;               ///< paths of those that ended at a bound
   double pooled_before = 0.0, pooled_after = 0.0;  ///< √(mean of nrmse²) over channels and recordings
 };
-[[nodiscard]] Refit refit(const RigDescription& description, const std::vector<ComparedRecording>& recordings);
+/// `progress` is told after each iteration the share of the work that is done at most, and the error so far.
+[[nodiscard]] Refit refit(const RigDescription& description, const std::vector<ComparedRecording>& recordings,
+                          const std::function<void(double share, double pooled_error)>& progress = {});
 
 }  // namespace host_sim

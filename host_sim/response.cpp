@@ -49,6 +49,9 @@ Drive drive_of(const Rig& rig, const Recording& recording) {
         through_samples(recording.required(drive.channel, "drives the simulation of a component_bench"), rate);
   } else {
     drive.motion = through_samples(recording.required(Channel::z_r, "drives the simulation"), rate);
+    if (recording.has(Channel::zdd_r)) {
+      for (std::size_t k = 0; k < drive.size(); ++k) drive.motion[k].acceleration = recording[Channel::zdd_r][k];
+    }
     if (recording.has(Channel::F_act)) drive.actuator_force = recording[Channel::F_act];
   }
   if (rig.has_fdva) {
@@ -142,7 +145,8 @@ bool begins_at_rest(const Rig& rig, const Drive& drive, const Recording& recordi
   return true;
 }
 
-InitialState estimated_start(const Rig& rig, const Drive& drive, const Recording& recording) {
+InitialState estimated_start(const Rig& rig, const Drive& drive, const Recording& recording,
+                             const MeasuringRanges& range) {
   constexpr double window = 3.0;  // [s]: two periods of a body mode at 1.5 Hz decide position and velocity of the body
   const auto samples =
       std::max<std::size_t>(10, std::min(drive.size(), static_cast<std::size_t>(window / drive.period)));
@@ -175,6 +179,7 @@ InitialState estimated_start(const Rig& rig, const Drive& drive, const Recording
     for (const Channel channel : channels) {
       const double weight = 1.0 / rms(recording[channel]);
       for (std::size_t k = 0; k < std::min(samples, drive.size()); ++k) {
+        if (range[index(channel)] && !range[index(channel)]->holds(recording[channel][k])) continue;
         const double simulated = base[index(channel)][k];
         for (Eigen::Index i = 0; i < n; ++i) {
           const auto at = static_cast<std::size_t>(i);

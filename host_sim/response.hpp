@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host_sim/recording.hpp"
+#include "host_sim/rig_description.hpp"
 #include "host_sim/road.hpp"
 #include "model/rig_model.hpp"
 
@@ -16,7 +17,9 @@ namespace host_sim {
 ///   quarter_car, hil     foot point z_r, and F_act where recorded
 ///   component_bench      command x_cmd; x_act where there is no x_cmd, the machine is then left out of the model
 ///
-/// Between samples z_r and x move on cubic Hermite polynomials whose velocities are differences of fourth order.
+/// Between samples z_r and x move on cubic Hermite polynomials whose velocities are differences of fourth order. z̈_r,
+/// which only sensors with inertia see, is the recorded zdd_r; without it second differences of z_r, which multiply the
+/// noise of z_r by 2.7/h².
 struct Drive {
   double period = 0.0;                           ///< [s]
   FootPointMotion motion;                        ///< foot point or command
@@ -50,9 +53,10 @@ using Response = std::array<std::vector<double>, model::channel_count>;
 [[nodiscard]] bool begins_at_rest(const model::RigParameters<double>& rig, const Drive& drive,
                                   const Recording& recording);
 
-/// State at the first sample that fits the recording's first seconds best: least squares over the measured channels,
-/// each weighted by its own rms. The response is nearly linear in it: two Gauss–Newton steps.
+/// State at the first sample that fits the recording's first seconds best: least squares over the samples that are
+/// inside their measuring range, each channel weighted by its own rms. The response is nearly linear in the state: two
+/// Gauss–Newton steps.
 [[nodiscard]] InitialState estimated_start(const model::RigParameters<double>& rig, const Drive& drive,
-                                           const Recording& recording);
+                                           const Recording& recording, const MeasuringRanges& range = {});
 
 }  // namespace host_sim

@@ -4,15 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
 #include <utility>
 
+#include "firmware/valve_plan.hpp"
 #include "host_sim/input_error.hpp"
-#include "host_sim/recording.hpp"
+#include "host_sim/recording_columns.hpp"
+#include "host_sim/road.hpp"
 #include "model/rig_model.hpp"
 
 namespace host_sim {
@@ -37,15 +39,34 @@ constexpr std::array<ParameterPath, 14> paths{{
     {"fdva", "coupling_stiffness", "N/m", [](Rig& r) -> double& { return r.fdva.coupling_stiffness; }},
 }};
 
-/// "'x', did you mean 'y'" for a word that is not among the known ones.
+/// "unknown key 'x' (did you mean 'y'?)" for a word that is not among the known ones.
 std::string with_suggestion(std::string_view what, std::string_view word, std::span<const std::string_view> known) {
-  return std::string(what) + " " + in_quotes(word) + ", did you mean " + in_quotes(nearest(word, known)) + "?";
+  return std::string(what) + " " + in_quotes(word) + " (did you mean " + in_quotes(nearest(word, known)) + "?)";
 }
 
 std::string listed(std::span<const std::string_view> words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
   return text;
+}
+
+/// Only integers and reals are numbers: toml++ by itself would take `true` for 1.
+std::optional<double> as_number(const toml::node& node) {
+  if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
+  if (const auto* real = node.as_floating_point()) return real->get();
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> as_whole(const toml::node& node) {
+  if (const auto* whole = node.as_integer()) return whole->get();
+  return std::nullopt;
+}
+
+/// The parts that a rig has, by the tables that describe them.
+bool has_part(const Rig& rig, std::string_view table) {
+  if (table == "fdva") return rig.has_fdva;
+  if (table == "machine") return rig.kind == model::RigKind::hil;
+  return table == "suspension" || rig.kind != model::RigKind::component_bench;
 }
 
 /// A table that knows where it stands and which of its keys have been asked for.
@@ -65,19 +86,25 @@ class Reader {
 
   double number(std::string_view key) {
     const toml::node& node = need(key, "a number");
-    // toml++ would take `true` for 1: only integers and reals are numbers here.
-    if (!node.is_number()) fail(node, path(key) + " is not a number", "a number in SI units, such as 1140.0");
-    const double value = *node.value<double>();
-    if (!std::isfinite(value)) fail(node, path(key) + " is not finite", "a finite number in SI units");
+    const std::optional<double> value = as_number(node);
+    if (!value) fail(node, path(key) + " is not a number", "a number in SI units, such as 1140.0");
+    if (!std::isfinite(*value)) fail(node, path(key) + " is not finite", "a finite number in SI units");
+    return *value;
+  }
+
+  double positive(std::string_view key) {
+    const double value = number(key);
+    if (!(value > 0.0)) fail(key, path(key) + " = " + shortest(value) + " does not fit", "a number > 0 in SI units");
     return value;
   }
 
   int whole(std::string_view key) {
-    const double value = number(key);
-    if (value != std::floor(value) || std::abs(value) > 1e6) {
-      fail(*table_->get(key), path(key) + " is not a whole number", "a whole number, such as 2");
+    const toml::node& node = need(key, "a whole number");
+    const std::optional<std::int64_t> value = as_whole(node);
+    if (!value || *value < -1000 || *value > 1000) {
+      fail(node, path(key) + " is not a small whole number", "a whole number, such as 2");
     }
-    return static_cast<int>(value);
+    return static_cast<int>(*value);
   }
 
   std::string text(std::string_view key) {
@@ -157,43 +184,43 @@ model::RigKind read_kind(Reader& top) {
            "one of " + listed(model::rig_kind_names));
 }
 
+/// All tables of numbers. A component_bench may say on which car (body, wheel, tyre) its component drives:
+/// excitation().
 void read_parameters(Reader& top, Rig& rig) {
   const bool car = rig.kind != model::RigKind::component_bench;
-  if (auto t = top.table("body"); t || car) {
-    if (!t) top.need("body", "a table [body] with the mass of the body, which this kind of rig has");
-    rig.body.mass = t->number("mass");
-    t->finish();
-  }
-  if (auto t = top.table("wheel"); t || car) {
-    if (!t) top.need("wheel", "a table [wheel] with the mass of the wheel, which this kind of rig has");
-    rig.wheel.mass = t->number("mass");
-    t->finish();
-  }
-  if (auto t = top.table("tyre"); t || car) {
-    if (!t) top.need("tyre", "a table [tyre] with stiffness and damping, which this kind of rig has");
-    rig.tyre.stiffness = t->number("stiffness");
-    rig.tyre.damping = t->number("damping");
-    t->finish();
-  }
-  if (auto t = top.table("suspension")) {
-    rig.suspension.stiffness = t->number("stiffness");
-    rig.suspension.damping = t->number("damping");
-    t->finish();
-  } else {
-    top.need("suspension", "a table [suspension] with stiffness and damping");
-  }
-  if (auto t = top.table("machine")) {
-    t->optional_number("virtual_damping", rig.machine.virtual_damping);
-    t->finish();
-  }
-  if (auto t = top.table("fdva")) {
-    rig.has_fdva = true;
-    for (const auto& p : parameter_paths()) {
-      if (p.table == "fdva") p.value(rig) = t->number(p.key);
+  struct Part {
+    std::string_view table;
+    bool needed;
+    std::string_view expected;
+  };
+  const std::array<Part, 6> parts{{
+      {"body", car, "a table [body] with mass, which this kind of rig has"},
+      {"wheel", car, "a table [wheel] with mass, which this kind of rig has"},
+      {"tyre", car, "a table [tyre] with stiffness and damping, which this kind of rig has"},
+      {"suspension", true, "a table [suspension] with stiffness and damping"},
+      {"machine", false, ""},
+      {"fdva", false, ""},
+  }};
+  for (const Part& part : parts) {
+    auto table = top.table(part.table);
+    if (!table) {
+      if (part.needed) top.need(part.table, part.expected);
+      continue;
     }
-    rig.fdva.ducts = t->whole("ducts");
-    rig.fdva.open_ducts = t->whole("open_ducts");
-    t->finish();
+    for (const auto& p : paths) {
+      if (p.table != part.table) continue;
+      if (p.table == "machine") {
+        table->optional_number(p.key, p.value(rig));
+      } else {
+        p.value(rig) = table->number(p.key);
+      }
+    }
+    if (part.table == "fdva") {
+      rig.has_fdva = true;
+      rig.fdva.ducts = table->whole("ducts");
+      rig.fdva.open_ducts = table->whole("open_ducts");
+    }
+    table->finish();
   }
 }
 
@@ -231,16 +258,18 @@ void read_tolerances(Reader& top, RigDescription& description) {
   const auto table = top.table("tolerance");
   if (!table) return;
   std::vector<std::string> known;
-  for (const auto& p : parameter_paths()) known.push_back(std::string(p.table) + "." + std::string(p.key));
+  for (const auto& p : paths) {
+    if (has_part(description.rig, p.table)) known.push_back(std::string(p.table) + "." + std::string(p.key));
+  }
 
   const auto take = [&](const std::string& path, const toml::node& node) {
     if (find_parameter(description.rig, path) == nullptr) {
       const std::vector<std::string_view> words(known.begin(), known.end());
       table->fail(node, with_suggestion("tolerance of the unknown parameter", path, words),
-                  "a parameter path such as \"body.mass\", or that of an effect in this description");
+                  "a parameter of this rig, such as \"suspension.stiffness\"");
     }
-    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value || !(*value > 0.0 && *value <= 10.0)) {
+    const auto value = as_number(node);
+    if (!value || !(*value >= 0.0 && *value <= 10.0)) {
       table->fail(node, "the tolerance of " + path + " is not a number in 0 … 10",
                   "a relative bound, such as 0.03 for ±3 %");
     }
@@ -270,11 +299,13 @@ void read_sensors(Reader& top, RigDescription& description) {
   if (auto range = top.table("range")) {
     for_each_channel(*range, [&](model::Channel channel, const std::string& key, const toml::node& node) {
       const auto* pair = node.as_array();
-      const bool numbers = pair != nullptr && pair->size() == 2 && (*pair)[0].is_number() && (*pair)[1].is_number();
-      if (!numbers || !(*(*pair)[0].value<double>() < *(*pair)[1].value<double>())) {
+      const bool two = pair != nullptr && pair->size() == 2;
+      const auto lowest = two ? as_number((*pair)[0]) : std::nullopt;
+      const auto highest = two ? as_number((*pair)[1]) : std::nullopt;
+      if (!lowest || !highest || !(*lowest < *highest)) {
         range->fail(node, range->path(key) + " is not a range", "[lowest, highest] in SI units");
       }
-      description.range[model::index(channel)] = {*(*pair)[0].value<double>(), *(*pair)[1].value<double>()};
+      description.range[model::index(channel)] = {*lowest, *highest};
     });
   }
   if (auto channels = top.table("channels")) {
@@ -305,31 +336,31 @@ model::OpenDucts read_ducts(Reader& table, std::string_view key, int installed) 
   if (node.is_array()) {
     model::OpenDucts open = 0;
     for (const auto& item : *node.as_array()) {
-      const auto duct = item.value<std::int64_t>();
+      const auto duct = as_whole(item);
       if (!duct || *duct < 1 || *duct > installed) table.fail(node, table.path(key) + " names no such duct", expected);
       open = static_cast<model::OpenDucts>(open | (1U << static_cast<unsigned>(*duct - 1)));
     }
     return open;
   }
-  const auto n = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
+  const auto n = as_whole(node);
   if (!n || *n < 0 || *n > installed) table.fail(node, table.path(key) + " is no such number of ducts", expected);
   return model::first_ducts(static_cast<int>(*n));
 }
 
 void read_controller(Reader& top, const Rig& rig, ControllerDescription& controller) {
-  const auto positive = [](Reader& table, std::string_view key, double& value) {
-    table.optional_number(key, value);
-    if (!(value > 0.0)) table.fail(key, table.path(key) + " is not > 0", "a number > 0 in SI units");
-  };
   if (auto limits = top.table("limits")) {
-    positive(*limits, "stroke", controller.stroke);
-    positive(*limits, "speed", controller.speed);
-    positive(*limits, "force", controller.force);
-    positive(*limits, "ramp", controller.ramp);
+    if (limits->has("stroke")) controller.stroke = limits->positive("stroke");
+    if (limits->has("speed")) controller.speed = limits->positive("speed");
+    if (limits->has("force")) controller.force = limits->positive("force");
+    if (limits->has("ramp")) controller.ramp = limits->positive("ramp");
+    if (controller.ramp > controller.speed) {
+      limits->fail(limits->has("ramp") ? "ramp" : "speed", "limits.ramp is faster than limits.speed",
+                   "a ramp of at most " + shortest(controller.speed) + " m/s");
+    }
     limits->finish();
   }
   if (auto estimator = top.table("estimator")) {
-    if (estimator->has("cross_over")) positive(*estimator, "cross_over", controller.cross_over);
+    if (estimator->has("cross_over")) controller.cross_over = estimator->positive("cross_over");
     estimator->finish();
   }
   auto valves = top.table("valves");
@@ -346,7 +377,11 @@ void read_controller(Reader& top, const Rig& rig, ControllerDescription& control
       Reader entry(*item.as_table(), "valves.plan", valves->source());
       const double t = entry.number("t");
       if (t < 0.0 || (!controller.valve_plan.empty() && t <= controller.valve_plan.back().time)) {
-        valves->fail(item, "valves.plan runs backwards", expected);
+        valves->fail(item, "the times of valves.plan do not grow", expected);
+      }
+      if (controller.valve_plan.size() == firmware::ValvePlan::capacity) {
+        valves->fail(item, "valves.plan is too long",
+                     "at most " + std::to_string(firmware::ValvePlan::capacity) + " entries");
       }
       controller.valve_plan.push_back({t, read_ducts(entry, "open", installed)});
       entry.finish();
@@ -357,7 +392,11 @@ void read_controller(Reader& top, const Rig& rig, ControllerDescription& control
 
 /// A rig that the model refuses, at the line where the number stands.
 void check_physics(const toml::table& top, const RigDescription& description) {
-  const auto fault = model::find_fault(description.rig, description.period(), model::RigModel<>::Line::longest);
+  Rig rig = description.rig;
+  const bool drives_on_car = rig.kind == model::RigKind::component_bench &&
+                             (top.contains("body") || top.contains("wheel") || top.contains("tyre"));
+  auto fault = find_rig_fault(rig, description.period());
+  if (!fault && drives_on_car) fault = find_rig_fault(on_its_car(rig), description.period());
   if (!fault) return;
   const toml::node* node = &top;
   std::string path;
@@ -371,7 +410,10 @@ void check_physics(const toml::table& top, const RigDescription& description) {
   if (!fault->table.empty() && !top.contains(fault->table)) descend("effects");
   descend(fault->table);
   descend(fault->key);
-  throw InputError(description.source, node->source().begin.line, path + " cannot be what it is", fault->expected);
+  if (path.empty()) path = "the rig as a whole";
+  if (const auto value = as_number(*node)) path += " = " + shortest(*value);
+  throw InputError(description.source, node == &top ? 0 : node->source().begin.line, path + " does not fit",
+                   fault->expected);
 }
 
 }  // namespace
@@ -382,7 +424,7 @@ double* find_parameter(model::RigParameters<double>& rig, std::string_view path)
   for (const auto& p : paths) {
     if (path.size() == p.table.size() + 1 + p.key.size() && path.starts_with(p.table) && path.ends_with(p.key) &&
         path[p.table.size()] == '.') {
-      return p.table == "fdva" && !rig.has_fdva ? nullptr : &p.value(rig);
+      return has_part(rig, p.table) ? &p.value(rig) : nullptr;
     }
   }
   double* found = nullptr;
@@ -395,6 +437,31 @@ double* find_parameter(model::RigParameters<double>& rig, std::string_view path)
     }
   });
   return found;
+}
+
+std::optional<model::RigFault> find_rig_fault(const model::RigParameters<double>& rig, double period) {
+  if (const auto fault = model::find_fault(rig, period, model::RigModel<>::Line::longest)) return fault;
+  // What one unit of anything changes in a period. Beyond this limit the matrices of an exact step have no digit left.
+  constexpr double largest = 1e8;
+  using Equations = model::RigEquations<double>;
+  const Equations equations(rig);
+  bool resolved = true;
+  const auto take = [&resolved, period](const auto& rates) {
+    for (Eigen::Index i = 0; i < rates.size(); ++i) resolved = resolved && std::abs(rates(i)) * period <= largest;
+  };
+  for (int open = 0; open <= (rig.has_fdva ? rig.fdva.ducts : 0); ++open) {
+    if (rig.kind == model::RigKind::component_bench) {
+      using State = Equations::ComponentState;
+      for (int j = 0; j < State::RowsAtCompileTime; ++j) take(equations.component(State::Unit(j), {}, open));
+      take(equations.component(State::Zero(), {.minor_losses = 1e-4}, open));  // a duct's flow is below 10 l/s
+    } else {
+      using State = Equations::JoinedState;
+      for (int j = 0; j < State::RowsAtCompileTime; ++j) take(equations.joined(State::Unit(j), {}, open));
+      take(equations.joined(State::Zero(), {.minor_losses = 1e-4}, open));
+    }
+  }
+  if (resolved) return std::nullopt;
+  return model::RigFault{"", "", "stiffnesses, dampings and masses that a step of this length can resolve"};
 }
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> known) {
@@ -437,8 +504,9 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   Reader top(top_table, "", source);
   description.rig.kind = read_kind(top);
   description.sample_rate = top.number("sample_rate");
-  if (!(description.sample_rate > 0.0 && description.sample_rate <= 1e6)) {
-    top.fail("sample_rate", "sample_rate is not in 0 … 1e6 Hz", "the rate of the loop in Hz, such as 1000.0");
+  if (!(description.sample_rate >= 1.0 && description.sample_rate <= 1e5)) {
+    top.fail("sample_rate", "sample_rate = " + shortest(description.sample_rate) + " does not fit",
+             "the rate of the loop in Hz, from 1 to 100000");
   }
   read_parameters(top, description.rig);
   read_effects(top, description.rig);
@@ -457,8 +525,12 @@ RigDescription read_rig(const std::filesystem::path& file) {
   }
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InputError(file.string(), 0, "cannot be opened", "a readable rig description in TOML");
-  const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  constexpr std::size_t longest = 1U << 20U;  // a description has some hundred lines; a device may never end
+  std::string text(longest + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
   if (stream.bad()) throw InputError(file.string(), 0, "cannot be read", "a readable rig description in TOML");
+  if (text.size() > longest) throw InputError(file.string(), 0, "is larger than 1 MiB", "a rig description in TOML");
   return parse_rig(text, file.string());
 }
 

@@ -14,7 +14,7 @@
 #include "host_sim/channel_map.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig_model.hpp"
 
 namespace host_sim {
 
@@ -22,7 +22,12 @@ namespace host_sim {
 struct MeasuringRange {
   double lower;
   double upper;
+
+  [[nodiscard]] bool holds(double value) const { return value > lower && value < upper; }
 };
+
+/// By model::Channel; nothing: everything is trusted.
+using MeasuringRanges = std::array<std::optional<MeasuringRange>, model::channel_count>;
 
 /// What the controller may do and how it is set up; defaults are those of the TU Darmstadt rig.
 struct ControllerDescription {
@@ -42,10 +47,10 @@ struct ControllerDescription {
 /// A rig, how well it is known, and how its recordings are written.
 struct RigDescription {
   model::RigParameters<double> rig;
-  double sample_rate = 0.0;                                               ///< of the loop and of its recordings [Hz]
-  std::map<std::string, double> tolerance;                                ///< parameter path → relative hard bound
-  std::array<std::optional<double>, model::channel_count> noise;          ///< rms of the sensor's noise [SI]
-  std::array<std::optional<MeasuringRange>, model::channel_count> range;  ///< [SI]
+  double sample_rate = 0.0;                                       ///< of the loop and of its recordings [Hz]
+  std::map<std::string, double> tolerance;                        ///< parameter path → relative hard bound
+  std::array<std::optional<double>, model::channel_count> noise;  ///< rms of the sensor's noise [SI]
+  MeasuringRanges range;
   ChannelMap channels;
   ControllerDescription controller;
   std::string source;  ///< the file, as the user called it
@@ -65,8 +70,12 @@ struct ParameterPath {
 [[nodiscard]] std::span<const ParameterPath> parameter_paths();
 
 /// The parameter "table.key" or "effects.name.key" of a rig, nullptr when there is none of that name or the rig does
-/// not have that effect.
+/// not have that part or effect.
 [[nodiscard]] double* find_parameter(model::RigParameters<double>& rig, std::string_view path);
+
+/// nullopt, or why no model can be made of these numbers: model::find_fault, or (table and key empty) rates of change
+/// that a step of this period [s] cannot resolve.
+[[nodiscard]] std::optional<model::RigFault> find_rig_fault(const model::RigParameters<double>& rig, double period);
 
 /// Reads and checks a description. Everything that is wrong – TOML syntax, an unknown key (the nearest known one is
 /// named), a missing table, a number that no rig can have, a delay beyond the line's capacity – is an InputError.

@@ -46,18 +46,23 @@ FootPointMotion drive_over(const IsoRoad& road, double sample_rate, std::size_t 
   return motion;
 }
 
-FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMotion road, double sample_rate) {
-  if (rig.kind != model::RigKind::component_bench) return road;
-  model::RigParameters<double> car = rig;
+model::RigParameters<double> on_its_car(const model::RigParameters<double>& component_bench) {
+  model::RigParameters<double> car = component_bench;
   car.kind = model::RigKind::quarter_car;
-  car.body.mass = 290.0;
-  car.wheel.mass = 40.0;
-  car.tyre.stiffness = 200e3;
-  car.tyre.damping = 100.0;
-  car.effects = {};
+  if (car.body.mass == 0.0) car.body.mass = 290.0;
+  if (car.wheel.mass == 0.0) car.wheel.mass = 40.0;
+  if (car.tyre.stiffness == 0.0) {
+    car.tyre.stiffness = 200e3;
+    car.tyre.damping = 100.0;
+  }
   car.suspension.damping += 1140.0;
-  const model::RigModel<> model(car, 1.0 / sample_rate);
-  if (road.empty()) return road;
+  car.effects = {};
+  return car;
+}
+
+FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMotion road, double sample_rate) {
+  if (rig.kind != model::RigKind::component_bench || road.empty()) return road;
+  const model::RigModel<> model(on_its_car(rig), 1.0 / sample_rate);
   auto x = model.start(road.front().position);
   for (auto& m : road) {
     model.step(x, {.foot_point = m});

@@ -41,9 +41,13 @@ struct IsoRoad {
 /// The motion over such a road, starting flat (model::RoadFilter at rest), `samples` samples.
 [[nodiscard]] FootPointMotion drive_over(const IsoRoad& road, double sample_rate, std::size_t samples);
 
+/// The quarter car on which the component of a component_bench drives: the rig without its effects on the body, wheel
+/// and tyre of the description, else of the paper (290 kg, 40 kg, 200 kN/m, 100 N s/m), with 1140 N s/m beside the
+/// component.
+[[nodiscard]] model::RigParameters<double> on_its_car(const model::RigParameters<double>& component_bench);
+
 /// What a rig is told on a given road motion: the motion itself; for a component_bench the deflection (and its
-/// derivatives) that the component, without the rig's effects, would see in the paper's car on this road: 290 kg, 40
-/// kg, 200 kN/m, 100 N s/m, and 1140 N s/m beside the component.
+/// derivatives) that the component sees in its car on this road.
 [[nodiscard]] FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMotion road,
                                          double sample_rate);
 

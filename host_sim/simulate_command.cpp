@@ -8,7 +8,7 @@
 #include "host_sim/input_error.hpp"
 #include "host_sim/profile_file.hpp"
 #include "host_sim/progress.hpp"
-#include "host_sim/recording.hpp"
+#include "host_sim/recording_columns.hpp"
 #include "host_sim/road.hpp"
 #include "host_sim/trace.hpp"
 #include "host_sim/version.hpp"
@@ -19,17 +19,20 @@ namespace {
 FootPointMotion road_of(const SimulateOptions& options, const RigDescription& rig, std::size_t samples) {
   constexpr std::string_view standard = "iso8608:";
   if (!options.road.starts_with(standard)) {
+    if (options.bandwidth || options.cut_off) {
+      throw UsageError("--bandwidth and --cut-off shape an ISO 8608 road, expected neither with a road from a file");
+    }
     return road_from_file(options.road, options.speed, rig.sample_rate, samples);
   }
   IsoRoad road;
   road.roughness = class_roughness(options.road.substr(standard.size()));
   road.speed = options.speed;
-  road.cut_off = options.cut_off;
+  road.cut_off = options.cut_off.value_or(road.cut_off);
   road.seed = options.seed;
   road.bandwidth = options.bandwidth.value_or(default_bandwidth(rig.rig.kind, rig.sample_rate));
   if (road.bandwidth > 0.2 * rig.sample_rate) {
     throw UsageError("--bandwidth is above a fifth of the sample rate, expected at most " +
-                     std::to_string(0.2 * rig.sample_rate) + " Hz for this rig");
+                     shortest(0.2 * rig.sample_rate) + " Hz for this rig");
   }
   return drive_over(road, rig.sample_rate, samples);
 }
@@ -41,11 +44,14 @@ std::string describe(const firmware::Trip& trip) {
   if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
   const bool in_a_row = trip.reason == Reason::sample_missing || trip.reason == Reason::sample_not_finite ||
                         trip.reason == Reason::sample_clipped || trip.reason == Reason::sample_stale;
-  char numbers[96];
+  std::string unit(trip.channel ? model::unit(*trip.channel) : "");
+  if (trip.reason == Reason::speed) unit = "m/s";
+  if (trip.reason == Reason::stroke) unit = "m";
+  char numbers[128];
   std::snprintf(
       numbers, sizeof numbers,
-      in_a_row ? ": last %.4g, %.0f times in a row, at t = %.4f s" : ": %.4g against a limit of %.4g, at t = %.4f s",
-      trip.value, trip.limit, trip.time.seconds());
+      in_a_row ? ": last %.4g %s, %.0f times in a row, at t = %.4f s" : ": %.4g %s, limit %.4g, at t = %.4f s",
+      trip.value, unit.c_str(), trip.limit, trip.time.seconds());
   return text + numbers;
 }
 
@@ -68,10 +74,14 @@ void print_channels(const Recording& recording) {
 
 void simulate(const SimulateOptions& options) {
   const RigDescription rig = read_rig(options.rig);
-  if (options.duration * rig.sample_rate < 1.0 || options.duration > 86400.0) {
-    throw UsageError("--duration does not fit, expected at least one sample and at most a day (86400 s)");
+  constexpr double most = 1e7;  // samples: the whole run is kept in memory, about 200 bytes a sample
+  const double wanted = options.duration * rig.sample_rate;
+  if (!(wanted >= 1.0 && wanted <= most)) {
+    throw UsageError("--duration " + shortest(options.duration) + " does not fit, expected " +
+                     shortest(1.0 / rig.sample_rate) + " to " + shortest(most / rig.sample_rate) +
+                     " s at the sample rate of this rig");
   }
-  const auto samples = static_cast<std::size_t>(std::llround(options.duration * rig.sample_rate));
+  const auto samples = static_cast<std::size_t>(std::llround(wanted));
   const FootPointMotion motion = excitation(rig.rig, road_of(options, rig, samples), rig.sample_rate);
 
   Progress progress("simulate");
@@ -85,11 +95,9 @@ void simulate(const SimulateOptions& options) {
                      "a rig that can reach the beginning of the road");
   }
 
-  char what[160];
-  std::snprintf(what, sizeof what, "rigtwin %s simulate: %s, %s, %.2f m/s, seed %llu", std::string(version).c_str(),
-                std::string(model::name(rig.rig.kind)).c_str(), options.road.c_str(), options.speed,
-                static_cast<unsigned long long>(options.seed));
-  run.recording.comments.emplace_back(what);
+  run.recording.comments.push_back("rigtwin " + std::string(version) +
+                                   " simulate: " + std::string(model::name(rig.rig.kind)) + ", " + options.road + ", " +
+                                   shortest(options.speed) + " m/s, seed " + std::to_string(options.seed));
   write_recording(options.out, run.recording);
 
   std::printf("%s: %s, %.6g s at %.6g Hz over %s at %.4g m/s, seed %llu\n", options.rig.c_str(),
@@ -98,7 +106,7 @@ void simulate(const SimulateOptions& options) {
               options.speed, static_cast<unsigned long long>(options.seed));
   print_channels(run.recording);
   if (firmware::is_fault(run.trip.reason)) {
-    std::fprintf(stderr, "rigtwin: the firmware stopped the run in the safe state, %s\n", describe(run.trip).c_str());
+    std::fprintf(stderr, "rigtwin: the firmware stopped the run: %s\n", describe(run.trip).c_str());
   }
   if (run.counters.limited_commands > 0) {
     std::printf("  %llu commands were slowed down to the speed limit of %.3g m/s\n",
