@@ -10,23 +10,28 @@
 
 namespace model {
 
-/// A quantity now and at the two samples before: what a third-order explicit step needs of a nonlinear load.
+/// A quantity now and at the three samples before: what an explicit step needs of a nonlinear load.
 template <class S>
 struct Recent {
-  S now{}, before{}, earlier{};
+  S now{}, before{}, earlier{}, earliest{};
 
-  constexpr void start(S value) { now = before = earlier = value; }
+  constexpr void start(S value) { now = before = earlier = earliest = value; }
   constexpr void push(S value) {
+    earliest = earlier;
     earlier = before;
     before = now;
     now = value;
   }
 };
 
-/// The factors of ExactDiscretisation::continued.
+/// The factors of ExactDiscretisation::continued, third and fourth order.
 template <class S>
-[[nodiscard]] RIGTWIN_INLINE std::array<S, 3> oldest_first(const Recent<S>& load) {
+[[nodiscard]] RIGTWIN_INLINE std::array<S, 3> newest_three(const Recent<S>& load) {
   return {load.earlier, load.before, load.now};
+}
+template <class S>
+[[nodiscard]] RIGTWIN_INLINE std::array<S, 4> newest_four(const Recent<S>& load) {
+  return {load.earliest, load.earlier, load.before, load.now};
 }
 
 /// Flows q_j = A_p u/n + δ_j of the open ducts: the mean follows the piston, the deviations (8b) of Fdva are kept here.
@@ -38,20 +43,22 @@ template <class S>
 template <class S>
 class DuctFlows {
  public:
-  /// One period of (8b): exact in its linear part, third order in the losses.
+  /// One period of (8b): exact in its linear part, fourth order in the losses.
   struct Step {
-    Pair<S> decay{};                                  ///< e^{−R h/I} [1]
-    Pair<S> per_oldest{}, per_older{}, per_newest{};  ///< by which q|q| − 1/n Σ q|q| of three samples enters [s/m³]
-    S piston_area{};                                  ///< A_p [m²]
+    Pair<S> decay{};                    ///< e^{−R h/I} [1]
+    std::array<Pair<S>, 4> per_loss{};  ///< by which q|q| − 1/n Σ q|q| of four samples enters, oldest first [s/m³]
+    S piston_area{};                    ///< A_p [m²]
   };
 
   [[nodiscard]] static Step step_of(const typename Fdva<S>::Parameters& p, const typename Fdva<S>::Duct& duct,
                                     S period) {
     const Block<S, 1, 1> rate(-duct.laminar_loss / duct.inertance);
     const ExactDiscretisation<S, 1> exact(rate, period);
-    const Block<S, 1, 3> columns = exact.continued(Column<S, 1>(-duct.minor_loss / duct.inertance));
+    const Block<S, 1, 4> columns = exact.template continued<4>(Column<S, 1>(-duct.minor_loss / duct.inertance));
     const auto both = [](S value) { return Pair<S>::both(value); };
-    return {both(exact.transition()(0)), both(columns(0)), both(columns(1)), both(columns(2)), p.piston_area};
+    return {both(exact.transition()(0)),
+            {both(columns(0)), both(columns(1)), both(columns(2)), both(columns(3))},
+            p.piston_area};
   }
 
   /// Everything at rest, `open` ducts open.
@@ -79,11 +86,13 @@ class DuctFlows {
       if (!is_open(j) || ((open >> j) & 1) == 0) continue;
       const S share = at(share_, j);
       flow[j] = this->flow(j, velocity, step);
-      loss[j] = {at(loss_, j), at(excess_, j) + share * losses_.before, at(older_excess_, j) + share * losses_.earlier};
+      loss[j] = {at(loss_, j), at(excess_[2], j) + share * losses_.before, at(excess_[1], j) + share * losses_.earlier,
+                 at(excess_[0], j) + share * losses_.earliest};
       sum += flow[j];
       losses.now += loss[j].now;
       losses.before += loss[j].before;
       losses.earlier += loss[j].earlier;
+      losses.earliest += loss[j].earliest;
     }
     start(open);
     losses_ = losses;
@@ -93,8 +102,9 @@ class DuctFlows {
       const S share = at(share_, j);
       set(deviation_, j, flow[j] - this->flow(j, after, step));
       set(loss_, j, loss[j].now);
-      set(excess_, j, loss[j].before - share * losses_.before);
-      set(older_excess_, j, loss[j].earlier - share * losses_.earlier);
+      set(excess_[2], j, loss[j].before - share * losses_.before);
+      set(excess_[1], j, loss[j].earlier - share * losses_.earlier);
+      set(excess_[0], j, loss[j].earliest - share * losses_.earliest);
     }
     return after;
   }
@@ -106,13 +116,15 @@ class DuctFlows {
     S sum = S(0);
     for (std::size_t i = 0; i < used_pairs_; ++i) {
       const Pair<S> excess = loss_[i] - lost_together * share_[i];
-      const Pair<S> deviation = step.decay * deviation_[i] + step.per_oldest * older_excess_[i] +
-                                step.per_older * excess_[i] + step.per_newest * excess;
+      const Pair<S> deviation = step.decay * deviation_[i] + step.per_loss[0] * excess_[0][i] +
+                                step.per_loss[1] * excess_[1][i] + step.per_loss[2] * excess_[2][i] +
+                                step.per_loss[3] * excess;
       const Pair<S> q = moved * share_[i] + deviation;
       const Pair<S> loss = q * abs(q);
       deviation_[i] = deviation;
-      older_excess_[i] = excess_[i];
-      excess_[i] = excess;
+      excess_[0][i] = excess_[1][i];
+      excess_[1][i] = excess_[2][i];
+      excess_[2][i] = excess;
       loss_[i] = loss;
       sum += loss[0] + loss[1];
     }
@@ -157,10 +169,10 @@ class DuctFlows {
     }
   }
 
-  PerDuct share_{};                    ///< 1/n of an open duct, 0 of a closed one
-  PerDuct deviation_{};                ///< δ_j [m³/s]
-  PerDuct loss_{};                     ///< q_j|q_j| now [m⁶/s²]
-  PerDuct excess_{}, older_excess_{};  ///< q_j|q_j| − 1/n Σ q|q| one and two samples before [m⁶/s²]
+  PerDuct share_{};                  ///< 1/n of an open duct, 0 of a closed one
+  PerDuct deviation_{};              ///< δ_j [m³/s]
+  PerDuct loss_{};                   ///< q_j|q_j| now [m⁶/s²]
+  std::array<PerDuct, 3> excess_{};  ///< q_j|q_j| − 1/n Σ q|q| at the three samples before, oldest first [m⁶/s²]
   Recent<S> losses_{};
   std::size_t used_pairs_ = 0;  ///< pairs of ducts up to the last open one
   int count_ = 0;

@@ -115,14 +115,24 @@ class ExactDiscretisation {
     return columns;
   }
 
-  /// Columns for an input known only up to now: quadratic through the newest three samples n₋₂, n₋₁, n₀, continued over
-  /// the period (exponential Adams–Bashforth, third order). The oldest comes first: the newest is known last.
-  [[nodiscard]] Block<S, N, 3> continued(const Vector& b) const {
+  /// Columns for an input known only up to now: the polynomial through its newest samples, three or four, continued
+  /// over the period (exponential Adams–Bashforth of that order). The oldest comes first: the newest is known last.
+  template <int Order>
+  [[nodiscard]] Block<S, N, Order> continued(const Vector& b) const {
+    static_assert(Order == 3 || Order == 4, "orders for which columns are known");
     const Vector c0 = monomial(b, 0), c1 = monomial(b, 1), c2 = monomial(b, 2);
-    Block<S, N, 3> columns;
-    columns.col(0) = (c1 + c2) * S(0.5);
-    columns.col(1) = c1 * S(-2) - c2;
-    columns.col(2) = c0 + c1 * S(1.5) + c2 * S(0.5);
+    Block<S, N, Order> columns;
+    if constexpr (Order == 3) {
+      columns.col(0) = (c1 + c2) * S(0.5);
+      columns.col(1) = c1 * S(-2) - c2;
+      columns.col(2) = c0 + c1 * S(1.5) + c2 * S(0.5);
+    } else {
+      const Vector c3 = monomial(b, 3);
+      columns.col(0) = c1 * S(-1.0 / 3.0) - c2 * S(0.5) - c3 * S(1.0 / 6.0);
+      columns.col(1) = c1 * S(1.5) + c2 * S(2) + c3 * S(0.5);
+      columns.col(2) = c1 * S(-3) - c2 * S(2.5) - c3 * S(0.5);
+      columns.col(3) = c0 + c1 * S(11.0 / 6.0) + c2 + c3 * S(1.0 / 6.0);
+    }
     return columns;
   }
 

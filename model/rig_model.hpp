@@ -50,8 +50,9 @@ template <class S>
 /// * Linear part: exact (ExactDiscretisation). The foot point and the deflection of a test machine move on the cubic
 ///   Hermite polynomial through position and velocity of both samples; F_act goes straight from sample to sample; the
 ///   force measured by a hardware-in-the-loop controller is held.
-/// * Duct losses, laws of suspension and tyre: explicit, third order (exponential Adams–Bashforth). Global error
-///   ∝ h³, smaller by the ratio of the nonlinear to the linear force; at a kink of a law ∝ h².
+/// * Duct losses: explicit, fourth order; laws of suspension and tyre: explicit, third order, which bears stiffer laws
+///   (exponential Adams–Bashforth). Global error ∝ h⁴ and h³, smaller by the ratio of the nonlinear to the linear
+///   force; at a kink of a law ∝ h².
 /// * Dry friction: implicit, sharp (FrictionContacts).
 ///
 /// Kinds and extents:
@@ -142,14 +143,15 @@ class RigModel {
   struct ComponentStep {
     PackedColumns<S, 2, 2> state;
     PackedColumns<S, 2, 4> stroke;
-    PackedColumns<S, 2, 3> losses;
+    PackedColumns<S, 2, 4> losses;
     Block<S, 2, Friction::contacts> friction;
   };
   struct JoinedStep {
     PackedColumns<S, 6, 6> state;
     PackedColumns<S, 6, 4> foot_point;
     PackedColumns<S, 6, 2> actuator;
-    PackedColumns<S, 6, 3> losses, suspension, tyre;
+    PackedColumns<S, 6, 4> losses;
+    PackedColumns<S, 6, 3> suspension, tyre;
     Block<S, 6, Friction::contacts> friction;
   };
 

@@ -53,7 +53,7 @@ auto RigModel<S, D>::car_step() const -> CarStep {
   return {step.transition(),
           step.hermite(Columns::entry(Drive{.z_r = S(1)}, rates), Columns::entry(Drive{.v_r = S(1)}, rates)),
           step.held(Columns::entry(Drive{.suspension_force = S(1)}, rates)),
-          step.continued(Columns::entry(Drive{.tyre_force = S(1)}, rates))};
+          step.template continued<3>(Columns::entry(Drive{.tyre_force = S(1)}, rates))};
 }
 
 template <class S, std::size_t D>
@@ -65,7 +65,7 @@ auto RigModel<S, D>::component_step(int open) const -> ComponentStep {
   ComponentStep m{
       step.transition(),
       step.hermite(Columns::entry(Drive{.deflection = S(1)}, rates), Columns::entry(Drive{.velocity = S(1)}, rates)),
-      step.continued(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
+      step.template continued<4>(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
       {}};
   m.friction.setZero();
   m.friction.col(Friction::piston) = step.held(Columns::entry(Drive{.piston_friction = S(1)}, rates));
@@ -82,9 +82,9 @@ auto RigModel<S, D>::joined_step(int open) const -> JoinedStep {
   JoinedStep m{step.transition(),
                step.hermite(Columns::entry(Drive{.z_r = S(1)}, rates), Columns::entry(Drive{.v_r = S(1)}, rates)),
                step.straight(parallel),
-               step.continued(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
-               step.continued(parallel),
-               step.continued(Columns::entry(Drive{.tyre_force = S(1)}, rates)),
+               step.template continued<4>(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
+               step.template continued<3>(parallel),
+               step.template continued<3>(Columns::entry(Drive{.tyre_force = S(1)}, rates)),
                {}};
   m.friction.col(Friction::suspension) = step.held(parallel);
   m.friction.col(Friction::piston) = step.held(Columns::entry(Drive{.piston_friction = S(1)}, rates));
@@ -154,9 +154,9 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_joined(State& x, const Input& in) co
   const JoinedStep& m = joined_[static_cast<std::size_t>(x.ducts.open_count())];
   Packed<S, 6> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
   m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
-  if (WithLaws && has_suspension_law_) m.suspension.add_to(next, oldest_first(x.suspension_load));
-  if (WithLaws && has_tyre_law_) m.tyre.add_to(next, oldest_first(x.tyre_load));
-  if (equations_.has_fdva()) m.losses.add_to(next, oldest_first(x.ducts.losses()));
+  if (WithLaws && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load));
+  if (WithLaws && has_tyre_law_) m.tyre.add_to(next, newest_three(x.tyre_load));
+  if (equations_.has_fdva()) m.losses.add_to(next, newest_four(x.ducts.losses()));
   next = next + m.state.times({x.core(0), x.core(1), x.core(2), x.core(3), x.core(4), x.core(5)});
   next.store(x.core);
   if (WithLaws && contacts_.any()) rub_joined(x);
@@ -198,7 +198,7 @@ template <class S, std::size_t D>
 template <bool WithLaws>
 RIGTWIN_INLINE void RigModel<S, D>::advance_car(State& x, const Input& in) const {
   Packed<S, 4> next = car_.foot_point.times(driven_by(x.foot_point, in.foot_point));
-  if (WithLaws && has_tyre_law_) car_.tyre.add_to(next, oldest_first(x.tyre_load));
+  if (WithLaws && has_tyre_law_) car_.tyre.add_to(next, newest_three(x.tyre_load));
   car_.force.add_to(next, {x.received_force});
   next = next + car_.state.times({x.core(0), x.core(1), x.core(2), x.core(3)});
   next.store(x.core.template head<4>());
@@ -218,7 +218,7 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_machine(State& x, const Stroke<S>& c
   if (equations_.has_fdva()) {
     const ComponentStep& m = component_[static_cast<std::size_t>(x.ducts.open_count())];
     Packed<S, 2> c = m.state.times({x.core(4), x.core(5)});
-    m.losses.add_to(c, oldest_first(x.ducts.losses()));
+    m.losses.add_to(c, newest_four(x.ducts.losses()));
     c = c + m.stroke.times(driven_by(x.reached, reached));
     c.store(x.core.template tail<2>());
     if (WithLaws && contacts_.any()) rub_component(x);
@@ -273,7 +273,7 @@ void RigModel<S, D>::start_laws(State& x) const {
   if (has_suspension_law_) x.suspension_load.start(suspension_law(d.position, d.velocity));
   if (has_tyre_law_ && (joined() || has_car())) x.tyre_load.start(tyre_law(x));
   if (equations_.has_fdva()) {
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 4; ++i)
       x.ducts.advance(x.core(5),
                       typename DuctFlows<S>::Step{.decay = Pair<S>::both(S(1)), .piston_area = duct_step_.piston_area});
   }
