@@ -224,22 +224,6 @@ void read_parameters(Reader& top, Rig& rig) {
   }
 }
 
-void read_effects(Reader& top, Rig& rig) {
-  auto effects = top.table("effects");
-  if (!effects) return;
-  rig.effects.for_each([&](auto& slot) {
-    using Effect = std::remove_cvref_t<decltype(slot.effect)>;
-    auto t = effects->table(Effect::card.name);
-    if (!t) return;
-    slot.active = true;
-    for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
-      slot.effect.*Effect::values[i] = t->number(Effect::card.parameters[i].name);
-    }
-    t->finish();
-  });
-  effects->finish();
-}
-
 template <class Use>
 void for_each_channel(Reader& table, const Use& use) {
   std::array<std::string_view, model::channel_count> names;
@@ -252,6 +236,33 @@ void for_each_channel(Reader& table, const Use& use) {
     use(*channel, std::string(key.str()), node);
   }
   table.accept_all_keys();
+}
+
+template <class Slot>
+void read_effect(Reader& parent, std::string_view name, Slot& slot) {
+  using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+  auto table = parent.table(name);
+  if (!table) return;
+  slot.active = true;
+  for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
+    slot.effect.*Effect::values[i] = table->number(Effect::card.parameters[i].name);
+  }
+  table->finish();
+}
+
+void read_effects(Reader& top, Rig& rig) {
+  auto effects = top.table("effects");
+  if (!effects) return;
+  rig.effects.for_each(
+      [&](auto& slot) { read_effect(*effects, std::remove_cvref_t<decltype(slot.effect)>::card.name, slot); });
+  // A sensor effect has one table for each channel, [effects.sensor_lag.dz_b].
+  rig.effects.for_each_sensor([&](auto& slot, model::Channel channel) {
+    auto channels = effects->table(std::remove_cvref_t<decltype(slot.effect)>::card.name);
+    if (!channels) return;
+    for_each_channel(*channels, [](model::Channel, const std::string&, const toml::node&) {});
+    read_effect(*channels, model::name(channel), slot);
+  });
+  effects->finish();
 }
 
 void read_tolerances(Reader& top, RigDescription& description) {
@@ -409,6 +420,7 @@ void check_physics(const toml::table& top, const RigDescription& description) {
   };
   if (!fault->table.empty() && !top.contains(fault->table)) descend("effects");
   descend(fault->table);
+  if (fault->channel) descend(model::name(*fault->channel));
   descend(fault->key);
   if (path.empty()) path = "the rig as a whole";
   if (const auto value = as_number(*node)) path += " = " + shortest(*value);
@@ -428,13 +440,18 @@ double* find_parameter(model::RigParameters<double>& rig, std::string_view path)
     }
   }
   double* found = nullptr;
-  rig.effects.for_each([&](auto& slot) {
+  const auto look = [&](auto& slot, const std::string& table) {
     using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+    if (!slot.active) return;
     for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
-      const std::string name =
-          "effects." + std::string(Effect::card.name) + "." + std::string(Effect::card.parameters[i].name);
-      if (slot.active && name == path) found = &(slot.effect.*Effect::values[i]);
+      if (table + "." + std::string(Effect::card.parameters[i].name) == path) found = &(slot.effect.*Effect::values[i]);
     }
+  };
+  rig.effects.for_each(
+      [&](auto& slot) { look(slot, "effects." + std::string(std::remove_cvref_t<decltype(slot.effect)>::card.name)); });
+  rig.effects.for_each_sensor([&](auto& slot, model::Channel channel) {
+    look(slot, "effects." + std::string(std::remove_cvref_t<decltype(slot.effect)>::card.name) + "." +
+                   std::string(model::name(channel)));
   });
   return found;
 }

@@ -26,13 +26,15 @@ class SimulatedRig final : public hal::simulated::Plant {
   [[nodiscard]] model::Signals<double> truth() const { return model_.signals(state_); }
 
  private:
+  void draw_noise();
   void do_measure(std::span<double, hal::channel_capacity> values) override;
   void do_advance(const hal::Command& command, hal::Openings openings) override;
 
   model::RigModel<> model_;
   model::RigModel<>::State state_;
-  Gaussian noise_;
+  Gaussian gaussian_;
   std::array<double, model::channel_count> deviation_{};
+  model::Signals<double> noise_{};  ///< of this instant
   std::array<std::optional<MeasuringRange>, model::channel_count> range_;
 };
 

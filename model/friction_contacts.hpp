@@ -38,9 +38,11 @@ class FrictionContacts {
   [[nodiscard]] const Forces& limits() const { return limits_; }
 
   /// Adds the friction of one step to x, whose velocities v_p = velocity(p, x) are the free ones; `columns.col(p)` is
-  /// what a unit of λ_p does in one step; `forces`: λ of the last step, replaced by the new one.
+  /// what a unit of λ_p does in one step; `limits`: f_p of this step; `forces`: λ of the last step, replaced by the new
+  /// one.
   template <int N, class Velocity>
-  void solve(Column<S, N>& x, const Block<S, N, contacts>& columns, Forces& forces, const Velocity& velocity) const {
+  void solve(Column<S, N>& x, const Block<S, N, contacts>& columns, const Forces& limits, Forces& forces,
+             const Velocity& velocity) const {
     for (int i = 0; i < count_; ++i) x += columns.col(list(i)) * at(forces, list(i));
     const int rounds = count_ == 1 ? 1 : sweeps;
     for (int round = 0; round < rounds; ++round) {
@@ -49,7 +51,7 @@ class FrictionContacts {
         const Column<S, N> column = columns.col(p);
         const S gain = velocity(p, column);
         if (!(gain < S(0))) continue;  // a locked piston cannot be slowed
-        const S limit = at(limits_, p);
+        const S limit = at(limits, p);
         const S wanted = at(forces, p) - velocity(p, x) / gain;
         const S now = wanted > limit ? limit : (wanted < -limit ? -limit : wanted);
         x += column * (now - at(forces, p));

@@ -3,18 +3,28 @@
 
 namespace model {
 
-/// Path of the test machine x_cmd → x_act. An effect sets what it is; zero means ideal.
+/// Path of the test machine x_cmd → delay → lag → resonance → rate limit → x_act. An effect sets what it is; zero means
+/// ideal.
 template <class S>
 struct MachinePath {
-  S delay{};  ///< τ [s]
+  S delay{};                ///< τ [s]
+  S lag{};                  ///< T [s]
+  S resonance_frequency{};  ///< f [Hz]
+  S resonance_damping{};    ///< ζ [1]
+  S rate_limit{};           ///< highest |ẋ_act| [m/s]
 };
 
-/// What acts parallel to spring, damper and FDVA of the suspension component, beside laws with `suspension_force`.
+/// The suspension component: top mount → free play → everything else in parallel, to which laws with `suspension_force`
+/// add. Zero means absent.
 template <class S>
 struct SuspensionComponent {
-  S stiffness{};     ///< k_b [N/m]
-  S damping{};       ///< b_b [N s/m]
-  S dry_friction{};  ///< F_r [N], Coulomb
+  S stiffness{};           ///< k_b [N/m]
+  S damping{};             ///< b_b [N s/m]
+  S dry_friction{};        ///< F_r [N], Coulomb
+  S relaxing_stiffness{};  ///< k_r [N/m]
+  S relaxation_time{};     ///< T [s]
+  S mount_stiffness{};     ///< k_m [N/m]; zero: rigid
+  S free_play{};           ///< g [m]
 };
 
 /// Piston of the FDVA.
@@ -36,6 +46,17 @@ struct Guides {
 template <class S>
 struct WheelLoadSensor {
   S mass_beyond{};  ///< mass between force sensor and wheel spring [kg]
+};
+
+/// A channel's sensor: gain and offset, then, on signal plus noise, lag → delay → limit → hold.
+template <class S>
+struct SensorPath {
+  S gain{1};   ///< [1]
+  S offset{};  ///< [unit of the channel]
+  S lag{};     ///< T [s]
+  S delay{};   ///< τ [s]
+  S limit{};   ///< [unit of the channel]; zero: none
+  S hold{};    ///< T_h [s]; zero: none
 };
 
 }  // namespace model

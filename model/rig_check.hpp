@@ -5,6 +5,13 @@
 
 namespace model {
 
+/// Whether a channel of this kind of rig has a sensor whose reading can differ from the true value: in a hil rig body,
+/// wheel and road are numbers.
+[[nodiscard]] constexpr bool has_sensor(RigKind kind, Channel channel) {
+  const bool machine = channel == Channel::F || channel == Channel::x_act;
+  return kind == RigKind::quarter_car ? !machine && channel != Channel::x_cmd && channel != Channel::F_act : machine;
+}
+
 template <class S>
 std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::size_t longest_delay) {
   std::optional<RigFault> fault;
@@ -44,16 +51,28 @@ std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::s
     demand(f.open_ducts >= 0 && f.open_ducts <= f.ducts, "fdva", "open_ducts", "a whole number from 0 to ducts");
   }
 
-  rig.effects.for_each([&](const auto& slot) {
-    if (!slot.active) return;
-    using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+  const auto check_effect = [&](const auto& effect, std::optional<Channel> channel) {
+    using Effect = std::remove_cvref_t<decltype(effect)>;
+    const bool sound = !fault;
     demand(Effect::card.rigs.contains(rig.kind), Effect::card.name, "", "absent: this kind of rig has no such place");
     demand(!Effect::card.needs_fdva || rig.has_fdva, Effect::card.name, "", "absent: the rig has no FDVA");
     for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
       const auto& parameter = Effect::card.parameters[i];
-      const S value = slot.effect.*Effect::values[i];
+      const S value = effect.*Effect::values[i];
       demand(finite(value) && value >= S(parameter.lower) && value <= S(parameter.upper), Effect::card.name,
              parameter.name, "a number within the physical bounds of the effect");
+    }
+    if (sound && fault) fault->channel = channel;
+  };
+  rig.effects.for_each([&](const auto& slot) {
+    if (slot.active) check_effect(slot.effect, std::nullopt);
+  });
+  rig.effects.for_each_sensor([&](const auto& slot, Channel channel) {
+    if (!slot.active || fault) return;
+    check_effect(slot.effect, channel);
+    if (!has_sensor(rig.kind, channel)) {
+      fault = RigFault{std::remove_cvref_t<decltype(slot.effect)>::card.name, "",
+                       "absent: this kind of rig has no sensor of that channel", channel};
     }
   });
 
@@ -63,6 +82,18 @@ std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::s
     demand(machine.delay <= S(longest_delay) * period, "actuator_delay", "delay",
            "a delay within the capacity of the delay line at this sample rate");
   }
+  std::size_t delayed = 0;
+  rig.effects.for_each_sensor([&](const auto& slot, Channel channel) {
+    if constexpr (requires { slot.effect.delay; }) {
+      if (!slot.active || fault) return;
+      if (++delayed > delayed_sensors) {
+        fault = RigFault{"sensor_delay", "", "absent: at most two sensors of a rig may have a delay", channel};
+      } else if (slot.effect.delay > S(sensor_delay_capacity - 4) * period) {
+        fault = RigFault{"sensor_delay", "delay", "a delay within the capacity of the delay line at this sample rate",
+                         channel};
+      }
+    }
+  });
   return fault;
 }
 

@@ -11,12 +11,14 @@
 #include "model/delay_line.hpp"
 #include "model/duct_flows.hpp"
 #include "model/friction_contacts.hpp"
+#include "model/machine.hpp"
 #include "model/motion.hpp"
 #include "model/pair.hpp"
 #include "model/places.hpp"
 #include "model/require.hpp"
 #include "model/rig_equations.hpp"
 #include "model/rig_parameters.hpp"
+#include "model/sensors.hpp"
 
 namespace model {
 
@@ -27,15 +29,12 @@ enum class Extent : unsigned char {
   test_machine,  ///< hil: only machine and component, the deflection is commanded (the simulated rig)
 };
 
-/// Value of every channel at one instant [SI]; those a rig does not have are 0.
-template <class S>
-using Signals = std::array<S, channel_count>;
-
 /// Why parameters cannot be a rig: `table`.`key` must be `expected`.
 struct RigFault {
   std::string_view table;
   std::string_view key;
   std::string_view expected;
+  std::optional<Channel> channel{};  ///< of a sensor effect
 };
 
 /// nullopt, or the first thing that is wrong with `rig` when it runs with this period [s] and delay capacity [samples].
@@ -44,15 +43,15 @@ template <class S>
 
 /// A rig of any kind with its effects, in fixed steps.
 ///
-/// Equations: RigEquations (1)–(9), MachinePath, the catalogue of effects. A step takes the values of the inputs at its
-/// end, knows those at its start, and costs the same whatever they are:
+/// Equations: RigEquations (1)–(9), Machine, Sensors, the catalogue of effects. A step takes the values of the inputs
+/// at its end, knows those at its start, and costs the same whatever they are:
 ///
 /// * Linear part: exact (ExactDiscretisation). The foot point and the deflection of a test machine move on the cubic
 ///   Hermite polynomial through position and velocity of both samples; F_act goes straight from sample to sample; the
 ///   force measured by a hardware-in-the-loop controller is held.
-/// * Duct losses: explicit, fourth order; laws of suspension and tyre: explicit, third order, which bears stiffer laws
-///   (exponential Adams–Bashforth). Global error ∝ h⁴ and h³, smaller by the ratio of the nonlinear to the linear
-///   force; at a kink of a law ∝ h².
+/// * Duct losses: explicit, fourth order; free play, laws of suspension and tyre: explicit, third order, which bears
+///   stiffer laws (exponential Adams–Bashforth). Global error ∝ h⁴ and h³, smaller by the ratio of the nonlinear to the
+///   linear force; at a kink of a law ∝ h².
 /// * Dry friction: implicit, sharp (FrictionContacts).
 ///
 /// Kinds and extents:
@@ -74,12 +73,14 @@ class RigModel {
     Motion<S> foot_point{};  ///< z_r, ż_r, z̈_r
     Stroke<S> command{};     ///< x_cmd, ẋ_cmd of a test machine without car
     S actuator_force{};      ///< F_act [N]
-    S force_noise{};         ///< what the sensor of F adds in a closed hil rig [N]
+    /// What the sensors add to each channel at the end of the step, nullptr for nothing. It passes through sensors that
+    /// have effects, and around the loop of a hil rig.
+    const Signals<S>* noise = nullptr;
   };
 
   /// Everything that changes. Copy it to keep an instant.
   struct State {
-    Column<S, 6> core = Column<S, 6>::Zero();  ///< z_w, ż_w, z_b, ż_b, y, ẏ
+    Column<S, 8> core = Column<S, 8>::Zero();  ///< z_w, ż_w, z_b, ż_b, y, ẏ, r, e
     Motion<S> foot_point{};
     Stroke<S> command{};  ///< x_cmd
     Stroke<S> reached{};  ///< x_act
@@ -89,6 +90,10 @@ class RigModel {
     Recent<S> tyre_load{}, suspension_load{};  ///< what laws add to (3) and (5) [N]
     typename FrictionContacts<S>::Forces friction{};
     Line line{};
+    Stroke<S> delayed{};  ///< x_cmd behind the delay
+    typename Machine<S>::State machine = Machine<S>::State::Zero();
+    Recent<S> free_play{}, free_play_rate{};  ///< δ [m], δ̇ [m/s]
+    typename Sensors<S>::State sensors{};
     std::uint32_t steps = 0;
   };
 
@@ -98,7 +103,8 @@ class RigModel {
   /// component included: its coil spring is relaxed by the piston's travel y = deflection).
   [[nodiscard]] State start(S z_r = S(0), S deflection = S(0)) const;
 
-  /// In mid-motion: car and piston as given, machine as if it had always moved on with its present velocity.
+  /// In mid-motion: car and piston as given, relaxation and top mount settled, machine as if it had always moved on
+  /// with its present velocity.
   [[nodiscard]] State start(const Column<S, 6>& core, const Motion<S>& foot_point, const Stroke<S>& reached) const;
 
   /// One period.
@@ -115,8 +121,8 @@ class RigModel {
 
   /// True values at this instant.
   [[nodiscard]] Signals<S> signals(const State& x) const;
-  /// What the rig's sensors say at this instant, without noise.
-  [[nodiscard]] Signals<S> measured(const State& x) const;
+  /// What the rig's sensors say at this instant; `noise`: as in the Input of the step that led here.
+  [[nodiscard]] Signals<S> measured(const State& x, const Signals<S>* noise = nullptr) const;
   /// z_w − z_b and its rate: the deflection a hil rig commands.
   [[nodiscard]] Stroke<S> deflection(const State& x) const { return {x.core(0) - x.core(2), x.core(1) - x.core(3)}; }
   /// Force of the component on the body, true value [N].
@@ -124,6 +130,8 @@ class RigModel {
   /// Stored energy of masses, springs and oil [J].
   [[nodiscard]] S energy(const State& x) const;
 
+  /// Behind the delay of the test machine.
+  [[nodiscard]] const Machine<S>& machine() const { return machine_; }
   [[nodiscard]] const RigEquations<S>& equations() const { return equations_; }
   [[nodiscard]] const RigParameters<S>& parameters() const { return rig_; }
   [[nodiscard]] S period() const { return period_; }
@@ -140,19 +148,24 @@ class RigModel {
     PackedColumns<S, 4, 1> force;
     PackedColumns<S, 4, 3> tyre;
   };
+  template <int N>  // 2: plain, 4: with relaxation or top mount
   struct ComponentStep {
-    PackedColumns<S, 2, 2> state;
-    PackedColumns<S, 2, 4> stroke;
-    PackedColumns<S, 2, 4> losses;
-    Block<S, 2, Friction::contacts> friction;
+    PackedColumns<S, N, N> state;
+    PackedColumns<S, N, 4> stroke;
+    PackedColumns<S, N, 4> losses;
+    PackedColumns<S, N, 3> laws;
+    std::array<PackedColumns<S, N, 3>, 2> free_play;
+    Block<S, N, Friction::contacts> friction;
   };
+  template <int N>  // 6: plain, 8: with relaxation or top mount
   struct JoinedStep {
-    PackedColumns<S, 6, 6> state;
-    PackedColumns<S, 6, 4> foot_point;
-    PackedColumns<S, 6, 2> actuator;
-    PackedColumns<S, 6, 4> losses;
-    PackedColumns<S, 6, 3> suspension, tyre;
-    Block<S, 6, Friction::contacts> friction;
+    PackedColumns<S, N, N> state;
+    PackedColumns<S, N, 4> foot_point;
+    PackedColumns<S, N, 2> actuator;
+    PackedColumns<S, N, 4> losses;
+    PackedColumns<S, N, 3> suspension, tyre;
+    std::array<PackedColumns<S, N, 3>, 2> free_play;
+    Block<S, N, Friction::contacts> friction;
   };
 
   [[nodiscard]] bool joined() const { return rig_.kind == RigKind::quarter_car; }
@@ -160,20 +173,24 @@ class RigModel {
   [[nodiscard]] bool has_machine() const { return !joined() && extent_ != Extent::virtual_car; }
 
   [[nodiscard]] CarStep car_step() const;
-  [[nodiscard]] ComponentStep component_step(int open) const;
-  [[nodiscard]] JoinedStep joined_step(int open) const;
+  template <int N>
+  [[nodiscard]] ComponentStep<N> component_step(int open) const;
+  template <int N>
+  [[nodiscard]] JoinedStep<N> joined_step(int open) const;
 
   void step_with_laws(State& x, const Input& in) const;
   template <bool WithLaws>
   void advance(State& x, const Input& in) const;
-  template <bool WithLaws>
-  void advance_joined(State& x, const Input& in) const;
+  template <bool WithLaws, int N>
+  void advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const;
   template <bool WithLaws>
   void advance_car(State& x, const Input& in) const;
   template <bool WithLaws>
   void advance_machine(State& x, const Stroke<S>& command) const;
-  void rub_joined(State& x) const;
-  void rub_component(State& x) const;
+  template <bool WithLaws, int N>
+  void advance_component(const ComponentStep<N>& m, State& x, const Stroke<S>& reached) const;
+  template <int N>
+  void rub(const Block<S, N, Friction::contacts>& columns, State& x, S mount_before) const;
   void refresh_laws(State& x) const;
   void start_laws(State& x) const;
   void flush(State& x) const;
@@ -181,9 +198,28 @@ class RigModel {
   [[nodiscard]] Signals<S> channels(const State& x, S force, S mass_beyond) const;
   void fill_car(Signals<S>& s, const State& x, S suspension_force, S mass_beyond) const;
   [[nodiscard]] S tyre_law(const State& x) const;
-  [[nodiscard]] S suspension_law(S deflection, S velocity) const;
+  [[nodiscard]] S suspension_law(const Stroke<S>& seen) const;
+  [[nodiscard]] Stroke<S> offset(const Stroke<S>& inner) const;
+  [[nodiscard]] Stroke<S> outer_stroke(const State& x) const { return joined() ? deflection(x) : x.reached; }
+  [[nodiscard]] Stroke<S> inner_stroke(const State& x) const;
+  [[nodiscard]] typename Equations::ComponentDrive component_drive(const State& x) const;
+  /// The component sees no deflection: what free play takes away is all there is.
+  [[nodiscard]] bool inside_free_play(const State& x) const {
+    const S half = S(0.5) * equations_.suspension().free_play;
+    const S taken = x.free_play.now;
+    return taken < half && taken > -half;
+  }
+  template <int N>
+  [[nodiscard]] RIGTWIN_INLINE static std::array<S, static_cast<std::size_t>(N)> entries(const Column<S, 8>& core,
+                                                                                         int from) {
+    std::array<S, static_cast<std::size_t>(N)> values;
+    for (int i = 0; i < N; ++i) values[static_cast<std::size_t>(i)] = core(from + i);
+    return values;
+  }
+  void sense(State& x, const Signals<S>* noise) const;
   template <bool WithLaws>
   [[nodiscard]] S component_force(const State& x) const;
+  [[nodiscard]] S prescribed_force(const State& x) const;
 
   RigParameters<S> rig_;
   Equations equations_;
@@ -196,11 +232,16 @@ class RigModel {
   bool has_suspension_law_ = false;
   bool has_laws_ = false;
   bool has_delay_ = false;
+  bool has_free_play_ = false;
   Friction contacts_;
+  Machine<S> machine_;
+  Sensors<S> sensors_;
   typename DuctFlows<S>::Step duct_step_{};
   CarStep car_{};
-  std::array<ComponentStep, counts> component_{};
-  std::array<JoinedStep, counts> joined_{};
+  std::array<ComponentStep<2>, counts> component_{};
+  std::array<JoinedStep<6>, counts> joined_{};
+  std::array<ComponentStep<4>, counts> elaborate_component_{};
+  std::array<JoinedStep<8>, counts> elaborate_joined_{};
 };
 
 }  // namespace model

@@ -22,6 +22,9 @@ RigModel<S, D>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
   delay_ = machine.delay / period;
   has_delay_ = delay_ > S(0);
   mass_beyond_sensor_ = wheel_load.mass_beyond;
+  machine_ = Machine<S>(machine, period);
+  if (extent != Extent::virtual_car) sensors_ = Sensors<S>(rig.effects.sensor_paths(), period);
+  has_free_play_ = equations_.suspension().free_play > S(0);
   rig.effects.for_each([&](const auto& slot) {
     if constexpr (requires { slot.effect.tyre_force(S{}, S{}, S{}); }) has_tyre_law_ = has_tyre_law_ || slot.active;
     if constexpr (requires { slot.effect.suspension_force(S{}, S{}); }) {
@@ -31,7 +34,8 @@ RigModel<S, D>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
   const auto& guides = equations_.guides();
   contacts_ = Friction({equations_.suspension().dry_friction, equations_.piston().dry_friction,
                         guides.wheel_dry_friction, guides.body_dry_friction});
-  has_laws_ = contacts_.any() || has_tyre_law_ || has_suspension_law_;
+  has_laws_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
+              sensors_.any() || !equations_.plain();
 
   if (equations_.has_fdva()) {
     duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
@@ -39,8 +43,14 @@ RigModel<S, D>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
   if (has_car()) car_ = car_step();
   const int installed = equations_.has_fdva() ? equations_.fdva().ducts : 0;
   for (int open = 0; open <= installed; ++open) {
-    if (joined()) joined_[static_cast<std::size_t>(open)] = joined_step(open);
-    if (has_machine()) component_[static_cast<std::size_t>(open)] = component_step(open);
+    const auto n = static_cast<std::size_t>(open);
+    if (equations_.plain()) {
+      if (joined()) joined_[n] = joined_step<6>(open);
+      if (has_machine()) component_[n] = component_step<2>(open);
+    } else {
+      if (joined()) elaborate_joined_[n] = joined_step<8>(open);
+      if (has_machine()) elaborate_component_[n] = component_step<4>(open);
+    }
   }
 }
 
@@ -57,35 +67,51 @@ auto RigModel<S, D>::car_step() const -> CarStep {
 }
 
 template <class S, std::size_t D>
-auto RigModel<S, D>::component_step(int open) const -> ComponentStep {
+template <int N>
+auto RigModel<S, D>::component_step(int open) const -> ComponentStep<N> {
   using Drive = typename Equations::ComponentDrive;
-  const auto rates = [this, open](const Column<S, 2>& c, const Drive& in) { return equations_.component(c, in, open); };
-  using Columns = StepColumns<S, 2>;
-  const ExactDiscretisation<S, 2> step = Columns(Drive{}, rates, period_).step();
-  ComponentStep m{
+  const auto rates = [this, open](const Column<S, N>& c, const Drive& in) -> Column<S, N> {
+    typename Equations::ComponentState all = Equations::ComponentState::Zero();
+    all.template head<N>() = c;
+    return equations_.component(all, in, open).template head<N>();
+  };
+  using Columns = StepColumns<S, N>;
+  const ExactDiscretisation<S, N> step = Columns(Drive{}, rates, period_).step();
+  const Column<S, N> parallel = Columns::entry(Drive{.parallel_force = S(1)}, rates);
+  ComponentStep<N> m{
       step.transition(),
       step.hermite(Columns::entry(Drive{.deflection = S(1)}, rates), Columns::entry(Drive{.velocity = S(1)}, rates)),
       step.template continued<4>(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
-      {}};
-  m.friction.setZero();
+      step.template continued<3>(parallel),
+      {step.template continued<3>(Columns::entry(Drive{.free_play = S(1)}, rates)),
+       step.template continued<3>(Columns::entry(Drive{.free_play_rate = S(1)}, rates))},
+      Block<S, N, Friction::contacts>::Zero()};
+  m.friction.col(Friction::suspension) = step.held(parallel);
   m.friction.col(Friction::piston) = step.held(Columns::entry(Drive{.piston_friction = S(1)}, rates));
   return m;
 }
 
 template <class S, std::size_t D>
-auto RigModel<S, D>::joined_step(int open) const -> JoinedStep {
+template <int N>
+auto RigModel<S, D>::joined_step(int open) const -> JoinedStep<N> {
   using Drive = typename Equations::JoinedDrive;
-  const auto rates = [this, open](const Column<S, 6>& x, const Drive& in) { return equations_.joined(x, in, open); };
-  using Columns = StepColumns<S, 6>;
-  const ExactDiscretisation<S, 6> step = Columns(Drive{}, rates, period_).step();
-  const Column<S, 6> parallel = Columns::entry(Drive{.parallel_force = S(1)}, rates);
-  JoinedStep m{step.transition(),
-               step.hermite(Columns::entry(Drive{.z_r = S(1)}, rates), Columns::entry(Drive{.v_r = S(1)}, rates)),
-               step.straight(parallel),
-               step.template continued<4>(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
-               step.template continued<3>(parallel),
-               step.template continued<3>(Columns::entry(Drive{.tyre_force = S(1)}, rates)),
-               {}};
+  const auto rates = [this, open](const Column<S, N>& x, const Drive& in) -> Column<S, N> {
+    typename Equations::JoinedState all = Equations::JoinedState::Zero();
+    all.template head<N>() = x;
+    return equations_.joined(all, in, open).template head<N>();
+  };
+  using Columns = StepColumns<S, N>;
+  const ExactDiscretisation<S, N> step = Columns(Drive{}, rates, period_).step();
+  const Column<S, N> parallel = Columns::entry(Drive{.parallel_force = S(1)}, rates);
+  JoinedStep<N> m{step.transition(),
+                  step.hermite(Columns::entry(Drive{.z_r = S(1)}, rates), Columns::entry(Drive{.v_r = S(1)}, rates)),
+                  step.straight(Columns::entry(Drive{.actuator_force = S(1)}, rates)),
+                  step.template continued<4>(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
+                  step.template continued<3>(parallel),
+                  step.template continued<3>(Columns::entry(Drive{.tyre_force = S(1)}, rates)),
+                  {step.template continued<3>(Columns::entry(Drive{.free_play = S(1)}, rates)),
+                   step.template continued<3>(Columns::entry(Drive{.free_play_rate = S(1)}, rates))},
+                  {}};
   m.friction.col(Friction::suspension) = step.held(parallel);
   m.friction.col(Friction::piston) = step.held(Columns::entry(Drive{.piston_friction = S(1)}, rates));
   m.friction.col(Friction::body_guide) = step.held(Columns::entry(Drive{.body_guide_friction = S(1)}, rates));
@@ -104,7 +130,7 @@ template <class S, std::size_t D>
 auto RigModel<S, D>::start(const Column<S, 6>& core, const Motion<S>& foot_point, const Stroke<S>& reached) const
     -> State {
   State x;
-  x.core = core;
+  x.core.template head<6>() = core;
   x.foot_point = foot_point;
   x.reached = reached;
   x.line.start(reached, delay_);
@@ -112,10 +138,28 @@ auto RigModel<S, D>::start(const Column<S, 6>& core, const Motion<S>& foot_point
     x.line.ago(i).position = reached.position + reached.velocity * period_ * (delay_ - S(i));
   }
   x.command = has_delay_ ? x.line.ago(0) : reached;
+  x.delayed = reached;
+  x.machine = machine_.start(reached);
   x.ducts.start(first_ducts(equations_.has_fdva() ? equations_.fdva().open_ducts : 0));
   if (x.ducts.open_count() == 0) x.core(5) = S(0);
+  const S outside = outer_stroke(x).position;
+  x.core(6) = x.core(7) = outside;
+  if (equations_.has_mount()) {  // (5b) at rest, where the relaxing branch carries nothing: one linear equation of e
+    typename Equations::ComponentState c = x.core.template tail<4>();
+    const auto rate_at = [&](S inside) {
+      c(2) = c(3) = inside;
+      return equations_.component(c, {.deflection = outside}, x.ducts.open_count())(3);
+    };
+    const S at_zero = rate_at(S(0));
+    const S per_metre = rate_at(S(1)) - at_zero;
+    x.core(6) = x.core(7) = -at_zero / per_metre;
+  }
   start_laws(x);
   x.received_force = has_machine() ? component_force<true>(x) : S(0);
+  if (sensors_.any()) {
+    sensors_.start(x.sensors, channels(x, x.received_force, mass_beyond_sensor_), nullptr);
+    if (has_machine()) x.received_force = sensors_.reading(x.sensors, Channel::F, x.received_force);
+  }
   return x;
 }
 
@@ -132,66 +176,93 @@ RIGTWIN_APART void RigModel<S, D>::step_with_laws(State& x, const Input& in) con
   if ((++x.steps & 63U) == 0U) flush(x);
 }
 
-/// WithLaws: the rig has dry friction or nonlinear laws of tyre or suspension. Without them a step is a straight line.
+/// WithLaws: the rig has something beside a linear component with quadratic duct losses and a machine that is late.
+/// Without it a step is a straight line.
 template <class S, std::size_t D>
 template <bool WithLaws>
 RIGTWIN_INLINE void RigModel<S, D>::advance(State& x, const Input& in) const {
-  if (joined()) return advance_joined<WithLaws>(x, in);
-  Stroke<S> command = in.command;
-  if (has_car()) {
-    advance_car<WithLaws>(x, in);
-    command = deflection(x);
+  if (joined()) {
+    if (WithLaws && !equations_.plain()) {
+      advance_joined<WithLaws>(elaborate_joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
+    } else {
+      advance_joined<WithLaws>(joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
+    }
+  } else {
+    Stroke<S> command = in.command;
+    if (has_car()) {
+      advance_car<WithLaws>(x, in);
+      command = deflection(x);
+    }
+    if (has_machine()) {
+      advance_machine<WithLaws>(x, command);
+      x.received_force = component_force<WithLaws>(x);
+      if (in.noise != nullptr && !(WithLaws && sensors_.any())) x.received_force += (*in.noise)[index(Channel::F)];
+    }
   }
-  if (has_machine()) {
-    advance_machine<WithLaws>(x, command);
-    x.received_force = component_force<WithLaws>(x) + in.force_noise;
-  }
+  if (WithLaws && sensors_.any()) sense(x, in.noise);
+}
+
+/// The readings of this instant; that of F goes around the loop.
+template <class S, std::size_t D>
+RIGTWIN_APART void RigModel<S, D>::sense(State& x, const Signals<S>* noise) const {
+  const S force = x.received_force;
+  sensors_.step(x.sensors, channels(x, force, mass_beyond_sensor_), noise);
+  if (!has_machine()) return;
+  x.received_force =
+      sensors_.reading(x.sensors, Channel::F, noise != nullptr ? force + (*noise)[index(Channel::F)] : force);
 }
 
 template <class S, std::size_t D>
-template <bool WithLaws>
-RIGTWIN_INLINE void RigModel<S, D>::advance_joined(State& x, const Input& in) const {
-  const JoinedStep& m = joined_[static_cast<std::size_t>(x.ducts.open_count())];
-  Packed<S, 6> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
+template <bool WithLaws, int N>
+RIGTWIN_INLINE void RigModel<S, D>::advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const {
+  Packed<S, N> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
   m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
   if (WithLaws && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load));
   if (WithLaws && has_tyre_law_) m.tyre.add_to(next, newest_three(x.tyre_load));
+  if (WithLaws && has_free_play_) {
+    m.free_play[0].add_to(next, newest_three(x.free_play));
+    m.free_play[1].add_to(next, newest_three(x.free_play_rate));
+  }
   if (equations_.has_fdva()) m.losses.add_to(next, newest_four(x.ducts.losses()));
-  next = next + m.state.times({x.core(0), x.core(1), x.core(2), x.core(3), x.core(4), x.core(5)});
+  const S mount_before = x.core(7);
+  next = next + m.state.times(entries<N>(x.core, 0));
   next.store(x.core);
-  if (WithLaws && contacts_.any()) rub_joined(x);
+  if (WithLaws && contacts_.any()) rub(m.friction, x, mount_before);
   x.foot_point = in.foot_point;
   x.actuator_force = in.actuator_force;
   if (equations_.has_fdva()) x.ducts.advance(x.core(5), duct_step_);
   if constexpr (WithLaws) refresh_laws(x);
 }
 
-/// Dry friction of this step, on top of what moves freely.
+/// Dry friction of this step, on top of what moves freely. With a top mount it rubs where the component is deflected
+/// inside: on e, which was `mount_before`.
 template <class S, std::size_t D>
-RIGTWIN_APART void RigModel<S, D>::rub_joined(State& x) const {
-  const JoinedStep& m = joined_[static_cast<std::size_t>(x.ducts.open_count())];
-  contacts_.solve(x.core, m.friction, x.friction, [](int contact, const Column<S, 6>& core) {
+template <int N>
+RIGTWIN_APART void RigModel<S, D>::rub(const Block<S, N, Friction::contacts>& columns, State& x, S mount_before) const {
+  constexpr int before_component = N > 4 ? 0 : 4;  // N = 6, 8: car and component; 2, 4: component alone
+  constexpr int travel = N > 4 ? 4 : 0;
+  Column<S, N> all = x.core.template segment<N>(before_component);
+  const bool mount = N % 4 == 0 && equations_.has_mount();
+  if (mount) all(N - 1) -= mount_before;
+  typename Friction::Forces limits = contacts_.limits();
+  if (has_free_play_ && inside_free_play(x)) {
+    limits[Friction::suspension] = S(0);  // inside the free play nothing rubs
+  }
+  contacts_.solve(all, columns, limits, x.friction, [&](int contact, const Column<S, N>& v) {
     switch (contact) {
       case Friction::suspension:
-        return core(1) - core(3);
+        if (mount) return v(N - 1);
+        return N > 4 ? v(1) - v(N > 4 ? 3 : 0) : S(0);
       case Friction::piston:
-        return core(5);
+        return v(travel + 1);
       case Friction::body_guide:
-        return core(3);
+        return N > 4 ? v(N > 4 ? 3 : 0) : S(0);
       default:
-        return core(1);
+        return N > 4 ? v(1) : S(0);
     }
   });
-}
-
-template <class S, std::size_t D>
-RIGTWIN_APART void RigModel<S, D>::rub_component(State& x) const {
-  const ComponentStep& m = component_[static_cast<std::size_t>(x.ducts.open_count())];
-  Column<S, 2> c = x.core.template tail<2>();
-  contacts_.solve(c, m.friction, x.friction, [](int contact, const Column<S, 2>& component) {
-    return contact == Friction::piston ? component(1) : S(0);
-  });
-  x.core.template tail<2>() = c;
+  if (mount) all(N - 1) += mount_before;
+  x.core.template segment<N>(before_component) = all;
 }
 
 template <class S, std::size_t D>
@@ -215,17 +286,46 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_machine(State& x, const Stroke<S>& c
     x.line.push(command);
     reached = x.line.read(period_);
   }
-  if (equations_.has_fdva()) {
-    const ComponentStep& m = component_[static_cast<std::size_t>(x.ducts.open_count())];
-    Packed<S, 2> c = m.state.times({x.core(4), x.core(5)});
-    m.losses.add_to(c, newest_four(x.ducts.losses()));
-    c = c + m.stroke.times(driven_by(x.reached, reached));
-    c.store(x.core.template tail<2>());
-    if (WithLaws && contacts_.any()) rub_component(x);
-    x.ducts.advance(x.core(5), duct_step_);
+  if (WithLaws && machine_.any()) {
+    const Stroke<S> delayed = reached;
+    reached = machine_.step(x.machine, x.delayed, delayed, x.reached);
+    x.delayed = delayed;
+  }
+  if (WithLaws && !equations_.plain()) {
+    advance_component<WithLaws>(elaborate_component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
+  } else if (equations_.has_fdva()) {
+    advance_component<WithLaws>(component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
   }
   x.reached = reached;
-  if (WithLaws && has_suspension_law_) x.suspension_load.push(suspension_law(reached.position, reached.velocity));
+  if constexpr (WithLaws) refresh_laws(x);
+}
+
+template <class S, std::size_t D>
+template <bool WithLaws, int N>
+RIGTWIN_INLINE void RigModel<S, D>::advance_component(const ComponentStep<N>& m, State& x,
+                                                      const Stroke<S>& reached) const {
+  const S mount_before = x.core(7);
+  Packed<S, N> c = m.state.times(entries<N>(x.core, 4));
+  if (equations_.has_fdva()) m.losses.add_to(c, newest_four(x.ducts.losses()));
+  if (WithLaws && has_free_play_ && !equations_.has_mount()) {
+    // the deflection is prescribed: free play changes what is prescribed
+    const Stroke<S> before = offset(x.reached), after = offset(reached);
+    c = c +
+        m.stroke.times(driven_by(Stroke<S>{x.reached.position + before.position, x.reached.velocity + before.velocity},
+                                 Stroke<S>{reached.position + after.position, reached.velocity + after.velocity}));
+  } else {
+    c = c + m.stroke.times(driven_by(x.reached, reached));
+  }
+  if (WithLaws && equations_.has_mount()) {  // laws and free play act on e, which is free
+    if (has_suspension_law_) m.laws.add_to(c, newest_three(x.suspension_load));
+    if (has_free_play_) {
+      m.free_play[0].add_to(c, newest_three(x.free_play));
+      m.free_play[1].add_to(c, newest_three(x.free_play_rate));
+    }
+  }
+  c.store(x.core.template segment<N>(4));
+  if (WithLaws && contacts_.any()) rub(m.friction, x, mount_before);
+  if (equations_.has_fdva()) x.ducts.advance(x.core(5), duct_step_);
 }
 
 template <class S, std::size_t D>
@@ -248,48 +348,92 @@ S RigModel<S, D>::tyre_law(const State& x) const {
 }
 
 template <class S, std::size_t D>
-S RigModel<S, D>::suspension_law([[maybe_unused]] S deflection, [[maybe_unused]] S velocity) const {
+S RigModel<S, D>::suspension_law(const Stroke<S>& seen) const {
   S force = S(0);
   rig_.effects.for_each([&](const auto& slot) {
-    if constexpr (requires { slot.effect.suspension_force(deflection, velocity); }) {
-      if (slot.active) force += slot.effect.suspension_force(deflection, velocity);
+    if constexpr (requires { slot.effect.suspension_force(seen.position, seen.velocity); }) {
+      if (slot.active) force += slot.effect.suspension_force(seen.position, seen.velocity);
     }
   });
   return force;
 }
 
+/// What free play takes away from an inner stroke: all of it inside, half the gap outside.
+template <class S, std::size_t D>
+Stroke<S> RigModel<S, D>::offset(const Stroke<S>& inner) const {
+  const S half = S(0.5) * equations_.suspension().free_play;
+  if (inner.position > half) return {-half, S(0)};
+  if (inner.position < -half) return {half, S(0)};
+  return {-inner.position, -inner.velocity};
+}
+
+/// e and ė: behind the top mount, before the free play.
+template <class S, std::size_t D>
+Stroke<S> RigModel<S, D>::inner_stroke(const State& x) const {
+  if (!equations_.has_mount()) return outer_stroke(x);
+  const auto rate = equations_.component(x.core.template tail<4>(), component_drive(x), x.ducts.open_count());
+  return {x.core(7), rate(3)};
+}
+
+/// The loads of this instant on the component.
+template <class S, std::size_t D>
+auto RigModel<S, D>::component_drive(const State& x) const -> typename Equations::ComponentDrive {
+  const Stroke<S> outside = outer_stroke(x);
+  S parallel = x.friction[Friction::suspension];
+  if (has_suspension_law_) parallel += x.suspension_load.now;
+  return {.deflection = outside.position,
+          .velocity = outside.velocity,
+          .minor_losses = x.ducts.losses().now,
+          .piston_friction = x.friction[Friction::piston],
+          .parallel_force = parallel,
+          .free_play = x.free_play.now,
+          .free_play_rate = x.free_play_rate.now};
+}
+
 template <class S, std::size_t D>
 void RigModel<S, D>::refresh_laws(State& x) const {
-  if (has_tyre_law_) x.tyre_load.push(tyre_law(x));
-  if (has_suspension_law_) {
-    const Stroke<S> d = deflection(x);
-    x.suspension_load.push(suspension_law(d.position, d.velocity));
+  if (has_tyre_law_ && joined()) x.tyre_load.push(tyre_law(x));
+  if (!has_suspension_law_ && !has_free_play_) return;
+  Stroke<S> seen = inner_stroke(x);
+  if (has_free_play_) {
+    const Stroke<S> taken = offset(seen);
+    x.free_play.push(taken.position);
+    x.free_play_rate.push(taken.velocity);
+    seen = {seen.position + taken.position, seen.velocity + taken.velocity};
   }
+  if (has_suspension_law_) x.suspension_load.push(suspension_law(seen));
 }
 
 template <class S, std::size_t D>
 void RigModel<S, D>::start_laws(State& x) const {
-  const Stroke<S> d = joined() ? deflection(x) : x.reached;
-  if (has_suspension_law_) x.suspension_load.start(suspension_law(d.position, d.velocity));
-  if (has_tyre_law_ && (joined() || has_car())) x.tyre_load.start(tyre_law(x));
-  if (equations_.has_fdva()) {
-    for (int i = 0; i < 4; ++i)
+  if (has_tyre_law_ && has_car()) x.tyre_load.start(tyre_law(x));
+  constexpr int samples = 4;  // now, before, earlier, earliest
+  for (int i = 0; i < samples; ++i) {
+    refresh_laws(x);
+    if (equations_.has_fdva()) {
       x.ducts.advance(x.core(5),
                       typename DuctFlows<S>::Step{.decay = Pair<S>::both(S(1)), .piston_area = duct_step_.piston_area});
+    }
   }
 }
 
-/// F of a test machine's component, dry friction by the sign of the prescribed velocity.
+/// F of a test machine's component. Where the deflection is prescribed dry friction follows the sign of its velocity.
 template <class S, std::size_t D>
 template <bool WithLaws>
 RIGTWIN_INLINE S RigModel<S, D>::component_force(const State& x) const {
-  S force = equations_.component_force(x.core.template tail<2>(), x.reached.position, x.reached.velocity);
-  if (!WithLaws) return force;
-  if (has_suspension_law_) force += x.suspension_load.now;
+  if (!WithLaws) return equations_.plain_force(x.core(4), x.reached.position, x.reached.velocity);
+  return prescribed_force(x);
+}
+
+template <class S, std::size_t D>
+RIGTWIN_APART S RigModel<S, D>::prescribed_force(const State& x) const {
+  S force = equations_.component_force(x.core.template tail<4>(), component_drive(x));
+  if (equations_.has_mount()) return force;
   const S friction = contacts_.limits()[Friction::suspension];
   if (friction > S(0)) {
-    if (x.reached.velocity > S(0)) force += friction;
-    if (x.reached.velocity < S(0)) force -= friction;
+    const S velocity = x.reached.velocity + x.free_play_rate.now;
+    if (velocity > S(0)) force += friction;
+    if (velocity < S(0)) force -= friction;
   }
   return force;
 }
@@ -297,11 +441,11 @@ RIGTWIN_INLINE S RigModel<S, D>::component_force(const State& x) const {
 template <class S, std::size_t D>
 RIGTWIN_INLINE S RigModel<S, D>::suspension_force(const State& x) const {
   if (!joined()) return has_machine() ? component_force<true>(x) : x.received_force;
-  const Stroke<S> d = deflection(x);
-  S force = equations_.component_force(x.core.template tail<2>(), d.position, d.velocity) + x.actuator_force +
-            x.friction[Friction::suspension];
-  if (has_suspension_law_) force += x.suspension_load.now;
-  return force;
+  if (!has_laws_) {
+    const Stroke<S> d = deflection(x);
+    return equations_.plain_force(x.core(4), d.position, d.velocity) + x.actuator_force;
+  }
+  return equations_.component_force(x.core.template tail<4>(), component_drive(x)) + x.actuator_force;
 }
 
 template <class S, std::size_t D>
@@ -310,8 +454,14 @@ Signals<S> RigModel<S, D>::signals(const State& x) const {
 }
 
 template <class S, std::size_t D>
-Signals<S> RigModel<S, D>::measured(const State& x) const {
-  return channels(x, x.received_force, mass_beyond_sensor_);
+Signals<S> RigModel<S, D>::measured(const State& x, const Signals<S>* noise) const {
+  Signals<S> s = channels(x, x.received_force, mass_beyond_sensor_);
+  if (noise != nullptr) {
+    for (std::size_t c = 0; c < channel_count; ++c) s[c] += (*noise)[c];
+    if (!joined() && has_machine()) s[index(Channel::F)] = x.received_force;  // got its noise in the step
+  }
+  if (sensors_.any()) sensors_.read(x.sensors, s);
+  return s;
 }
 
 /// `force`: F of a rig with a test machine; `mass_beyond`: between the sensor of F_w and the wheel spring.
@@ -379,11 +529,13 @@ RIGTWIN_APART void RigModel<S, D>::flush(State& x) const {
   const auto flush_one = [least](S& value) {
     if (value < least && value > -least) value = S(0);
   };
-  for (int i = 0; i < 6; ++i) flush_one(x.core(i));
+  for (int i = 0; i < 8; ++i) flush_one(x.core(i));
+  for (int i = 0; i < 3; ++i) flush_one(x.machine(i));
   flush_one(x.received_force);
   flush_one(x.foot_point.position);
   flush_one(x.foot_point.velocity);
   x.ducts.flush(least);
+  if (sensors_.any()) sensors_.flush(x.sensors, least);
 }
 
 }  // namespace model

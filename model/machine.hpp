@@ -1,0 +1,97 @@
+// The test machine between its delay and what it reaches.
+#pragma once
+
+#include "model/exact_discretisation.hpp"
+#include "model/motion.hpp"
+#include "model/places.hpp"
+
+namespace model {
+
+/// Dynamics of the machine path behind its delay: lag → resonance → rate limit.
+///
+///   (1)  T ẋ₁ + x₁ = u                              lag; x₁ = u without it
+///   (2)  ẍ₂ + 2ζω ẋ₂ + ω² x₂ = ω² x₁,  ω = 2πf      resonance; x₂ = x₁ without it
+///   (3)  x_act(k+1) = x_act(k) + clamp(x₂(k+1) − x_act(k), ± v h)
+///
+/// (1), (2) are exact for an input that moves on the cubic between two samples. The velocity that (3) gives is that of
+/// x₂ while it does not limit, ± v while it does. State 3×1 [x₁ m, x₂ m, ẋ₂ m/s]; input u: delayed command, position
+/// and velocity; output: position and velocity.
+template <class S>
+class Machine {
+ public:
+  using State = Column<S, 3>;
+
+  Machine() = default;
+  Machine(const MachinePath<S>& path, S period) : path_(path), period_(period) {
+    omega_ = S(2) * S(3.141592653589793) * path.resonance_frequency;
+    if (!linear()) return;
+    Block<S, 3, 3> a;
+    for (int j = 0; j < 3; ++j) a.col(j) = rates(State::Unit(j), S(0));
+    const ExactDiscretisation<S, 3> exact(a, period);
+    transition_ = exact.transition();
+    input_ = exact.hermite(rates(State::Zero(), S(1)), State::Zero());
+  }
+
+  /// Is there anything behind the delay?
+  [[nodiscard]] bool any() const { return linear() || path_.rate_limit > S(0); }
+  [[nodiscard]] bool has_lag() const { return path_.lag > S(0); }
+  [[nodiscard]] bool has_resonance() const { return omega_ > S(0); }
+  [[nodiscard]] bool linear() const { return has_lag() || has_resonance(); }
+
+  /// (1), (2)
+  [[nodiscard]] State rates(const State& x, S u) const {
+    State rate = State::Zero();
+    if (has_lag()) rate(0) = (u - x(0)) / path_.lag;
+    if (has_resonance()) {
+      const S in = has_lag() ? x(0) : u;
+      rate(1) = x(2);
+      rate(2) = omega_ * (omega_ * (in - x(1)) - S(2) * path_.resonance_damping * x(2));
+    }
+    return rate;
+  }
+
+  /// What (1), (2) let through.
+  [[nodiscard]] Stroke<S> output(const State& x, const Stroke<S>& in) const {
+    if (has_resonance()) return {x(1), x(2)};
+    if (has_lag()) return {x(0), (in.position - x(0)) / path_.lag};
+    return in;
+  }
+
+  /// At rest, or moving along with its input.
+  [[nodiscard]] State start(const Stroke<S>& in) const {
+    State x;
+    x << in.position - in.velocity * path_.lag, in.position - in.velocity * path_.lag, in.velocity;
+    if (has_resonance()) x(1) -= S(2) * path_.resonance_damping / omega_ * in.velocity;
+    return x;
+  }
+
+  /// One period with the input going from `before` to `now`; `reached`: x_act at its start. Returns it at its end.
+  [[nodiscard]] Stroke<S> step(State& x, const Stroke<S>& before, const Stroke<S>& now,
+                               const Stroke<S>& reached) const {
+    if (linear()) {
+      State next = input_.col(0) * before.position;
+      next += input_.col(1) * before.velocity;
+      next += input_.col(2) * now.position;
+      next += input_.col(3) * now.velocity;
+      for (int j = 0; j < 3; ++j) next += transition_.col(j) * x(j);
+      x = next;
+    }
+    Stroke<S> out = output(x, now);
+    if (path_.rate_limit > S(0)) {
+      const S most = path_.rate_limit * period_;
+      const S way = out.position - reached.position;
+      if (way > most) out = {reached.position + most, path_.rate_limit};
+      if (way < -most) out = {reached.position - most, -path_.rate_limit};
+    }
+    return out;
+  }
+
+ private:
+  MachinePath<S> path_{};
+  S period_{1};
+  S omega_{};
+  Block<S, 3, 3> transition_ = Block<S, 3, 3>::Zero();
+  Block<S, 3, 4> input_ = Block<S, 3, 4>::Zero();
+};
+
+}  // namespace model
