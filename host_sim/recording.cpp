@@ -29,8 +29,7 @@ bool is_matlab(std::string_view head) {
   if (head.size() < 128) return false;
   const std::string_view version = head.substr(124, 4);
   return version == std::string_view("\x00\x01IM", 4) || version == std::string_view("\x01\x00MI", 4) ||
-         version == std::string_view("\x00\x02IM", 4) || version == std::string_view("\x02\x00MI", 4) ||
-         head.starts_with("\x89HDF\r\n\x1a\n");
+         version == std::string_view("\x00\x02IM", 4) || version == std::string_view("\x02\x00MI", 4);
 }
 
 class Descriptor {
@@ -82,12 +81,6 @@ const std::vector<double>& Recording::required(model::Channel channel, std::stri
                      "it " + std::string(purpose));
   }
   return (*this)[channel];
-}
-
-std::vector<double> sample_times(std::size_t count, double rate, std::size_t first) {
-  std::vector<double> times(count);
-  for (std::size_t k = 0; k < count; ++k) times[k] = static_cast<double>(first + k) / rate;
-  return times;
 }
 
 Recording read_recording(const std::filesystem::path& file, const ChannelMap& map,

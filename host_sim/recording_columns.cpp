@@ -247,6 +247,12 @@ std::string shortest(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
+std::vector<double> sample_times(std::size_t count, double rate, std::size_t first) {
+  std::vector<double> times(count);
+  for (std::size_t k = 0; k < count; ++k) times[k] = static_cast<double>(first + k) / rate;
+  return times;
+}
+
 bool is_recorded_quantity(std::string_view name) { return find_quantity(name).has_value(); }
 
 }  // namespace host_sim
