@@ -52,6 +52,7 @@ class ExactDiscretisation {
     for (int i = 0; i < N; ++i) {
       S row = S(0);
       for (int j = 0; j < N; ++j) row += a(i, j) < S(0) ? -a(i, j) : a(i, j);
+      require(row - row == S(0), "A finite");
       if (row > size) size = row;
     }
     size *= h;
