@@ -126,7 +126,7 @@ void ControlLoop::get_ready() {
     car_alive_ = true;
   }
   move_ = SmoothMove(command_guard_.last().position, hil() ? 0.0 : begin->position, settings_.ramps.rate, period_);
-  settling_left_ = static_cast<std::int64_t>(settings_.ramps.settling / period_ + 0.5);
+  settling_left_ = (hal::seconds(settings_.ramps.settling).ns + settings_.period.ns - 1) / settings_.period.ns;
 }
 
 /// The first reason counts; from here on the rig is on its way to rest.

@@ -46,6 +46,7 @@ class ControlLoop {
               Reference& reference, const ValvePlan& valves, Journal& journal);
   ControlLoop(const ControlLoop&) = delete;
   ControlLoop& operator=(const ControlLoop&) = delete;
+  ~ControlLoop() = default;
 
   /// Requests from any thread, taken up by the next period.
   void start() { requests_.fetch_or(start_request); }              ///< idle → ready

@@ -13,7 +13,8 @@ namespace hal {
 struct Time {
   std::int64_t ns = 0;
 
-  friend constexpr auto operator<=>(Time, Time) = default;
+  friend constexpr bool operator==(Time, Time) = default;
+  friend constexpr auto operator<=>(Time a, Time b) { return a.ns <=> b.ns; }
   friend constexpr Time operator+(Time a, Time b) { return {a.ns + b.ns}; }
   friend constexpr Time operator-(Time a, Time b) { return {a.ns - b.ns}; }
   friend constexpr Time operator*(Time a, std::int64_t n) { return {a.ns * n}; }

@@ -29,6 +29,7 @@ class Rig {
       const OutputStorage& storage);
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
+  ~Rig() = default;
 
   [[nodiscard]] hal::Rig roles();
 

@@ -33,6 +33,7 @@ class Rig {
   Rig(Plant& plant, const Construction& construction, const FaultPlan& plan = {});
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
+  ~Rig() = default;
 
   [[nodiscard]] hal::Rig roles();
 

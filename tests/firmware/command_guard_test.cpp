@@ -107,6 +107,16 @@ TEST(CommandGuard, LimitsFeedForwardVelocity) {
   }
 }
 
+// The reason on record is the speed that was asked for, also where only the feed-forward was too fast.
+TEST(CommandGuard, ReportsTheFeedForwardThatTripped) {
+  CommandGuard guard(Limits{}, h, 0.0);
+  for (int k = 1; k <= 50; ++k) EXPECT_FALSE(guard.judge({0.0, -0.9, 0.0}).hazard);
+  const auto verdict = guard.judge({0.0, -0.9, 0.0});
+  ASSERT_TRUE(verdict.hazard);
+  EXPECT_EQ(verdict.hazard->reason, Reason::speed);
+  EXPECT_EQ(verdict.hazard->value, -0.9);
+}
+
 TEST(CommandGuard, KnowsHowFastTheLastCommandMoved) {
   CommandGuard guard(Limits{}, h, 0.0);
   guard.passed({1e-4, 55.0, 0.0});

@@ -39,6 +39,8 @@ TEST(ControlLoop, RunsAReferenceFromEndToEnd) {
       ASSERT_EQ(rows[k].time, ms * static_cast<std::int64_t>(k + 3));
       ASSERT_EQ(rows[k].openings, Openings::first(k == 999 ? 6 : 2)) << "safe once the reference has ended";
     }
+    for (std::size_t k = 0; k < run.records.size(); ++k)
+      ASSERT_EQ(run.records[k].period, k) << "a journal without gaps";
     EXPECT_EQ(run.loop.counters(), firmware::Counters{}) << name(kind);
     EXPECT_EQ(run.journal.lost(), 0U);
     EXPECT_EQ(run.loop.mode(), Mode::safe);
@@ -128,7 +130,9 @@ TEST(ControlLoop, MovesSmoothlyToWhereTheReferenceBegins) {
     scene.settings.ramps.rest = -0.01;
     scene.settings.ramps.settling = 0.1;
     Journey run{scene};
+    run.periods(2);
     run.whole();
+    for (const Record& row : run.rows(Mode::idle)) EXPECT_EQ(row.command, (hal::Command{-0.01, 0.0, 0.0}));
     const auto ready = run.rows(Mode::ready);
     EXPECT_EQ(ready.size(), 1200U + 100U) << "1.5 · 40 mm / 0.05 m/s, then 0.1 s";
     double last = -0.01;
@@ -191,6 +195,7 @@ TEST(ControlLoop, EstimatesTheVelocitiesOfTheRig) {
     run.periods(1);
     const auto& v = run.loop.estimator().velocities();
     const auto& x = run.plant.state();
+    ASSERT_TRUE(std::isfinite(v.foot_point + v.wheel + v.body + run.loop.estimator().wheel_load())) << k;
     worst_foot = std::max(worst_foot, std::abs(v.foot_point - x.foot_point.velocity));
     worst_wheel = std::max(worst_wheel, std::abs(v.wheel - x.core(1)));
     worst_body = std::max(worst_body, std::abs(v.body - x.core(3)));
@@ -251,6 +256,7 @@ TEST(ControlLoop, RunsAgainAfterAFreshStart) {
   for (std::size_t k = 0; k < first.size(); ++k) {
     ASSERT_EQ(bits(second[k].command.position), bits(first[k].command.position));
     ASSERT_EQ(second[k].openings, first[k].openings);
+    ASSERT_EQ(second[k].trip.reason, first[k].trip.reason) << "the first run's end is not the second's";
   }
 }
 

@@ -267,6 +267,30 @@ TEST(Faults, ShortOnesAreBridgedAndCounted) {
       << "what was read is on record, what was used is the last good one";
 }
 
+// A frame that is late twice is bridged in every channel.
+TEST(Faults, FramesThatTimeOutAreCounted) {
+  const DeviceFault fault{Device::sensors, Fault::timeout, {ms * 100, ms * 102}};
+  Scene scene(RigKind::hil, 200);
+  scene.faults.devices = {&fault, 1};
+  Journey run{scene};
+  run.whole();
+  EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended);
+  EXPECT_EQ(run.loop.counters().missed_frames, 2U);
+  EXPECT_EQ(run.loop.counters().bridged_samples, 4U) << "F and x_act";
+}
+
+// A drive that misses a command now and then keeps its last one: counted, not ended.
+TEST(Faults, SingleCommandsThatTimeOutAreCounted) {
+  const std::array<DeviceFault, 2> faults{{{Device::command, Fault::timeout, {ms * 100, ms * 102}},
+                                           {Device::command, Fault::timeout, {ms * 103, ms * 105}}}};
+  Scene scene(RigKind::component_bench, 200);
+  scene.faults.devices = faults;
+  Journey run{scene};
+  run.whole();
+  EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended);
+  EXPECT_EQ(run.loop.counters().failed_commands, 4U);
+}
+
 // Random bits turned over in every channel, seeded: whatever happens, no command leaves the limits, and the run ends in
 // safe one way or another.
 TEST(Faults, NoFlippedBitMovesTheRigBeyondItsLimits) {
@@ -363,6 +387,41 @@ TEST(Faults, LostValvesAreLeftToTheWatchdog) {
   EXPECT_EQ(run.loop.counters().failed_valves, 101U) << "twice in the period of the trip";
 }
 
+// The period in which valves fail is already the first of the way to rest: neither the command of the run nor its
+// openings are put out any more.
+TEST(Faults, LostValvesEndTheRunInTheirVeryPeriod) {
+  const DeviceFault fault{Device::valves, Fault::refused, {ms * 100, ms * 101}};
+  Scene scene(RigKind::component_bench, 1000);
+  scene.faults.devices = {&fault, 1};
+  Journey run{scene};
+  run.whole();
+  const Record row = run.rows(Mode::running).back();
+  ASSERT_EQ(row.sample, 100U);
+  const double now = scene.reference[100].position;
+  firmware::ReturnToRest way(now, (now - scene.reference[99].position) / h, scene.settings.ramps, half_stroke, h);
+  EXPECT_EQ(row.command, way.next());
+  EXPECT_EQ(row.openings, scene.safe_position);
+}
+
+// Whatever ends the run ends it with safe valves in the same period, also when the openings had gone out already.
+TEST(Faults, ValvesAreSafeInThePeriodOfTheTrip) {
+  for (const Device device : {Device::command, Device::heartbeat}) {
+    const DeviceFault fault{device, Fault::refused, {ms * 100}};
+    Scene scene(RigKind::hil, 1000);
+    scene.faults.devices = {&fault, 1};
+    Journey run{scene};
+    run.loop.start();
+    run.periods(100);
+    EXPECT_EQ(run.rig.openings(), hal::Openings::first(2));
+    run.periods(1);
+    EXPECT_EQ(run.loop.mode(), Mode::safe);
+    EXPECT_EQ(run.rig.openings(), scene.safe_position);
+    EXPECT_EQ(run.records.back().openings, scene.safe_position);
+    EXPECT_EQ(run.loop.counters().failed_beats, device == Device::heartbeat ? 1U : 0U);
+    EXPECT_EQ(run.loop.counters().failed_commands, device == Device::command ? 1U : 0U);
+  }
+}
+
 // A drive that takes nothing for a while must not be met by a jump when it is back: the way to rest begins where it is.
 TEST(Faults, DriveThatComesBackIsLedToRestWithoutAJump) {
   const DeviceFault fault{Device::command, Fault::refused, {ms * 300, ms * 700}};
@@ -390,6 +449,24 @@ TEST(Faults, StartWithoutSoundSensorsEndsInSafe) {
   EXPECT_EQ(run.loop.trip().reason, Reason::sample_missing);
   EXPECT_TRUE(run.rows(Mode::running).empty());
   for (const Record& row : run.records) EXPECT_EQ(row.command, hal::Command{});
+}
+
+// A press while the rig is idle is not forgotten: the start that follows it ends in safe, until somebody acknowledges.
+TEST(Faults, PressBeforeTheStartIsRemembered) {
+  const Press press{{ms * 10, ms * 11}};
+  Scene scene(RigKind::component_bench, 100);
+  scene.faults.presses = {&press, 1};
+  Journey run{scene};
+  run.periods(50);
+  EXPECT_EQ(run.loop.mode(), Mode::idle);
+  run.whole();
+  EXPECT_EQ(run.loop.trip().reason, Reason::stop_button);
+  EXPECT_EQ(run.loop.trip().value, 0.040) << "seconds since the press";
+  EXPECT_TRUE(run.rows(Mode::running).empty());
+  run.loop.acknowledge();
+  run.periods(1);
+  run.whole();
+  EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended);
 }
 
 // The latch of the stop button is released by the acknowledgement; while somebody still holds it, there is no way on.
@@ -458,6 +535,17 @@ TEST(LatePeriods, TripWhenTheyDoNotEnd) {
   EXPECT_EQ(run.loop.trip().value, 5.0);
   EXPECT_EQ(run.rows(Mode::running).back().sample, 304U);
   expect_safe_end(run);
+}
+
+// Four late ones, one in time, four late ones: a bad moment, no bad machine.
+TEST(LatePeriods, BeginAnewAfterOneInTime) {
+  const std::array<LateWake, 2> late{{{{ms * 100, ms * 108}, ms}, {{ms * 109, ms * 116}, ms}}};
+  Scene scene(RigKind::component_bench, 400);
+  scene.faults.late_wakes = late;
+  Journey run{scene};
+  run.whole();
+  EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended);
+  EXPECT_EQ(run.loop.counters().late_periods, 8U) << "every second millisecond from 100 to 106 and from 109 to 115";
 }
 
 // A journal that nobody reads loses records and says how many; the loop has not noticed.

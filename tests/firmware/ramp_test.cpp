@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <vector>
 
 namespace {
@@ -91,6 +92,19 @@ TEST(ReturnToRest, StaysInsideStrokeAndSpeed) {
       ASSERT_TRUE(way.arrived());
       EXPECT_EQ(last, 0.03) << position << " " << velocity;
     }
+  }
+}
+
+// Rounding must not carry the end of a braking beyond the stroke either: ends drawn right up to it.
+TEST(ReturnToRest, NeverRoundsBeyondTheStroke) {
+  constexpr unsigned seed = 1;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (int i = 0; i < 5000; ++i) {
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    const double left = 0.005 * share(random);  // braking with 20 m/s² from 0.7 m/s needs 12 mm
+    ReturnToRest way(side * (0.125 - left), side * (0.45 + 0.25 * share(random)), Ramps{}, 0.125, h);
+    for (int k = 0; k < 30; ++k) ASSERT_LE(std::abs(way.next().position), 0.125) << "seed " << seed << ", case " << i;
   }
 }
 

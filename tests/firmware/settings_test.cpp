@@ -25,6 +25,27 @@ TEST(Settings, HaveTheLimitsOfTheRig) {
   EXPECT_EQ(s.limits.bridged_in_a_row, 3);
 }
 
+// The ends of what is allowed are allowed.
+TEST(Settings, TakeTheEndsOfTheirBounds) {
+  const std::vector<std::function<void(Settings&)>> ends{[](Settings& s) { s.period = hal::microseconds(10); },
+                                                         [](Settings& s) { s.period = hal::milliseconds(1000); },
+                                                         [](Settings& s) { s.limits.speed_time = 0.0; },
+                                                         [](Settings& s) { s.limits.bridged_in_a_row = 1; },
+                                                         [](Settings& s) { s.limits.stale_after = 1.0; },
+                                                         [](Settings& s) { s.limits.stale_after = 1000.0; },
+                                                         [](Settings& s) { s.limits.late_after = 1.0; },
+                                                         [](Settings& s) { s.limits.late_in_a_row = 1; },
+                                                         [](Settings& s) { s.ramps.rest = 0.125; },
+                                                         [](Settings& s) { s.ramps.rest = -0.125; },
+                                                         [](Settings& s) { s.ramps.rate = s.limits.speed; },
+                                                         [](Settings& s) { s.ramps.settling = 0.0; }};
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    Settings settings;
+    ends[i](settings);
+    EXPECT_EQ(settings.check(), "") << i;
+  }
+}
+
 TEST(Settings, SayWhichKeyIsWrong) {
   struct Case {
     std::string key;

@@ -59,6 +59,11 @@ TEST(ValvePlan, SaysWhatIsWrongWithIt) {
   EXPECT_TRUE(ValvePlan::check(many).empty());
 }
 
+TEST(ValvePlanDeathTest, IsMadeOfSoundChangesOnly) {
+  const std::array<ValvePlan::Change, 1> before{{{hal::milliseconds(-5), {}}}};
+  EXPECT_DEATH(ValvePlan(Openings{}, before), "");
+}
+
 TEST(ValvePlan, KnowsWhichDuctsItNeeds) {
   const std::array<ValvePlan::Change, 1> change{{{hal::milliseconds(5), Openings::first(3)}}};
   EXPECT_TRUE(ValvePlan(Openings::first(1), change).within(3));

@@ -68,7 +68,11 @@ TEST(Replay, IsDisconnectedAfterTheLastRow) {
   const Tape tape;
   replay::Rig rig(tape.recording(), Tape::setup(), 1, {}, {});
   const hal::Rig roles = rig.roles();
-  for (int i = 0; i < 6; ++i) roles.clock.sleep_until(Time{});
+  for (int i = 0; i < 3; ++i) roles.clock.sleep_until(Time{});
+  EXPECT_FALSE(rig.ended());
+  roles.clock.sleep_until(Time{});
+  EXPECT_TRUE(rig.ended());
+  for (int i = 0; i < 3; ++i) roles.clock.sleep_until(Time{});
   EXPECT_TRUE(rig.ended());
   EXPECT_GT(roles.clock.now(), microseconds(3700));
   const Result<Frame> frame = roles.sensors.read();
@@ -111,6 +115,19 @@ TEST(Replay, PressesTheButtonWhenItWasPressed) {
   roles.clock.sleep_until(Time{});
   EXPECT_TRUE(*roles.stop_button.pressed());
   EXPECT_EQ(roles.stop_button.pressed_at(), microseconds(1500));
+}
+
+// Pressed at the time of a row is pressed in that row.
+TEST(Replay, PressesTheButtonInTheVeryRow) {
+  const Tape tape;
+  replay::Recording recording = tape.recording();
+  recording.stop_pressed = ms * 2;
+  replay::Rig rig(recording, Tape::setup(), 1, {}, {});
+  const hal::Rig roles = rig.roles();
+  roles.clock.sleep_until(Time{});
+  EXPECT_FALSE(*roles.stop_button.pressed());
+  roles.clock.sleep_until(Time{});
+  EXPECT_TRUE(*roles.stop_button.pressed());
 }
 
 TEST(Recording, SaysWhatIsWrongWithIt) {

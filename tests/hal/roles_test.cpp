@@ -67,6 +67,18 @@ TEST(SensorSource, FlagsWhatCannotBeTrusted) {
   }
 }
 
+// The verdict is the role's, not the back-end's: whatever it says beside `missing`, the value is looked at.
+TEST(SensorSource, JudgesForItself) {
+  FakeSensors sensors(three_channels());
+  Frame frame;
+  frame.channels[0] = {0.5, milliseconds(3), Quality::clipped};
+  frame.channels[1] = {0.5, milliseconds(3), Quality::not_finite};
+  sensors.next = frame;
+  const Result<Frame> read = sensors.read();
+  EXPECT_EQ(read->channels[0].quality, Quality::good);
+  EXPECT_EQ(read->channels[1].quality, Quality::good);
+}
+
 // A channel without stated range has every finite value; one that is not fitted has none, whatever a back-end delivers.
 TEST(SensorSource, KnowsMissingFromUnlimited) {
   FakeSensors sensors(three_channels());

@@ -177,6 +177,12 @@ TEST(ChannelFaults, CorruptValues) {
   EXPECT_EQ(all[5].value, 5.0);
 }
 
+// Bit 0 is a bit like any other, the last of the mantissa.
+TEST(ChannelFaults, TurnOverTheBitThatIsNamed) {
+  const ChannelFault flip{.kind = ChannelFault::Kind::bit_flip, .channel = 0, .bit = 0};
+  EXPECT_EQ(readings({.channels = {&flip, 1}}, 2)[1].value, std::nextafter(1.0, 2.0));
+}
+
 TEST(ChannelFaults, LeaveOtherChannelsAlone) {
   const ChannelFault drop{ChannelFault::Kind::drop, 0, {}};
   for (const Reading& reading : readings({.channels = {&drop, 1}}, 5, 1)) EXPECT_EQ(reading.quality, Quality::good);
@@ -269,6 +275,16 @@ TEST(SimulatedStopButton, RemembersAPressShorterThanAPeriod) {
   EXPECT_EQ(roles.stop_button.pressed_at(), microseconds(1200));
 }
 
+TEST(SimulatedStopButton, TellsTheEarliestOfSeveralPresses) {
+  const std::array<Press, 2> presses{{{{ms * 3, ms * 6}}, {{ms * 2, ms * 6}}}};
+  CountingPlant plant;
+  simulated::Rig rig(plant, two_channels(), {.presses = presses});
+  const hal::Rig roles = rig.roles();
+  roles.clock.sleep_until(ms * 4);
+  EXPECT_TRUE(*roles.stop_button.pressed());
+  EXPECT_EQ(roles.stop_button.pressed_at(), ms * 2);
+}
+
 TEST(SimulatedClock, WakesLateWhereThePlanSaysSo) {
   const LateWake late{{ms * 2, ms * 3}, microseconds(400)};
   CountingPlant plant;
@@ -306,6 +322,7 @@ TEST(SimulatedWatchdog, MakesTheValvesSafeWhenBeatsCease) {
 TEST(FaultPlan, SaysWhatIsWrongWithIt) {
   const auto wrong = [](const ChannelFault& fault) { return !FaultPlan{.channels = {&fault, 1}}.check().empty(); };
   EXPECT_FALSE(wrong({}));
+  EXPECT_FALSE(wrong({.probability = 0.0}));
   EXPECT_TRUE(wrong({.channel = channel_capacity}));
   EXPECT_TRUE(wrong({.delay_samples = simulated::delay_capacity}));
   EXPECT_TRUE(wrong({.bit = 64}));

@@ -19,11 +19,14 @@ namespace support {
 template <class Work>
 decltype(auto) without_heap(Work&& work) {
   struct Watch {
-    std::size_t before = allocations();
+    Watch() = default;
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
     ~Watch() {
       const std::size_t allocated = allocations() - before;
       EXPECT_EQ(allocated, 0U) << "allocations where the heap is sealed";
     }
+    std::size_t before = allocations();
   } watch;
   return work();
 }
