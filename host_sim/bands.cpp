@@ -91,20 +91,16 @@ BandRms band_rms(std::span<const double> signal, double sample_rate, std::span<c
     powers = line_powers(signal, mean, 0.0);
   }
 
-  // cumulated[k]: the power below the upper end of line k, which is (k + ½) line widths; the last line is half as wide.
+  // cumulated[k]: the power below the upper end of line k, which reaches half a line to both sides of its frequency.
   std::vector<double> cumulated(powers.size());
   std::partial_sum(powers.begin(), powers.end(), cumulated.begin());
   total = cumulated.back();
   const double lines_per_hertz = static_cast<double>(2 * (powers.size() - 1)) / sample_rate;
   const auto power_below = [&](double frequency) {
-    const double position = frequency * lines_per_hertz + 0.5;  // in line widths, line k from k to k + 1
-    if (position >= static_cast<double>(powers.size()) - 0.5) return total;
+    const double position = frequency * lines_per_hertz + 0.5;
+    if (position >= static_cast<double>(powers.size())) return total;
     const auto k = static_cast<std::size_t>(position);
-    // Line 0 begins at its middle, at 0 Hz, and the last one ends there.
-    double part = position - static_cast<double>(k);
-    if (k == 0) part = 2.0 * (position - 0.5);
-    if (k + 1 == powers.size()) part *= 2.0;
-    return cumulated[k] - powers[k] * (1.0 - std::clamp(part, 0.0, 1.0));
+    return cumulated[k] - powers[k] * (static_cast<double>(k + 1) - position);
   };
   const auto rms = [&](double power) { return std::sqrt(std::max(0.0, power) / total * variance); };
 

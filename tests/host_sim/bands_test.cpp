@@ -147,6 +147,29 @@ TEST(BandRms, PutsASineIntoItsBand) {
   }
 }
 
+// A line of the spectrum that an edge cuts in its middle is shared by the two bands; the one at half the sample rate
+// counts like any other. Tones of power 1 at 100 Hz, the edge, and at 500 Hz, in lines of 1 Hz.
+TEST(BandRms, SharesALineAtAnEdge) {
+  std::vector<double> signal(1000);
+  for (std::size_t n = 0; n < signal.size(); ++n) {
+    signal[n] = std::sqrt(2.0) * std::sin(0.2 * pi * static_cast<double>(n) + 0.3) + (n % 2 == 0 ? 1.0 : -1.0);
+  }
+  const std::vector<Band> bands{{0, 50.0, 70.0, 100.0}, {1, 100.0, 120.0, 400.0}};
+  const BandRms result = band_rms(signal, 1000.0, bands);
+  EXPECT_NEAR(result.rms[0] * result.rms[0], 0.5, 2e-3);  // but for what the tapered ends let through
+  EXPECT_NEAR(result.rms[1] * result.rms[1], 0.5, 2e-3);
+  EXPECT_NEAR(result.above * result.above, 1.0, 2e-3);
+}
+
+// A signal that is one impulse at its end is white; tapered nothing would be left of it but its mean.
+TEST(BandRms, SeesAnImpulseAtTheEnd) {
+  std::vector<double> signal(1000, 0.0);
+  signal.back() = 1.0;
+  const std::vector<Band> bands{{0, 100.0, 150.0, 200.0}};
+  const BandRms result = band_rms(signal, 1000.0, bands);
+  EXPECT_NEAR(result.rms[0] * result.rms[0] / variance_of(signal), 0.2, 2e-3);
+}
+
 // The reason for the taper. A slow ramp of 1, as the road's or a sensor's drift over a minute, would appear as its jump
 // at the ends in every band: its lines have the amplitude 1/(π f T), so the 174 lines of the band at 12.5 Hz the rms
 // √(174/2)/(π · 12.6 · 60) = 4e-3, as much as a real signal there. Tapered over 3 s it is three orders smaller.

@@ -191,6 +191,17 @@ TEST(OutputFile, WritesToAPipe) {
   ::close(pipe[1]);
 }
 
+// … or the file: what `>> results` appends to is neither replaced nor overwritten.
+TEST(OutputFile, AppendsToWhatTheShellOpened) {
+  const TemporaryFolder folder;
+  folder.write("results", "old");
+  const int results = ::open((folder / "results").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  write_file("/dev/fd/" + std::to_string(results), "new");
+  ::close(results);
+  EXPECT_EQ(TemporaryFolder::read(folder / "results"), "oldnew");
+  EXPECT_EQ(folder.count(), 1U);
+}
+
 // A disk that fills up while writing – early, in the middle, with the very last byte – leaves the old file and no rest;
 // CSV through our own writing, MATLAB through matio, which itself does not tell.
 TEST(OutputFile, LeavesNothingHalfWrittenOnADiskThatFillsUp) {
@@ -237,8 +248,6 @@ TEST(OutputFile, LeavesTheProgramsOwnSignalHandlingAlone) {
   const TemporaryFolder folder;
   const int status = status_of_child([&] {
     std::signal(SIGINT, SIG_IGN);
-    std::array<char*, 2> no_environment{};
-    static_cast<void>(no_environment);
     write_file(folder / "run.csv", "x");
     static_cast<void>(std::raise(SIGINT));
     ::_exit(7);

@@ -253,6 +253,74 @@ TEST(RecordingMat, RefusesAFileThatBreaksOff) {
   }
 }
 
+// Where a MATLAB 5 file breaks off or loses its thread is said.
+TEST(RecordingMat, NamesTheDamagedVariable) {
+  const TemporaryFolder folder;
+  MatFile(folder / "rec.mat", MAT_FT_MAT5).add(MatFile::column("t", {0.0, 1.0})).add(MatFile::column("F", {0.0, 1.0}));
+  std::string bytes = TemporaryFolder::read(folder / "rec.mat");  // 128 bytes of header, then twice 72
+  ASSERT_EQ(bytes.size(), 272U);
+  const std::string whole = ", expected a whole MATLAB 5 or 7.3 file";
+  EXPECT_EQ(message_of(folder.write("cut.mat", bytes.substr(0, 271))), ": the file breaks off in variable 2" + whole);
+  EXPECT_EQ(message_of(folder.write("cut.mat", bytes.substr(0, 203))), ": the file breaks off in variable 2" + whole);
+  EXPECT_EQ(message_of(folder.write("cut.mat", bytes.substr(0, 199))), ": the file breaks off in variable 1" + whole);
+  std::string bad = bytes;
+  bad[230] = 8;  // the length of the second element's shape, in its third byte: matio stops as if the file ended there
+  EXPECT_EQ(message_of(folder.write("bad.mat", bad)), ": the file is damaged after variable 1" + whole);
+  bytes[200] = 0x20;  // the type of the second element
+  EXPECT_EQ(message_of(folder.write("bad.mat", bytes)), ": the file is damaged at variable 2" + whole);
+}
+
+// A variable that cannot be read is not one that was never there: a damaged 7.3 file never loses one quietly. The bytes
+// changed are those where HDF5 keeps what it has to know of the vectors.
+TEST(RecordingMat, LosesNoVariableOfADamagedFile) {
+  const TemporaryFolder folder;
+  MatFile(folder / "rec.mat", MAT_FT_MAT73)
+      .add(MatFile::column("t", {0.0, 1.0, 2.0}))
+      .add(MatFile::column("F", {0.0, 1.0, 2.0}))
+      .add(MatFile::column("z_r", {0.0, 1.0, 2.0}));
+  const std::string whole = TemporaryFolder::read(folder / "rec.mat");
+  int told = 0;
+  for (std::size_t at = 1300; at < 1500; at += 3) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(~bytes[at]);
+    folder.write("bad.mat", bytes);
+    try {
+      const Recording rec = read_recording(folder / "bad.mat");
+      const std::size_t found = (rec.has(Channel::F) ? 1U : 0U) + (rec.has(Channel::z_r) ? 1U : 0U);
+      EXPECT_EQ(found + rec.ignored_columns.size(), 2U) << "byte " << at;
+    } catch (const InputError&) {
+      ++told;
+    }
+  }
+  EXPECT_GT(told, 0);
+}
+
+// A file from a machine of the other byte order, by hand: header, then one element of 72 bytes for each vector.
+TEST(RecordingMat, ReadsTheOtherByteOrder) {
+  std::string bytes(124, ' ');
+  bytes += std::string("\x01\x00MI", 4);
+  const auto number = [&](std::uint64_t value, int size) {
+    for (int i = size - 1; i >= 0; --i) bytes += static_cast<char>(value >> (8 * i));
+  };
+  const auto vector = [&](char name, double a, double b) {
+    for (const unsigned word : {14U, 64U, 6U, 8U, 6U, 0U, 5U, 8U, 2U, 1U}) number(word, 4);
+    number(1, 2);  // a name of one byte, in the tag
+    number(1, 2);
+    bytes += std::string{name, '\0', '\0', '\0'};
+    number(9, 4);
+    number(16, 4);
+    for (const double x : {a, b}) number(std::bit_cast<std::uint64_t>(x), 8);
+  };
+  vector('t', 0.0, 0.5);
+  vector('F', -2.0, 0.1);
+  const TemporaryFolder folder;
+  const Recording rec = read_recording(folder.write("rec.mat", bytes));
+  EXPECT_EQ(rec.sample_period, 0.5);
+  EXPECT_EQ(rec[Channel::F], (std::vector<double>{-2.0, 0.1}));
+  EXPECT_EQ(message_of(folder.write("cut.mat", bytes.substr(0, bytes.size() - 1))),
+            ": the file breaks off in variable 2, expected a whole MATLAB 5 or 7.3 file");
+}
+
 // A file of any bytes gives a recording or an InputError: what damage does to the libraries stays in their process.
 TEST(RecordingMat, SurvivesDamagedFiles) {
   std::mt19937_64 random(11);

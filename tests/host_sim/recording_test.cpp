@@ -72,8 +72,8 @@ Recording a_run(std::size_t samples, std::uint64_t seed) {
 // The contract's example: comments, a header with units, one row a sample.
 TEST(RecordingCsv, ReadsChannelsUnitsAndDuctsAndListsWhatItDoesNotKnow) {
   const Recording rec = parse_recording_csv(
-      "# a rig\n# noon\nt,z_r [m],zdd_b [m/s²],operator,F_w [N],duct_2\n"
-      "5.0,0.1,1e-3,anna,-12,1\n5.5,0.2,-0,nan,+3.5,0\n",
+      "# a rig\n# noon\nt,z_r [m],zdd_b [m/s²],operator,F_w [N],duct_2,F [N] raw\n"
+      "5.0,0.1,1e-3,anna,-12,1,7\n5.5,0.2,-0,nan,+3.5,0,8\n",
       "REC.csv", {}, 2.0);
   EXPECT_EQ(rec.size(), 2U);
   EXPECT_EQ(rec.sample_period, 0.5);
@@ -84,7 +84,7 @@ TEST(RecordingCsv, ReadsChannelsUnitsAndDuctsAndListsWhatItDoesNotKnow) {
   EXPECT_EQ(rec[Channel::F_w], (std::vector<double>{-12.0, 3.5}));
   EXPECT_EQ(rec.ducts[1], (std::vector<double>{1.0, 0.0}));
   EXPECT_TRUE(rec.ducts[0].empty());
-  EXPECT_EQ(rec.ignored_columns, std::vector<std::string>{"operator"});
+  EXPECT_EQ(rec.ignored_columns, (std::vector<std::string>{"operator", "F [N] raw"}));
   EXPECT_FALSE(rec.has(Channel::F));
   EXPECT_EQ(rec.source, "REC.csv");
 }
@@ -200,6 +200,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"t,F\n0,1\n1,0x10\n", "REC.csv:3: F is '0x10', expected a number"},
         BadFile{"t,F\n0,1\n# pause,2\n1,2\n", "REC.csv:3: t is '# pause', expected a number"},
         BadFile{"t,F\n0,1\n\n1,2\n", "REC.csv:3: an empty line stands between samples, expected one row a sample"},
+        BadFile{"t,F\n0,1\n\n\n1,2\n", "REC.csv:3: an empty line stands between samples, expected one row a sample"},
+        BadFile{"t,F,x\n0,nan\n", "REC.csv:2: the row has 2 values, expected 3 as in the header"},
         BadFile{"t,F\n0,1\n1,2\n1,3\n",
                 "REC.csv:4: time stands still: 1 follows 1, expected a later time in each sample"},
         BadFile{"t,F\n0,1\n1,2\n0.5,3\n",
@@ -268,20 +270,39 @@ TEST(RecordingTime, AllowsForTheRoundingOfPrintedStampsAndStillFindsOneMissingSa
   }
 }
 
-// "%g" keeps six digits, so stamps grow coarser as time passes: fine while a gap can be told, refused from then on.
+// Stamps, as printf prints them.
+std::string printed_stamps(const char* format, double start, double rate, double unit = 1.0, int count = 1000) {
+  std::string rows = "t,F\n";
+  for (int k = 0; k < count; ++k) {
+    std::array<char, 64> row{};
+    std::snprintf(row.data(), row.size(), format, (start + k / rate) / unit);
+    rows += std::string(row.data()) + ",1\n";
+  }
+  return rows;
+}
+
+// "%g" keeps six digits, so stamps grow coarser as time passes 10 or 100 s, in seconds or in milliseconds, before or
+// after zero: fine while a gap can be told, refused from then on.
 TEST(RecordingTime, RefusesStampsTooCoarseToTellAGapFromAStep) {
-  const auto text = [](double start, double rate) {
-    std::string rows = "t,F\n";
-    for (int k = 0; k < 300; ++k) {
-      std::array<char, 64> row{};
-      std::snprintf(row.data(), row.size(), "%g,1\n", start + k / rate);
-      rows += row.data();
-    }
-    return rows;
-  };
-  EXPECT_EQ(message_of(text(500.0, 300.0), {}, 300.0), "no error");
-  EXPECT_EQ(message_of(text(5000.0, 60.0), {}, 60.0),
+  for (const double start : {0.0, 6.0, 98.0, -102.0, -12.0, 500.0}) {
+    EXPECT_EQ(message_of(printed_stamps("%g", start, 60.0), {}, 60.0), "no error") << start;
+    EXPECT_EQ(message_of(printed_stamps("%g", start, 60.0, 1e-3), {{"t", {"t", 1e-3, 0.0}}}, 60.0), "no error")
+        << start;
+  }
+  EXPECT_EQ(message_of(printed_stamps("%g", 5000.0, 60.0), {}, 60.0),
             "REC.csv:3: time is rounded to 0.01 s, expected stamps that tell a gap from a step of 0.0166667 s");
+}
+
+// Exponents count: 1.111e-03 has six decimals.
+TEST(RecordingTime, ReadsTheRoundingOfStampsWithExponents) {
+  EXPECT_EQ(message_of(printed_stamps("%.3e", 0.0, 900.0, 1.0, 30), {}, 900.0), "no error");
+}
+
+// Seconds since 1970 at 10 kHz: neighbouring doubles are 2.4e-7 s apart there, more than 10⁻³ of a step.
+TEST(RecordingTime, AllowsForTheRoundingOfLargeTimes) {
+  std::string text = "t,F\n";
+  for (int k = 0; k < 300; ++k) text += host_sim::shortest(1.7e9 + k / 1e4) + ",1\n";
+  EXPECT_EQ(message_of(text, {}, 10000.0), "no error");
 }
 
 // Stamps kept in single precision, as a logger without a double does, are off by up to 3e-5 s after 754 s.
@@ -322,6 +343,11 @@ TEST(RecordingTime, FindsTheRateOfARecordingByItself) {
   EXPECT_EQ(parse_recording_csv("t,F\n0,1\n0.003333,1\n0.006667,1\n0.010000,1\n", "REC.csv").sample_period,
             1.0 / 300.0);
   EXPECT_EQ(parse_recording_csv("t,F\n0,1\n2.5,1\n5,1\n", "REC.csv").sample_period, 2.5);
+  EXPECT_EQ(parse_recording_csv("t,F\n0.01,1\n1.1,1\n", "REC.csv").sample_period, 1.1 - 0.01);
+  EXPECT_NEAR(parse_recording_csv(printed_stamps("%.9f", 0.0, 300.2), "REC.csv").sample_period, 1.0 / 300.2, 1e-11);
+  // A gap is no reason to believe in longer steps.
+  EXPECT_EQ(message_of("t,F\n0,1\n1,1\n2,1\n10,1\n11,1\n12,1\n"),
+            "REC.csv:5: gap in time: 10 follows 2, expected steps of 1 s ± 0.001 s");
 }
 
 // The doubles nearest to k/rate print as short decimals, which sums of 0.001 do not.
@@ -407,6 +433,8 @@ TEST(RecordingCsv, GivesUpOnAnEndlessLine) {
               file.string() + ":3: the line is longer than 1 MiB, expected a text file, one row a sample");
   }
 }
+
+TEST(RecordingCsv, GivesUpOnAnEndlessFile) { EXPECT_THROW(static_cast<void>(read_recording("/dev/zero")), InputError); }
 
 // What is no readable file is an InputError as well, without a line.
 TEST(RecordingFile, RefusesAFolderAMissingFileAndAnEmptyOne) {
