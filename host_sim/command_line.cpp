@@ -9,6 +9,7 @@
 
 #include "host_sim/input_error.hpp"
 #include "host_sim/recording_columns.hpp"
+#include "host_sim/stability_command.hpp"
 #include "host_sim/version.hpp"
 
 namespace host_sim {
@@ -97,6 +98,8 @@ int run_command_line(int argc, const char* const* argv) {
   CompareOptions compare_options;
   add_simulate(app, simulate_options);
   add_compare(app, compare_options);
+  StabilityOptions stability_options;
+  add_stability(app, stability_options);
   try {
     if (const std::string_view word = argc > 1 ? argv[1] : "-";
         word != "simulate" && word != "compare" && !word.starts_with('-')) {

@@ -401,6 +401,23 @@ void read_controller(Reader& top, const Rig& rig, ControllerDescription& control
   valves->finish();
 }
 
+void read_delay_budget(Reader& top, model::RigKind kind, DelayBudget& budget) {
+  auto table = top.table("delay_budget");
+  if (!table) return;
+  if (kind != model::RigKind::hil) {
+    top.fail("delay_budget", "[delay_budget] does not fit", "none: only the loop of a hil rig has such a budget");
+  }
+  for (const auto& [key, part] : {std::pair("sensor_age", &DelayBudget::sensor_age),
+                                  std::pair("transport", &DelayBudget::transport),
+                                  std::pair("computation", &DelayBudget::computation)}) {
+    if (!table->has(key)) continue;
+    const double value = table->number(key);
+    if (!(value >= 0.0 && value <= 0.5)) table->fail(key, table->path(key) + " does not fit", "a delay of 0 … 0.5 s");
+    budget.*part = value;
+  }
+  table->finish();
+}
+
 /// A rig that the model refuses, at the line where the number stands.
 void check_physics(const toml::table& top, const RigDescription& description) {
   Rig rig = description.rig;
@@ -529,6 +546,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_effects(top, description.rig);
   read_sensors(top, description);
   read_controller(top, description.rig, description.controller);
+  read_delay_budget(top, description.rig.kind, description.delay_budget);
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);

@@ -44,6 +44,16 @@ struct ControllerDescription {
   std::vector<Switching> valve_plan;  ///< by time; empty: fdva.open_ducts throughout
 };
 
+/// Parts of a hil loop's delay that no effect of the rig models [s]; `rigtwin stability` adds them to the loop, a
+/// simulation knows nothing of them.
+struct DelayBudget {
+  double sensor_age = 0.0;   ///< of a force sample when it is read
+  double transport = 0.0;    ///< on the way from the sensor to the program, and of the command to the machine
+  double computation = 0.0;  ///< from force to command
+
+  [[nodiscard]] double sum() const { return sensor_age + transport + computation; }
+};
+
 /// A rig, how well it is known, and how its recordings are written.
 struct RigDescription {
   model::RigParameters<double> rig;
@@ -53,6 +63,7 @@ struct RigDescription {
   MeasuringRanges range;
   ChannelMap channels;
   ControllerDescription controller;
+  DelayBudget delay_budget;
   std::string source;  ///< the file, as the user called it
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }

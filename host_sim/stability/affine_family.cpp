@@ -122,6 +122,16 @@ AffineFamily affine_family(const std::function<LoopPolynomials(double)>& member,
   return family;
 }
 
+double highest_frequency(const AffineFamily& family, double size) {
+  const Polynomial rest = size * size * (squared_magnitude(family.p1) + squared_magnitude(family.q1)) +
+                          squared_magnitude(family.q0);
+  double highest = 1.0;
+  for (const Complex x : roots(squared_magnitude(family.p0) - 3.0 * rest)) {
+    if (x.real() > 0.0 && std::abs(x.imag()) < 1e-3 * x.real()) highest = std::max(highest, 1.001 * std::sqrt(x.real()));
+  }
+  return highest;
+}
+
 std::vector<AxisValue> axis_values(const AffineFamily& family, double delay, double from, double to) {
   // Im(f₀ f₁*) with E = e^{−jωτ}: P₀P₁* + Q₀Q₁* + P₀Q₁* E* + Q₀P₁* E
   const AxisParts p0p1 = times_conjugate(family.p0, family.p1), q0q1 = times_conjugate(family.q0, family.q1);
@@ -130,15 +140,7 @@ std::vector<AxisValue> axis_values(const AffineFamily& family, double delay, dou
                             delay};
   std::vector<AxisValue> found;
   if (g.a.zero() && g.b.zero() && g.c.zero()) return found;
-  const double size = std::max(std::abs(from), std::abs(to));
-  // Beyond this radius |P₀ + κP₁| > |Q₀ + κQ₁| for all |κ| ≤ size: coefficients of the largest size there are.
-  std::vector<double> p(family.p0.size()), q(p.size());
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    p[k] = std::abs(family.p0[k]) + size * std::abs(family.p1[k]);
-    q[k] = std::abs(family.q0[k]) + size * std::abs(family.q1[k]);
-  }
-  p.back() = family.p0.leading();
-  const double highest = DelayEquation(Polynomial(p), Polynomial(q), delay).radius(0.0);
+  const double highest = highest_frequency(family, std::max(std::abs(from), std::abs(to)));
   // ω = 0 is a zero of g always (f₀ and f₁ are real there) and no crossing of a pair.
   const double lowest = 1e-9 * highest;
 

@@ -39,6 +39,10 @@ struct LoopPolynomials {
 };
 [[nodiscard]] AffineFamily affine_family(const std::function<LoopPolynomials(double)>& member, double typical);
 
+/// No member with |κ| ≤ `size` has a root jω on the axis at or above this [rad/s], whatever the delay: there
+/// |P₀|² > 3 (κ²|P₁|² + |Q₀|² + κ²|Q₁|²), so that |P₀| is more than all the rest together.
+[[nodiscard]] double highest_frequency(const AffineFamily& family, double size);
+
 /// A value of κ with a pair of roots ±jω on the axis.
 struct AxisValue {
   double value{};
@@ -49,7 +53,7 @@ struct AxisValue {
 /// All values in from … to with a root on the axis at ω > 0, by value.
 ///
 /// f = f₀ + κ f₁ = 0 with real κ needs Im(f₀ f₁*) = 0 on the axis, a TrigonometricPolynomial of ω whose zeros are all
-/// found below the radius beyond which no root of any member lies; then κ = −Re(f₀/f₁).
+/// found below highest_frequency(); then κ = −Re(f₀/f₁).
 [[nodiscard]] std::vector<AxisValue> axis_values(const AffineFamily& family, double delay, double from, double to);
 
 }  // namespace host_sim::stability

@@ -48,6 +48,19 @@ int multiplicity(const DelayEquation& equation, Complex s) {
   return 1;
 }
 
+/// Highest Im s on the line at which the delayed part of f outweighs the other: beyond it there are no roots near the
+/// line, below it about one for every π/τ.
+double reach(const DelayEquation& equation, double line) {
+  const double grown = std::exp(-line * equation.delay());
+  double y = equation.radius(line);
+  while (y > 1.0) {
+    const Complex s(line, y);
+    if (std::abs(equation.q()(s)) * grown >= std::abs(equation.p()(s))) break;
+    y *= 0.9;
+  }
+  return y;
+}
+
 bool further_right(Complex a, Complex b) {
   return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
 }
@@ -164,15 +177,14 @@ RootSet verified_roots(const DelayEquation& equation, double line, const std::ve
 RootSet characteristic_roots(const DelayEquation& equation, double line) {
   const double tau = equation.delay();
   if (equation.p().degree() < 1) throw UnfitLoop("the loop has no states");
-  // Right of a line there are about radius · τ/π roots beside those of the rig itself.
-  while (line < 0.0 && equation.radius(line) * tau / std::numbers::pi > most_roots) {
+  while (line < 0.0 && reach(equation, line) * tau / std::numbers::pi > most_roots) {
     line *= 0.9;
     if (line > -1e-3) line = 0.0;
   }
   for (;; line *= 2.0) {
     for (int refined = 0;; ++refined) {
-      const double reach = equation.radius(line) * tau;
-      const int nodes = std::min((16 << refined) + static_cast<int>(std::min(0.5 * reach, 200.0)), 320);
+      const double turns = reach(equation, line) * tau;
+      const int nodes = (16 << refined) + static_cast<int>(std::min(0.5 * turns, 200.0));
       try {
         double clear = line;
         for (int tries = 0;; ++tries) {
@@ -191,7 +203,7 @@ RootSet characteristic_roots(const DelayEquation& equation, double line) {
       }
     }
     if (line == 0.0) line = -1.0;
-    if (equation.radius(2.0 * line) * tau / std::numbers::pi > 4.0 * most_roots) {
+    if (reach(equation, 2.0 * line) * tau / std::numbers::pi > 4.0 * most_roots) {
       throw std::logic_error("stability: no characteristic root within reach");
     }
   }

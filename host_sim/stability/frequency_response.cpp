@@ -149,14 +149,15 @@ NyquistData nyquist(const DelayEquation& equation, const std::vector<Complex>& c
   NyquistData data;
   const std::vector<Complex> poles = roots(equation.p());
   const double top = equation.radius(0.0);
-  // Half way to the nearest pole or root on the right, so that no unstable one is passed over.
-  double nearest = 2e-4 * top;
+  // Right of the axis by a thousandth of the slowest motion, but only half way to the nearest unstable pole or root.
+  double slowest = top, unstable = top;
   for (const auto* set : {&poles, &closed_loop}) {
     for (const Complex s : *set) {
-      if (s.real() > 1e-9 * top) nearest = std::min(nearest, s.real());
+      if (std::abs(s) > 1e-6) slowest = std::min(slowest, std::abs(s));
+      if (s.real() > 1e-9 * std::abs(s) && s != Complex()) unstable = std::min(unstable, s.real());
     }
   }
-  data.offset = 0.5 * nearest;
+  data.offset = std::min(1e-3 * slowest, 0.5 * unstable);
   for (const Complex s : poles) data.open_loop_unstable += s.real() > data.offset ? 1 : 0;
 
   const auto loop = [&](double omega) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "model/machine.hpp"
 #include "model/places.hpp"
 #include "model/rig_equations.hpp"
 
@@ -12,13 +13,13 @@ namespace {
 
 using Equations = model::RigEquations<double>;
 
-constexpr std::array<std::string_view, 7> linear_effects{"actuator_delay", "actuator_lag", "actuator_resonance",
-                                                         "viscous_damping", "top_mount", "relaxation",
-                                                         "body_guide_damping"};
-constexpr std::array<std::string_view, 12> nonlinear_effects{
-    "actuator_rate_limit", "coulomb_friction",    "quadratic_damping",    "progressive_spring",
-    "bump_stop",           "backlash",            "seal_friction",        "body_guide_friction",
-    "wheel_guide_friction", "tyre_lift_off",      "progressive_tyre",     "sensor_hold"};
+constexpr std::array<std::string_view, 11> linear_effects{
+    "actuator_delay",     "actuator_lag",        "actuator_resonance", "viscous_damping", "top_mount",  "relaxation",
+    "body_guide_damping", "wheel_guide_damping", "sensor_lag",         "sensor_delay",    "sensor_gain"};
+constexpr std::array<std::string_view, 14> nonlinear_effects{
+    "actuator_rate_limit", "coulomb_friction",    "quadratic_damping", "progressive_spring", "bump_stop",
+    "backlash",            "seal_friction",       "body_guide_friction", "wheel_guide_friction", "tyre_lift_off",
+    "progressive_tyre",    "sensor_offset",       "sensor_saturation", "sensor_hold"};
 constexpr std::array<std::string_view, 1> effects_outside{"force_sensor_inertia"};
 
 template <std::size_t N>
@@ -82,13 +83,39 @@ StateSpace component_of(const Equations& equations, int open) {
 }
 
 /// Machine (2) without its delay: inputs x_cmd, ẋ_cmd; outputs x_act, ẋ_act.
-StateSpace machine_of() {
-  return {Eigen::MatrixXd(0, 0), Eigen::MatrixXd(0, 2), Eigen::MatrixXd(2, 0), Eigen::MatrixXd::Identity(2, 2)};
+StateSpace machine_of(const model::MachinePath<double>& path) {
+  using Machine = model::Machine<double>;
+  using State = Machine::State;
+  constexpr int n = State::RowsAtCompileTime;
+  constexpr double any_period = 1e-3;  // of its step, which is not asked for
+  const Machine machine(path, any_period);
+  const auto output = [&](const State& x, double position, double velocity) {
+    const model::Stroke<double> reached = machine.output(x, {position, velocity});
+    return Eigen::Vector2d(reached.position, reached.velocity);
+  };
+  StateSpace system{Eigen::MatrixXd(n, n), Eigen::MatrixXd::Zero(n, 2), Eigen::MatrixXd(2, n), Eigen::MatrixXd(2, 2)};
+  for (int j = 0; j < n; ++j) {
+    system.a.col(j) = machine.rates(State::Unit(j), 0.0);
+    system.c.col(j) = output(State::Unit(j), 0.0, 0.0);
+  }
+  system.b.col(0) = machine.rates(State::Zero(), 1.0);
+  system.d.col(0) = output(State::Zero(), 1.0, 0.0);
+  system.d.col(1) = output(State::Zero(), 0.0, 1.0);
+  return system;
 }
 
-/// Sensor of F (4) without its delay.
-StateSpace force_sensor_of() {
-  return {Eigen::MatrixXd(0, 0), Eigen::MatrixXd(0, 1), Eigen::MatrixXd(1, 0), Eigen::MatrixXd::Identity(1, 1)};
+/// Sensor of F (4) without its delay: equations (1) and (2) of model::Sensors, whose own step is discrete.
+StateSpace force_sensor_of(const model::SensorPath<double>& path) {
+  const bool lags = path.lag > 0.0;
+  const Eigen::Index n = lags ? 1 : 0;
+  StateSpace system{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 1), Eigen::MatrixXd(1, n),
+                    Eigen::MatrixXd::Constant(1, 1, lags ? 0.0 : path.gain)};
+  if (lags) {
+    system.a(0, 0) = -1.0 / path.lag;
+    system.b(0, 0) = path.gain / path.lag;
+    system.c(0, 0) = 1.0;
+  }
+  return system;
 }
 
 /// Numerator from a displacement to `output` of a block that takes displacement (input 0) and velocity (input 1).
@@ -173,6 +200,11 @@ model::RigParameters<double> linear_part(const model::RigParameters<double>& rig
   linear.effects.for_each([](auto& slot) {
     if (kind_of_effect(slot.effect.card.name) == EffectKind::nonlinear) slot.active = false;
   });
+  linear.effects.for_each_sensor([](auto& slot, model::Channel channel) {
+    if (channel != model::Channel::F || kind_of_effect(slot.effect.card.name) == EffectKind::nonlinear) {
+      slot.active = false;
+    }
+  });
   return linear;
 }
 
@@ -185,10 +217,8 @@ LinearRig linearise(const model::RigParameters<double>& rig) {
   if (rig.has_fdva && rig.fdva.minor_loss > 0.0 && rig.fdva.open_ducts > 0) {
     result.left_out.emplace_back("fdva.minor_loss");
   }
-  rig.effects.for_each([&](const auto& slot) {
-    if (!slot.active) return;
-    const std::string name(slot.effect.card.name);
-    switch (kind_of_effect(name)) {
+  const auto sort = [&](const std::string& effect, const std::string& name) {
+    switch (kind_of_effect(effect)) {
       case EffectKind::linear:
         break;
       case EffectKind::nonlinear:
@@ -198,18 +228,35 @@ LinearRig linearise(const model::RigParameters<double>& rig) {
         result.outside_loop.push_back(name);
         break;
       case EffectKind::unknown:
-        throw std::logic_error("stability: nobody said whether the effect " + name + " is linear");
+        throw std::logic_error("stability: nobody said whether the effect " + effect + " is linear");
+    }
+  };
+  rig.effects.for_each([&](const auto& slot) {
+    const std::string effect(slot.effect.card.name);
+    if (slot.active) sort(effect, effect);
+  });
+  rig.effects.for_each_sensor([&](const auto& slot, model::Channel channel) {
+    if (!slot.active) return;
+    const std::string effect(slot.effect.card.name);
+    const std::string name = effect + "." + std::string(model::name(channel));
+    if (channel == model::Channel::F) {
+      sort(effect, name);
+    } else {
+      result.outside_loop.push_back(name);
     }
   });
 
-  const Equations equations(linear_part(rig));
+  const model::RigParameters<double> linear = linear_part(rig);
+  const Equations equations(linear);
+  model::MachinePath<double> path{};
+  linear.effects.act_on(path);
+  const model::SensorPath<double> sensor = linear.effects.sensor_paths()[model::index(model::Channel::F)];
   result.car = car_of(equations);
   result.component = TransferMatrix(component_of(equations, rig.has_fdva ? rig.fdva.open_ducts : 0));
-  result.machine = TransferMatrix(machine_of());
-  result.force_sensor = TransferMatrix(force_sensor_of());
-  model::MachinePath<double> path{};
-  rig.effects.act_on(path);
+  result.machine = TransferMatrix(machine_of(path));
+  result.force_sensor = TransferMatrix(force_sensor_of(sensor));
   result.machine_delay = path.delay;
+  result.sensor_delay = sensor.delay;
 
   StateSpace loop = result.car;
   loop.b = result.car.b.leftCols(1).eval();

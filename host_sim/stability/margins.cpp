@@ -53,7 +53,7 @@ Margins margins(const DelayEquation& equation, bool stable) {
   }
 
   const AffineFamily gain{p, {}, {}, q};
-  constexpr double largest = 1e3;
+  constexpr double largest = 100.0;
   for (const AxisValue& value : axis_values(gain, tau, 1.0 / largest, largest)) {
     if (!value.border) continue;
     if (value.value > 1.0 && !result.upper_gain) result.upper_gain = GainMargin{value.value, value.omega};
@@ -68,9 +68,8 @@ SensitivityPeak sensitivity_peak(const DelayEquation& equation) {
     return std::abs(equation.p()(s) / equation(s));
   };
   SensitivityPeak peak;
-  const double top = equation.radius(0.0);
   const double ratio = std::pow(10.0, 1.0 / 400.0);
-  for (double omega = 1e-3 * top; omega < top; omega *= ratio) {
+  for (double omega = 1e-2; omega < 1e5; omega *= ratio) {
     if (const double value = size(omega); value > peak.value) peak = {value, omega};
   }
   // Golden section around the highest sample.

@@ -8,7 +8,7 @@
 
 namespace host_sim::stability {
 
-/// A gain factor of the force F at which stability begins or ends, from 1/1000 to 1000.
+/// A gain factor of the force F at which stability begins or ends, from 1/100 to 100.
 struct GainMargin {
   double factor{};  ///< [1]
   double omega{};   ///< [rad/s]
@@ -32,7 +32,7 @@ struct Margins {
 /// `stable`: the verdict at the equation's delay.
 [[nodiscard]] Margins margins(const DelayEquation& equation, bool stable);
 
-/// One over the smallest distance of L(jω) from −1 (1 = the border is as far away as the loop gain 1).
+/// One over the smallest distance of L(jω) from −1, between 0.01 and 1e5 rad/s.
 struct SensitivityPeak {
   double value{};  ///< max |1/(1 + L)|
   double omega{};  ///< [rad/s]

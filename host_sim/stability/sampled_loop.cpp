@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -14,28 +15,46 @@ namespace {
 
 using Rig = model::RigModel<>;
 
-/// visit(scalar) for every number of a state that the linear step reads, the line's last.
-template <class Visit>
-void for_each_own(Rig::State& x, const Visit& visit) {
-  for (Eigen::Index i = 0; i < x.core.size(); ++i) visit(x.core(i));
-  visit(x.reached.position);
-  visit(x.reached.velocity);
-  visit(x.received_force);
+/// How many samples of a delay line a step reads on: it pushes one, then reads those at the whole part of the delay and
+/// one before it.
+std::size_t samples_read(double delay, double period) {
+  return delay > 0.0 ? static_cast<std::size_t>(delay / period + 1e-9) + 1 : 0;
 }
 
+double sensor_delay(const Rig& model) {
+  return model.parameters().effects.sensor_paths()[model::index(model::Channel::F)].delay;
+}
+
+/// visit(number, is it a force) for every number of a state that the linear step reads, but for the machine's line.
 template <class Visit>
-void for_each_scalar(Rig::State& x, std::size_t line, const Visit& visit) {
-  for_each_own(x, visit);
-  for (std::size_t i = 0; i < line; ++i) {
-    visit(x.line.ago(i).position);
-    visit(x.line.ago(i).velocity);
+void for_each_own(const Rig& model, Rig::State& x, const Visit& visit) {
+  for (Eigen::Index i = 0; i < x.core.size(); ++i) visit(x.core(i), false);
+  for (Eigen::Index i = 0; i < x.machine.size(); ++i) visit(x.machine(i), false);
+  for (model::Stroke<double>* stroke : {&x.delayed, &x.reached}) {
+    visit(stroke->position, false);
+    visit(stroke->velocity, false);
+  }
+  auto& sensor = x.sensors.channels[model::index(model::Channel::F)];
+  for (double* value : {&x.received_force, &sensor.input, &sensor.lagged, &sensor.held}) visit(*value, true);
+  for (std::size_t i = 0; i < samples_read(sensor_delay(model), model.period()); ++i) {
+    visit(x.sensors.lines[0].ago(i), true);  // the sensor of F is the only one left in a linear rig
   }
 }
 
-Eigen::VectorXd read(Rig::State& x, std::size_t line, Eigen::Index size) {
+/// The same and the line, newest sample first.
+template <class Visit>
+void for_each_scalar(const Rig& model, Rig::State& x, std::size_t line, const Visit& visit) {
+  for_each_own(model, x, visit);
+  for (std::size_t i = 0; i < line; ++i) {
+    visit(x.line.ago(i).position, false);
+    visit(x.line.ago(i).velocity, false);
+  }
+}
+
+Eigen::VectorXd read(const Rig& model, Rig::State& x, std::size_t line, Eigen::Index size) {
   Eigen::VectorXd values(size);
   Eigen::Index i = 0;
-  for_each_scalar(x, line, [&](double& value) { values(i++) = value; });
+  for_each_scalar(model, x, line, [&](double& value, bool) { values(i++) = value; });
   return values;
 }
 
@@ -56,23 +75,28 @@ void check(const Rig& model, const StepMatrix& step) {
   }
   in = {};
   model.step(x, in);  // the foot point comes to rest
-  Eigen::VectorXd y = read(x, step.line, step.matrix.rows());
-  const Eigen::VectorXd size = y.cwiseAbs();
+  Eigen::VectorXd y = read(model, x, step.line, step.matrix.rows());
+  // Each number against the largest of its own kind, since metres and newtons stand side by side.
+  std::array<double, 2> size{};
+  const auto measure = [&] {
+    for_each_scalar(model, x, step.line, [&](double& value, bool force) {
+      size[force ? 1 : 0] = std::max(size[force ? 1 : 0], std::abs(value));
+    });
+  };
+  measure();
   for (int k = 0; k < 20; ++k) {
     model.step(x, in);
     y = (step.matrix * y).eval();
+    measure();
   }
-  const Eigen::VectorXd truth = read(x, step.line, step.matrix.rows());
-  // Each number against the largest of its own kind, since metres and newtons stand side by side.
-  const double force = std::max(size(static_cast<Eigen::Index>(step.own) - 1), std::abs(truth(static_cast<Eigen::Index>(step.own) - 1)));
-  const double motion = std::max(size.head(4).maxCoeff(), truth.head(4).cwiseAbs().maxCoeff());
-  for (Eigen::Index i = 0; i < truth.size(); ++i) {
-    const double scale = i == static_cast<Eigen::Index>(step.own) - 1 ? force + motion : motion;
-    if (!(std::abs(y(i) - truth(i)) <= 1e-8 * scale)) {
+  Eigen::Index i = 0;
+  for_each_scalar(model, x, step.line, [&](double& truth, bool force) {
+    if (!(std::abs(y(i) - truth) <= 1e-7 * size[force ? 1 : 0])) {
       throw std::logic_error("stability: the matrix of a step departs from the model's step in state " +
                              std::to_string(i));
     }
-  }
+    ++i;
+  });
 }
 
 /// The eigenvector of an eigenvalue λ has λ^{−i} times the newest sample at the line's place i, which leaves a small
@@ -172,18 +196,16 @@ StepMatrix step_matrix(const model::RigParameters<double>& rig, double period, d
   const Rig model(with_delay(rig, delay), period);
   StepMatrix result;
   Rig::State start = model.start();
-  for_each_own(start, [&](double&) { ++result.own; });
-  // The step pushes one sample and reads those at the whole part of the delay and one before it.
-  const double samples = delay / period;
-  result.line = delay > 0.0 ? static_cast<std::size_t>(samples + 1e-9) + 1 : 0;
+  for_each_own(model, start, [&](double&, bool) { ++result.own; });
+  result.line = samples_read(delay, period);
   const auto size = static_cast<Eigen::Index>(result.own + 2 * result.line);
   result.matrix.resize(size, size);
   for (Eigen::Index j = 0; j < size; ++j) {
     Rig::State x = start;
     Eigen::Index i = 0;
-    for_each_scalar(x, result.line, [&](double& value) { value = i++ == j ? 1.0 : 0.0; });
+    for_each_scalar(model, x, result.line, [&](double& value, bool) { value = i++ == j ? 1.0 : 0.0; });
     model.step(x, {});
-    result.matrix.col(j) = read(x, result.line, size);
+    result.matrix.col(j) = read(model, x, result.line, size);
   }
   check(model, result);
   return result;

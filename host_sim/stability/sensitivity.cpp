@@ -20,6 +20,13 @@ std::vector<std::string> real_parameters(const model::RigParameters<double>& rig
       add("effects." + std::string(slot.effect.card.name) + "." + std::string(parameter.name));
     }
   });
+  rig.effects.for_each_sensor([&](const auto& slot, model::Channel channel) {
+    if (!slot.active) return;
+    for (const auto& parameter : slot.effect.card.parameters) {
+      add("effects." + std::string(slot.effect.card.name) + "." + std::string(model::name(channel)) + "." +
+          std::string(parameter.name));
+    }
+  });
   return paths;
 }
 

@@ -1,0 +1,108 @@
+// The rightmost root over a plane of two parameters, and where it crosses the axis.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_sim/stability/characteristic_roots.hpp"
+#include "model/rig_parameters.hpp"
+
+namespace host_sim::stability {
+
+/// Follows the rightmost root while an equation changes little by little. Every answer is proven: Newton from the roots
+/// followed, then the argument principle on a line between them and the rest; where the two disagree the roots are
+/// found anew (characteristic_roots). Error below 1e-9 of the root.
+class RootTracker {
+ public:
+  [[nodiscard]] Complex rightmost(const DelayEquation& equation);
+
+  [[nodiscard]] std::size_t searches() const { return searches_; }  ///< how often the roots were found anew
+
+ private:
+  [[nodiscard]] bool follow(const DelayEquation& equation);
+  void search(const DelayEquation& equation);
+
+  std::vector<Complex> roots_;  // Im >= 0, rightmost first
+  std::size_t searches_ = 0;
+};
+
+/// One side of the plane, or the variable of a sweep: `count` values from `from` to `to`, both included.
+struct Axis {
+  std::string variable;  ///< "tau": the loop delay [s]; "virtual_damping"; or a parameter path of the rig
+  double from{}, to{};
+  std::size_t count{};
+
+  [[nodiscard]] double value(std::size_t i) const {
+    return i + 1 == count ? to : from + (to - from) * static_cast<double>(i) / static_cast<double>(count - 1);
+  }
+  [[nodiscard]] bool is_delay() const { return variable == "tau"; }
+};
+
+/// "tau=0:0.03:200" → Axis; "a=…,b=…" → two. Throws UsageError when the text is none, the range runs backwards, is
+/// beyond what the variable can be, or the rig has no such parameter (the nearest name is given).
+[[nodiscard]] Axis parse_axis(std::string_view text, const model::RigParameters<double>& rig, double period);
+[[nodiscard]] std::pair<Axis, Axis> parse_map(std::string_view text, const model::RigParameters<double>& rig,
+                                              double period);
+
+/// The equation at a value of one or two variables; `extra_delay`: what the loop delay holds beside the rig's effects.
+class LoopFamily {
+ public:
+  LoopFamily(model::RigParameters<double> rig, double extra_delay)
+      : rig_(std::move(rig)), extra_delay_(extra_delay) {}
+
+  struct Setting {
+    std::string_view variable;
+    double value;
+  };
+  [[nodiscard]] DelayEquation at(const std::vector<Setting>& settings) const;
+  [[nodiscard]] const model::RigParameters<double>& rig() const { return rig_; }
+
+ private:
+  model::RigParameters<double> rig_;
+  double extra_delay_;
+};
+
+struct BoundaryPoint {
+  double x{}, y{};  ///< in the variables of the map
+  double omega{};   ///< of the pair of roots on the axis [rad/s]
+  bool border{};    ///< stable on one side; else a second pair crosses where the loop is unstable already
+};
+
+/// Consecutive points belong together where the map has the axes tau and virtual_damping; else each stands alone.
+struct BoundaryCurve {
+  bool connected{};
+  std::vector<BoundaryPoint> points;
+};
+
+struct StabilityMap {
+  Axis x, y;
+  std::vector<double> rightmost;   ///< Re of the rightmost root [1/s], row after row of constant y
+  std::vector<double> frequency;   ///< its Im [rad/s]
+  std::vector<BoundaryCurve> boundary;
+  std::size_t searches{};          ///< points at which following was not enough
+  unsigned threads{};
+
+  [[nodiscard]] double at(std::size_t ix, std::size_t iy) const { return rightmost[iy * x.count + ix]; }
+};
+
+/// \param threads   0: one for each processor
+/// \param progress  called now and then with the share that is done, from one thread only; may be empty
+///
+/// The boundary is exact: with τ on an axis it is the closed form |P| = |Q|, τ = −arg(−P/Q)/ω, by values of the other
+/// parameter, and for virtual_damping, which enters P and Q linearly, parametrised by ω: |P₀ + b̃P₁|² = |Q₀ + b̃Q₁|² is
+/// quadratic in b̃. Between two other parameters it is found on the lines of the map between two neighbours of opposite
+/// verdict, to 1e-12 of the range.
+[[nodiscard]] StabilityMap stability_map(const LoopFamily& family, const Axis& x, const Axis& y, unsigned threads = 0,
+                                         const std::function<void(double)>& progress = {});
+
+/// The roots at each value of one variable.
+struct PoleSweep {
+  Axis axis;
+  std::vector<std::vector<Complex>> roots;  ///< right of the line, Im ≥ 0, rightmost first
+};
+[[nodiscard]] PoleSweep pole_sweep(const LoopFamily& family, const Axis& axis, double line);
+
+}  // namespace host_sim::stability

@@ -1,0 +1,28 @@
+// rigtwin stability: poles, critical delay, critical virtual damping, margins.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace host_sim {
+
+struct StabilityOptions {
+  std::filesystem::path rig;
+  std::optional<std::filesystem::path> json;
+  std::vector<std::string> sweeps;  ///< "variable=from:to:count"
+  std::optional<std::string> map;   ///< two of these, "x,y"
+  bool responses = false;           ///< Bode and Nyquist data into the JSON
+  double line = -60.0;              ///< roots right of it are listed [1/s]
+};
+void examine_stability(const StabilityOptions& options);
+
+/// Makes the sub-command known; `options` must live as long as `app`.
+void add_stability(CLI::App& app, StabilityOptions& options);
+
+}  // namespace host_sim
