@@ -14,9 +14,10 @@ namespace model {
 /// The friction forces λ are constant over a step and chosen such that (1) holds at its end, where the linear system
 /// gives v = v_free + G λ. One contact is solved exactly: λ = clamp(−v_free/G, ±f). More are solved by a fixed number
 /// of projected Gauss–Seidel sweeps, started from the forces of the last step. Energy can only be lost: λ v ≥ 0.
-/// First order in the step at the instants where sticking begins or slip reverses, exact between them.
-/// Source: Moreau, time stepping of unilateral and frictional contact, 1988; Acary and Brogliato, Numerical methods for
-/// nonsmooth dynamical systems, 2008.
+/// First order in the step at the instants where sticking begins or slip reverses, exact between them while slipping;
+/// while sticking under a load that grows by Ḟ a mass m creeps back by Ḟ h³/(12 m) a step. Source: Moreau, time
+/// stepping of unilateral and frictional contact, 1988; Acary and Brogliato, Numerical methods for nonsmooth dynamical
+/// systems, 2008.
 template <class S>
 class FrictionContacts {
  public:

@@ -1,0 +1,278 @@
+// The laws of the catalogue by hand-calculated points: what each adds to a rig that is otherwise known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "model/rig_model.hpp"
+
+namespace {
+
+using model::Channel;
+using model::RigKind;
+using Rig = model::RigParameters<double>;
+using Model = model::RigModel<>;
+
+constexpr double period = 1e-3;
+
+Rig plain(RigKind kind) {
+  Rig rig;
+  rig.kind = kind;
+  if (kind != RigKind::component_bench) {
+    rig.body.mass = 300.0;
+    rig.wheel.mass = 40.0;
+    rig.tyre.stiffness = 200e3;
+    rig.tyre.damping = 100.0;
+  }
+  rig.suspension.stiffness = 30e3;
+  rig.suspension.damping = 1000.0;
+  return rig;
+}
+
+/// F of a bench whose component is deflected by x and moves with v, after enough samples for the loads to be known.
+double bench_force(const Rig& rig, double x, double v) {
+  const Model model(rig, period);
+  const auto state = model.start(model::Column<double, 6>::Zero(), {}, {x, v});
+  return model.signals(state)[index(Channel::F)];
+}
+
+/// What an effect adds to F of the plain bench [N].
+template <template <class> class Effect>
+double added_force(const Effect<double>& effect, double x, double v) {
+  Rig rig = plain(RigKind::component_bench);
+  const double without = bench_force(rig, x, v);
+  rig.effects.add(effect);
+  return bench_force(rig, x, v) - without;
+}
+
+/// Acceleration channel of a quarter car in a given state.
+double quarter_car_signal(const Rig& rig, Channel channel, const model::Column<double, 6>& core) {
+  const Model model(rig, period);
+  return model.signals(model.start(core, {}, {}))[index(channel)];
+}
+
+// Forces here are some hundred newtons of order-one sums: 1e-9 is ten thousand roundings.
+constexpr double rounding = 1e-9;
+
+// Point. F_s += damping · ḋz_b: 150 N s/m · 0.4 m/s.
+TEST(ViscousDamping, AddsAForceInProportionToVelocity) {
+  EXPECT_NEAR(added_force(model::ViscousDamping<double>{150.0}, 0.01, 0.4), 60.0, rounding);
+  EXPECT_NEAR(added_force(model::ViscousDamping<double>{150.0}, 0.01, -0.4), -60.0, rounding);
+}
+
+// Point. F_s += c ḋz_b|ḋz_b|: 500 · 0.4² with the sign of the velocity.
+TEST(QuadraticDamping, AddsTheSquareOfTheVelocityAgainstIt) {
+  EXPECT_NEAR(added_force(model::QuadraticDamping<double>{500.0}, 0.01, 0.4), 80.0, rounding);
+  EXPECT_NEAR(added_force(model::QuadraticDamping<double>{500.0}, 0.01, -0.4), -80.0, rounding);
+}
+
+// Point. F_s += k₃ dz_b³: 2e7 · 0.02³; a negative one softens.
+TEST(ProgressiveSpring, AddsTheCubeOfTheDeflection) {
+  EXPECT_NEAR(added_force(model::ProgressiveSpring<double>{2e7}, 0.02, 0.1), 160.0, rounding);
+  EXPECT_NEAR(added_force(model::ProgressiveSpring<double>{-2e7}, 0.02, 0.1), -160.0, rounding);
+}
+
+// Point. F_s += k max(0, |dz_b| − s₀) sgn: nothing inside, 8e4 · 0.005 at 25 mm with 20 mm clearance, odd.
+TEST(BumpStop, ActsBeyondItsClearanceOnly) {
+  const model::BumpStop<double> stop{0.020, 8e4};
+  EXPECT_EQ(added_force(stop, 0.0199, 0.1), 0.0);
+  EXPECT_NEAR(added_force(stop, 0.025, 0.1), 400.0, rounding);
+  EXPECT_NEAR(added_force(stop, -0.025, 0.1), -400.0, rounding);
+}
+
+// Point. Inside ±1 mm the component sees nothing; at 11 mm it sees 10 mm and the whole velocity.
+TEST(Backlash, TakesHalfTheGapFromTheDeflection) {
+  Rig rig = plain(RigKind::component_bench);
+  rig.effects.add(model::Backlash<double>{0.002});
+  EXPECT_EQ(bench_force(rig, 0.0005, 0.3), 0.0);
+  EXPECT_NEAR(bench_force(rig, 0.011, 0.3), 30e3 * 0.010 + 1000.0 * 0.3, rounding);
+  EXPECT_NEAR(bench_force(rig, -0.011, 0.3), -30e3 * 0.010 + 1000.0 * 0.3, rounding);
+}
+
+// Point. At rest two springs in series: k k_m/(k + k_m) x. With damping the mount carries the same force once settled.
+TEST(TopMount, IsASpringInSeriesWithTheComponent) {
+  Rig rig = plain(RigKind::component_bench);
+  rig.effects.add(model::TopMount<double>{60e3});
+  EXPECT_NEAR(bench_force(rig, 0.01, 0.0), 20e3 * 0.01, 1e-6);
+}
+
+// Law. A sinusoidal deflection through a series of k_m and (k + jωb): amplitude and phase of the force by complex
+// arithmetic. Bound: Hermite interpolation h⁴/384 ω⁴ = 1e-9, a settled start after 2 s (time constant 11 ms).
+TEST(TopMount, HasTheDynamicStiffnessOfSpringAndDamperInSeries) {
+  Rig rig = plain(RigKind::component_bench);
+  const double mount = 60e3, w = 2.0 * std::numbers::pi * 4.0, amplitude = 0.01;
+  rig.effects.add(model::TopMount<double>{mount});
+  const Model model(rig, period);
+  auto x = model.start();
+  const double re = 30e3, im = w * 1000.0;  // inner stiffness
+  // k_m K/(k_m + K)
+  const double dre = mount + re, dim = im, d2 = dre * dre + dim * dim;
+  const double sre = mount * (re * dre + im * dim) / d2, sim = mount * (im * dre - re * dim) / d2;
+  for (int k = 1; k <= 4000; ++k) {
+    const double t = k * period;
+    model.step(x, {.command = {amplitude * std::sin(w * t), amplitude * w * std::cos(w * t)}});
+    if (k < 2000) continue;
+    const double expected = amplitude * (sre * std::sin(w * t) + sim * std::cos(w * t));
+    EXPECT_NEAR(model.signals(x)[index(Channel::F)], expected, 1e-6 * amplitude * mount);
+  }
+}
+
+// Law. The Maxwell branch k_r jωT/(1 + jωT) beside spring and damper, on a sine; bound as above.
+TEST(Relaxation, HasTheDynamicStiffnessOfAMaxwellBranch) {
+  Rig rig = plain(RigKind::component_bench);
+  const double k_r = 9000.0, T = 0.03, w = 2.0 * std::numbers::pi * 4.0, amplitude = 0.01;
+  rig.effects.add(model::Relaxation<double>{k_r, T});
+  const Model model(rig, period);
+  auto x = model.start();
+  const double wT = w * T, re = 30e3 + k_r * wT * wT / (1.0 + wT * wT), im = w * 1000.0 + k_r * wT / (1.0 + wT * wT);
+  for (int k = 1; k <= 4000; ++k) {
+    const double t = k * period;
+    model.step(x, {.command = {amplitude * std::sin(w * t), amplitude * w * std::cos(w * t)}});
+    if (k < 2000) continue;
+    const double expected = amplitude * (re * std::sin(w * t) + im * std::cos(w * t));
+    EXPECT_NEAR(model.signals(x)[index(Channel::F)], expected, 1e-6 * amplitude * re);
+  }
+}
+
+// Point. Drag and friction of the guides act on the absolute velocity of body or wheel: −c ż/m, −F sgn(ż)/m.
+TEST(GuideDamping, BrakesBodyAndWheelByTheirAbsoluteVelocity) {
+  model::Column<double, 6> core;
+  core << 0.0, 0.5, 0.0, 0.2, 0.0, 0.0;
+  const Rig rig = plain(RigKind::quarter_car);
+  Rig body = rig, wheel = rig;
+  body.effects.add(model::BodyGuideDamping<double>{60.0});
+  wheel.effects.add(model::WheelGuideDamping<double>{60.0});
+  const auto change = [&](const Rig& with, Channel channel) {
+    return quarter_car_signal(with, channel, core) - quarter_car_signal(rig, channel, core);
+  };
+  EXPECT_NEAR(change(body, Channel::zdd_b), -60.0 * 0.2 / 300.0, rounding);
+  EXPECT_NEAR(change(body, Channel::zdd_w), 0.0, rounding);
+  EXPECT_NEAR(change(wheel, Channel::zdd_w), -60.0 * 0.5 / 40.0, rounding);
+  EXPECT_NEAR(change(wheel, Channel::zdd_b), 0.0, rounding);
+}
+
+// Law. A body thrown upwards by friction-free springs that are next to nothing loses F_r/m of speed a second, exactly,
+// and then sticks. Springs of 1 N/m change the speed by less than 1e-3 m/s in the 0.2 s that it takes.
+TEST(GuideFriction, TakesItsForceFromTheMovingPartUntilItSticks) {
+  for (const bool of_body : {true, false}) {
+    Rig rig = plain(RigKind::quarter_car);
+    rig.suspension = {1.0, 0.0};
+    rig.tyre.stiffness = 1.0;
+    rig.tyre.damping = 0.0;
+    const double mass = of_body ? rig.body.mass : rig.wheel.mass;
+    if (of_body) {
+      rig.effects.add(model::BodyGuideFriction<double>{5.0 * mass});
+    } else {
+      rig.effects.add(model::WheelGuideFriction<double>{5.0 * mass});
+    }
+    const Model model(rig, period);
+    model::Column<double, 6> core = model::Column<double, 6>::Zero();
+    const int velocity = of_body ? 3 : 1;
+    core(velocity) = 1.0;
+    auto x = model.start(core, {}, {});
+    for (int k = 0; k < 100; ++k) model.step(x, {});
+    EXPECT_NEAR(x.core(velocity), 1.0 - 5.0 * 0.1, 1e-3) << (of_body ? "body" : "wheel");
+    for (int k = 0; k < 150; ++k) model.step(x, {});
+    EXPECT_NEAR(x.core(velocity), 0.0, 1e-12) << "sticks: " << (of_body ? "body" : "wheel");
+  }
+}
+
+// Law. A piston held by seal friction does not move until the coil spring carries more than F_r, and then keeps F_r.
+TEST(SealFriction, HoldsThePistonUpToItsForce) {
+  Rig rig = plain(RigKind::component_bench);
+  rig.has_fdva = true;
+  rig.fdva = {30e-4, 12e-3, 0.6361571127, 860.0, 32e-6, 1.5, 55e3, 6, 2};
+  rig.effects.add(model::SealFriction<double>{60.0});
+  const Model model(rig, period);
+  auto x = model.start();
+  const double slow = 0.001;  // m/s: 55 N after 1 s, below the 60 N of the seal
+  for (int k = 1; k <= 1000; ++k) model.step(x, {.command = {slow * k * period, slow}});
+  // Friction is constant over a step: under a load that grows by 55 N/s the piston of b = 21.768 kg creeps back by
+  // Ḟ h³/(12 b) = 2.1e-10 m a step, 0.2 µm in all 1000 of them.
+  const double creep = 55.0 * std::pow(period, 3) / (12.0 * 21.768) * 1000.0;
+  EXPECT_NEAR(x.core(4), -creep, 0.01 * creep);
+  EXPECT_NEAR(model.signals(x)[index(Channel::F)], 30e3 * 1e-3 + 1000.0 * slow + 55e3 * (1e-3 + creep), 1e-6);
+  for (int k = 1001; k <= 3000; ++k) model.step(x, {.command = {slow * k * period, slow}});
+  EXPECT_GT(x.core(4), 0.0) << "55 N/mm · 3 mm is more than the seal holds";
+}
+
+// Point. F_w += k₃ dz_w³, before lift-off cuts the sum.
+TEST(ProgressiveTyre, AddsTheCubeOfTheTyreDeflectionAndLiftOffCutsTheSum) {
+  Rig rig = plain(RigKind::quarter_car);
+  model::Column<double, 6> core = model::Column<double, 6>::Zero();
+  core(0) = core(2) = -0.01;  // dz_w = 10 mm
+  const double linear = quarter_car_signal(rig, Channel::F_w, core);
+  rig.effects.add(model::ProgressiveTyre<double>{3e8});
+  EXPECT_NEAR(quarter_car_signal(rig, Channel::F_w, core) - linear, 300.0, rounding);
+
+  core(0) = core(2) = 0.015;  // −3000 N − 3e8 · 3.375e-6 = −4012.5 N, below −340 kg · g = −3335.4 N
+  EXPECT_NEAR(quarter_car_signal(rig, Channel::F_w, core), -4012.5, 1e-6);
+  rig.effects.add(model::TyreLiftOff<double>{});
+  EXPECT_NEAR(quarter_car_signal(rig, Channel::F_w, core), -340.0 * 9.81, 1e-9);
+}
+
+// Law. Step of 1 mm through the lag: 1 − e^{−t/T}. The command jumps between two samples on the Hermite cubic with zero
+// slopes, which is half a sample late on average and antisymmetric about it: error of order (h/T)²/12 = 2e-3.
+TEST(ActuatorLag, FollowsAStepExponentially) {
+  Rig rig = plain(RigKind::component_bench);
+  const double T = 0.02;
+  rig.effects.add(model::ActuatorLag<double>{T});
+  const Model model(rig, period);
+  auto x = model.start();
+  for (int k = 1; k <= 100; ++k) {
+    model.step(x, {.command = {1e-3, 0.0}});
+    const double t = (k - 0.5) * period;
+    EXPECT_NEAR(x.reached.position, 1e-3 * (1.0 - std::exp(-t / T)), 2e-3 * 1e-3) << k;
+    EXPECT_NEAR(x.reached.velocity, (1e-3 - x.reached.position) / T, 1e-12);
+  }
+}
+
+// Law. A sine at half the resonance: amplitude and phase of 1/(1 − r² + 2jζr), settled after 2 s (ζω = 176 1/s).
+TEST(ActuatorResonance, HasTheFrequencyResponseOfASecondOrderSystem) {
+  Rig rig = plain(RigKind::component_bench);
+  const double f = 40.0, zeta = 0.7, r = 0.5, w = 2.0 * std::numbers::pi * f * r;
+  rig.effects.add(model::ActuatorResonance<double>{f, zeta});
+  const Model model(rig, period);
+  auto x = model.start();
+  const double re = 1.0 - r * r, im = 2.0 * zeta * r, d2 = re * re + im * im;
+  for (int k = 1; k <= 3000; ++k) {
+    const double t = k * period;
+    model.step(x, {.command = {0.01 * std::sin(w * t), 0.01 * w * std::cos(w * t)}});
+    if (k < 2000) continue;
+    EXPECT_NEAR(x.reached.position, 0.01 * (re * std::sin(w * t) - im * std::cos(w * t)) / d2, 0.01 * 1e-6);
+  }
+}
+
+// Point. A jump of 10 mm at 0.2 m/s takes 50 samples of 0.2 mm; afterwards the machine is where it was told to be.
+TEST(ActuatorRateLimit, GoesAtItsHighestSpeedUntilItHasCaughtUp) {
+  Rig rig = plain(RigKind::component_bench);
+  rig.effects.add(model::ActuatorRateLimit<double>{0.2});
+  const Model model(rig, period);
+  auto x = model.start();
+  for (int k = 1; k <= 60; ++k) {
+    model.step(x, {.command = {0.01, 0.0}});
+    EXPECT_NEAR(x.reached.position, std::min(0.01, 2e-4 * k), 1e-12) << k;
+    if (k < 50) {
+      EXPECT_EQ(x.reached.velocity, 0.2) << k;
+    }
+  }
+}
+
+// Order. Delay, lag, resonance and rate limit in this order: each alone is known, together they are late by the sum of
+// their delays for slow motion: τ + T + 2ζ/ω. A ramp of 1 mm/s shows it after everything has settled.
+TEST(Machine, IsLateByTheSumOfItsParts) {
+  Rig rig = plain(RigKind::component_bench);
+  rig.effects.add(model::ActuatorDelay<double>{0.0053});
+  rig.effects.add(model::ActuatorLag<double>{0.004});
+  rig.effects.add(model::ActuatorResonance<double>{40.0, 0.7});
+  rig.effects.add(model::ActuatorRateLimit<double>{1.0});
+  const Model model(rig, period);
+  auto x = model.start();
+  const double late = 0.0053 + 0.004 + 2.0 * 0.7 / (2.0 * std::numbers::pi * 40.0);
+  for (int k = 1; k <= 1000; ++k) model.step(x, {.command = {1e-3 * k * period, 1e-3}});
+  EXPECT_NEAR(x.reached.position, 1e-3 * (1.0 - late), 1e-12);
+  EXPECT_NEAR(x.reached.velocity, 1e-3, 1e-10);
+}
+
+}  // namespace
