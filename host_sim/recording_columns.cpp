@@ -13,6 +13,13 @@ namespace {
 constexpr std::array<std::string_view, recorded_ducts> duct_names{"duct_1", "duct_2", "duct_3",
                                                                   "duct_4", "duct_5", "duct_6"};
 
+// For a recording that may be changed and for one that may not.
+template <class AnyRecording>
+auto& column_of(AnyRecording& recording, Quantity quantity) {
+  if (quantity == time_quantity) return recording.time;
+  return quantity < first_duct ? recording.channels[quantity - 1] : recording.ducts[quantity - first_duct];
+}
+
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r");
   if (first == std::string_view::npos) return {};
@@ -99,13 +106,10 @@ std::optional<Quantity> find_quantity(std::string_view wanted) {
 }
 
 const std::vector<double>& values(const Recording& recording, Quantity quantity) {
-  if (quantity == time_quantity) return recording.time;
-  return quantity < first_duct ? recording.channels[quantity - 1] : recording.ducts[quantity - first_duct];
+  return column_of(recording, quantity);
 }
 
-std::vector<double>& values(Recording& recording, Quantity quantity) {
-  return const_cast<std::vector<double>&>(values(std::as_const(recording), quantity));
-}
+std::vector<double>& values(Recording& recording, Quantity quantity) { return column_of(recording, quantity); }
 
 Heading read_heading(std::string_view text) {
   text = trimmed(text);

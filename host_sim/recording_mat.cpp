@@ -207,8 +207,6 @@ void send_variables(const Sender& sender, const char* path, const std::function<
 #if !defined(RIGTWIN_ADDRESS_SANITIZER)  // reserves terabytes for itself
   const rlimit memory{most_memory, most_memory};
   ::setrlimit(RLIMIT_DATA, &memory);
-#else
-  static_cast<void>(most_memory);
 #endif
   static_cast<void>(std::freopen("/dev/null", "w", stderr));  // what HDF5 has to say about a damaged file
   try {
@@ -236,6 +234,10 @@ class Receiver {
     Message message{};
     std::array<std::uint64_t, 2> sizes{};
     if (!receive(&message.state, sizeof message.state) || !receive(sizes.data(), sizeof sizes)) return std::nullopt;
+    // A child whose memory is damaged may send anything.
+    if (message.state > State::damaged || sizes[0] > most_memory || sizes[1] > most_memory / sizeof(double)) {
+      return std::nullopt;
+    }
     message.name.resize(sizes[0]);
     message.numbers.resize(sizes[1]);
     if (!receive(message.name.data(), sizes[0])) return std::nullopt;
@@ -404,8 +406,9 @@ void write_recording_mat(const std::filesystem::path& path, const Recording& rec
   std::uintmax_t size = 128;
   const auto write = [&](std::string_view name, const std::vector<double>& numbers) {
     std::array<std::size_t, 2> shape{numbers.size(), 1};
+    std::vector<double> data = numbers;  // matio does not promise to leave them alone
     const Variable variable(Mat_VarCreate(std::string(name).c_str(), MAT_C_DOUBLE, MAT_T_DOUBLE, 2, shape.data(),
-                                          const_cast<double*>(numbers.data()), MAT_F_DONT_COPY_DATA));
+                                          data.data(), MAT_F_DONT_COPY_DATA));
     require(variable != nullptr && Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_NONE) == 0);
     // Tags of the element and the numbers, flags, shape; the name with its tag, in one if it is short; the numbers.
     size += 8 + 8 + 16 + 16 + (name.size() <= 4 ? 8 : 8 + (name.size() + 7) / 8 * 8) + 8 * numbers.size();

@@ -215,6 +215,7 @@ TEST(RecordingMat, GivesBackTheSameBits) {
   const Recording back = read_recording(folder / "run.mat", {{"F", {"F", -1.0, 0.0}}}, 1000.0);
   const auto bits = [](const std::vector<double>& numbers) {
     std::vector<std::uint64_t> all;
+    all.reserve(numbers.size());
     for (const double x : numbers) all.push_back(std::bit_cast<std::uint64_t>(x));
     return all;
   };

@@ -158,7 +158,7 @@ struct BadFile {
   const char* text;
   const char* message;
 };
-void PrintTo(const BadFile& bad, std::ostream* out) { *out << bad.message; }
+std::ostream& operator<<(std::ostream& out, const BadFile& bad) { return out << bad.message; }
 class BadRecording : public testing::TestWithParam<BadFile> {};
 
 // Each kind of damage is one line that names the file, the line, the fault and what should be there.
