@@ -1,0 +1,92 @@
+// Rig descriptions for tests: texts to be changed in one place, and the files that come with the project.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "host_sim/rig_description.hpp"
+
+namespace support {
+
+/// The root of the source tree.
+inline const std::filesystem::path source{RIGTWIN_SOURCE_DIR};
+
+/// Measurements and samples that stay outside the repository; tests without them are skipped.
+inline const std::filesystem::path shared = source.parent_path() / "shared";
+
+/// A rig that comes with the project: "paper_hil_fdva", …
+inline host_sim::RigDescription rig(const std::string& name) {
+  return host_sim::read_rig(source / "host_sim" / "rigs" / (name + ".toml"));
+}
+
+/// `text` with its one occurrence of `from` replaced.
+inline std::string with(std::string_view text, std::string_view from, std::string_view to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string_view::npos) << "the text has no \"" << from << '"';
+  if (at == std::string_view::npos) return std::string(text);
+  EXPECT_EQ(text.find(from, at + 1), std::string_view::npos) << "the text has more than one \"" << from << '"';
+  return std::string(text.substr(0, at)) + std::string(to) + std::string(text.substr(at + from.size()));
+}
+
+/// The number of the line in which `words` begin, from 1; 0: nowhere.
+inline std::size_t line_of(std::string_view text, std::string_view words) {
+  const std::size_t at = text.find(words);
+  if (at == std::string_view::npos) return 0;
+  return 1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
+
+/// Each kind with every table that it needs, and an FDVA.
+inline constexpr std::string_view hil_text = R"(kind = "hil"
+sample_rate = 1000.0
+[body]
+mass = 290.0
+[wheel]
+mass = 40.0
+[tyre]
+stiffness = 200e3
+damping = 100.0
+[suspension]
+stiffness = 31500.0
+damping = 0.0
+[machine]
+virtual_damping = 1140.0
+[fdva]
+piston_area = 30e-4
+duct_diameter = 12e-3
+duct_length = 0.6361571127
+oil_density = 860.0
+oil_viscosity = 32e-6
+minor_loss = 1.5
+coupling_stiffness = 55e3
+ducts = 6
+open_ducts = 2
+[effects.actuator_delay]
+delay = 0.010
+)";
+
+inline constexpr std::string_view quarter_car_text = R"(kind = "quarter_car"
+sample_rate = 1000.0
+[body]
+mass = 290.0
+[wheel]
+mass = 40.0
+[tyre]
+stiffness = 200e3
+damping = 100.0
+[suspension]
+stiffness = 31500.0
+damping = 1140.0
+)";
+
+inline constexpr std::string_view bench_text = R"(kind = "component_bench"
+sample_rate = 1000.0
+[suspension]
+stiffness = 31500.0
+damping = 1140.0
+)";
+
+}  // namespace support
