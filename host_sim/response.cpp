@@ -43,7 +43,7 @@ Drive drive_of(const Rig& rig, const Recording& recording) {
   drive.period = recording.sample_period;
   const double rate = 1.0 / drive.period;
   if (rig.kind == RigKind::component_bench) {
-    drive.deflection_reached = !recording.has(Channel::x_cmd);
+    drive.deflection_reached = recording.has(Channel::x_act) && !recording.has(Channel::x_cmd);
     drive.channel = drive.deflection_reached ? Channel::x_act : Channel::x_cmd;
     drive.motion =
         through_samples(recording.required(drive.channel, "drives the simulation of a component_bench"), rate);

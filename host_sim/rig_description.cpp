@@ -44,6 +44,22 @@ std::string with_suggestion(std::string_view what, std::string_view word, std::s
   return std::string(what) + " " + in_quotes(word) + " (did you mean " + in_quotes(nearest(word, known)) + "?)";
 }
 
+/// Levenshtein distance: fewest insertions, deletions and substitutions that make one word the other.
+std::size_t changes(std::string_view from, std::string_view to) {
+  std::vector<std::size_t> row(to.size() + 1);  // of the table, one row at a time
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= from.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= to.size(); ++j) {
+      const std::size_t changed = diagonal + (from[i - 1] == to[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
 std::string listed(std::span<const std::string_view> words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
@@ -123,6 +139,7 @@ class Reader {
 
   const toml::node& need(std::string_view key, std::string_view expected) {
     if (!has(key)) {
+      suspect_misspelling(key);
       throw InputError(source_, line(),
                        name_.empty() ? "no " + in_quotes(key) : "[" + name_ + "] has no " + in_quotes(key), expected);
     }
@@ -162,6 +179,18 @@ class Reader {
   }
 
  private:
+  /// A key that is nearly the one missing is the mistake, and its line the place to look at.
+  void suspect_misspelling(std::string_view missing) const {
+    const std::size_t few = std::max<std::size_t>(1, missing.size() / 3);
+    for (const auto& [key, node] : *table_) {
+      if (known_.contains(key.str()) || changes(key.str(), missing) > few) continue;
+      const std::array<std::string, 1> meant{path(missing)};
+      const std::array<std::string_view, 1> words{meant[0]};
+      throw InputError(source_, key.source().begin.line, with_suggestion("unknown key", path(key.str()), words),
+                       words[0]);
+    }
+  }
+
   [[nodiscard]] std::vector<std::string_view> full(std::span<const std::string_view> known) const {
     full_.clear();
     for (const auto& key : known) full_.push_back(path(key));
@@ -502,20 +531,9 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
   std::string_view best;
   std::size_t best_distance = std::numeric_limits<std::size_t>::max();
   for (const auto& candidate : known) {
-    // Levenshtein, one row of the table at a time
-    std::vector<std::size_t> row(candidate.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= word.size(); ++i) {
-      std::size_t diagonal = row[0];
-      row[0] = i;
-      for (std::size_t j = 1; j <= candidate.size(); ++j) {
-        const std::size_t changed = diagonal + (word[i - 1] == candidate[j - 1] ? 0 : 1);
-        diagonal = row[j];
-        row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
-      }
-    }
-    if (row.back() < best_distance) {
-      best_distance = row.back();
+    const std::size_t distance = changes(word, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
       best = candidate;
     }
   }

@@ -84,11 +84,13 @@ FootPointMotion through_samples(const std::vector<double>& z, double sample_rate
     if (n < 3) {
       m.velocity = n < 2 ? 0.0 : (z[1] - z[0]) / h;
     } else if (k >= 2 && k + 2 < n) {
-      m.velocity = (z[k - 2] - 8.0 * z[k - 1] + 8.0 * z[k + 1] - z[k + 2]) / (12.0 * h);
-      m.acceleration = (-z[k - 2] + 16.0 * z[k - 1] - 30.0 * z[k] + 16.0 * z[k + 1] - z[k + 2]) / (12.0 * h * h);
+      // differences of neighbours first: a signal that rests has no velocity whose sign friction could see
+      m.velocity = (8.0 * (z[k + 1] - z[k - 1]) - (z[k + 2] - z[k - 2])) / (12.0 * h);
+      const double near = (z[k + 1] - z[k]) - (z[k] - z[k - 1]), far = (z[k + 2] - z[k]) - (z[k] - z[k - 2]);
+      m.acceleration = (16.0 * near - far) / (12.0 * h * h);
     } else {
       const std::size_t i = std::clamp<std::size_t>(k, 1, n - 2);  // parabola through the three nearest
-      const double curvature = (z[i - 1] - 2.0 * z[i] + z[i + 1]) / (h * h);
+      const double curvature = ((z[i + 1] - z[i]) - (z[i] - z[i - 1])) / (h * h);
       const double away = k < i ? -h : (k > i ? h : 0.0);
       m.velocity = (z[i + 1] - z[i - 1]) / (2.0 * h) + curvature * away;
       m.acceleration = curvature;

@@ -41,8 +41,8 @@ RunOptions without_noise() {
   return options;
 }
 
-// Golden by construction: one step function. Virtual car in the firmware and machine in the simulated rig, a sample of F
-// between them, are RigModel's whole rig to the bit, valves and all.
+// Golden by construction: one step function. Virtual car in the firmware and machine in the simulated rig, a sample of
+// F between them, are RigModel's whole rig to the bit, valves and all.
 TEST(ClosedLoop, IsTheWholeRigOfTheModelToTheBit) {
   for (const char* name : {"paper_hil_fdva", "paper_linear"}) {
     RigDescription rig = support::rig(name);
@@ -222,7 +222,7 @@ TEST(ClosedLoop, AddsTheNoiseOfTheDescription) {
   const RigDescription rig = support::rig("paper_rig_fdva");
   constexpr double n = 20000.0;
   const host_sim::Run run = host_sim::run_closed_loop(rig, FootPointMotion(static_cast<std::size_t>(n)), {});
-  const std::vector<Channel> noisy{Channel::z_r,   Channel::zdd_r, Channel::zdd_w, Channel::zdd_b,
+  const std::vector<Channel> noisy{Channel::z_r, Channel::zdd_r, Channel::zdd_w, Channel::zdd_b,
                                    Channel::F_w, Channel::dz_w,  Channel::dz_b};
   const auto product = [&run](Channel a, Channel b) {
     double sum = 0.0;

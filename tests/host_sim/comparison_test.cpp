@@ -41,7 +41,8 @@ Recording hand_made() {
   return recording;
 }
 
-RecordingComparison compare(const RigDescription& rig, Recording recording, StartChoice start = StartChoice::automatic) {
+RecordingComparison compare(const RigDescription& rig, Recording recording,
+                            StartChoice start = StartChoice::automatic) {
   const ComparedRecording compared(rig, std::move(recording), start);
   return compared.compare(compared.simulate(rig.rig));
 }
@@ -58,7 +59,8 @@ Recording simulated(const RigDescription& rig, std::size_t samples, bool noise, 
   road.bandwidth = bandwidth;
   host_sim::RunOptions options;
   if (!noise) options.noise = host_sim::SimulatedRig::Noise::none;
-  const auto motion = host_sim::excitation(rig.rig, host_sim::drive_over(road, rig.sample_rate, samples), rig.sample_rate);
+  const auto motion =
+      host_sim::excitation(rig.rig, host_sim::drive_over(road, rig.sample_rate, samples), rig.sample_rate);
   return host_sim::run_closed_loop(rig, motion, options).recording;
 }
 
@@ -135,7 +137,9 @@ TEST(Comparison, SplitsTheErrorIntoBandsThatSumUp) {
     for (std::size_t i = 0; i < c.bands.size(); ++i) {
       error += c.bands[i].error_rms * c.bands[i].error_rms;
       data += c.bands[i].data_rms * c.bands[i].data_rms;
-      if (i > 0) EXPECT_EQ(c.bands[i].band.lower, c.bands[i - 1].band.upper) << "no gap";
+      if (i > 0) {
+        EXPECT_EQ(c.bands[i].band.lower, c.bands[i - 1].band.upper) << "no gap";
+      }
     }
     EXPECT_NEAR(std::sqrt(error) / c.error_rms, 1.0, 0.025) << model::name(c.channel);
     EXPECT_NEAR(std::sqrt(data) / c.data_rms, 1.0, 0.025) << model::name(c.channel);
@@ -183,9 +187,9 @@ TEST(Comparison, StartsInMidMotionWhereTheRecordingDoes) {
   Recording recording = simulated(rig, 20000, false);
   const RecordingComparison whole = compare(rig, recording);
   EXPECT_TRUE(whole.started_at_rest);
-  for (auto* column : {&recording.time, &recording[Channel::z_r], &recording[Channel::zdd_r], &recording[Channel::zdd_w],
-                       &recording[Channel::zdd_b], &recording[Channel::dz_w], &recording[Channel::dz_b],
-                       &recording[Channel::F_w]}) {
+  for (auto* column :
+       {&recording.time, &recording[Channel::z_r], &recording[Channel::zdd_r], &recording[Channel::zdd_w],
+        &recording[Channel::zdd_b], &recording[Channel::dz_w], &recording[Channel::dz_b], &recording[Channel::F_w]}) {
     column->erase(column->begin(), column->begin() + 7777);
   }
   for (auto& duct : recording.ducts) duct.clear();

@@ -33,7 +33,8 @@ TEST(Gaussian, TakesLogarithmsByItself) {
     const double ulp = std::nextafter(std::abs(expected), std::numeric_limits<double>::infinity()) - std::abs(expected);
     ASSERT_NEAR(Gaussian::logarithm(x), expected, 3.0 * ulp) << "x = " << x;
   }
-  for (const double x : {0.5, 1.4142135623730950, 1.4142135623730952, 0.9999999999999999, 0x1p-104, 2.2250738585072014e-308}) {
+  for (const double x :
+       {0.5, 1.4142135623730950, 1.4142135623730952, 0.9999999999999999, 0x1p-104, 2.2250738585072014e-308}) {
     EXPECT_NEAR(Gaussian::logarithm(x), std::log(x), 4.5e-16 * std::abs(std::log(x))) << x;
   }
 }

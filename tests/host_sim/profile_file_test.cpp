@@ -71,8 +71,7 @@ TEST(ProfileFile, DrivesOverAWayAtTheGivenSpeed) {
     EXPECT_EQ(road_from_file(file, 10.0, 1000.0, everything).size(), 2001U);
   }
   const auto time = folder.write("time.csv", sine("t,z_r", 0.001, 1.0));
-  EXPECT_EQ(road_from_file(time, 20.0, 1000.0, everything).size(), 1001U)
-      << "a speed has no part in a road over time";
+  EXPECT_EQ(road_from_file(time, 20.0, 1000.0, everything).size(), 1001U) << "a speed has no part in a road over time";
 }
 
 // Order. Between points the error falls as h⁴: cubic Hermite h⁴/384 |z⁗| plus what fourth-order velocities lack,
@@ -128,7 +127,8 @@ TEST(ProfileFile, RefusesWhatIsNoRoad) {
     const auto file = folder.write("road.csv", text);
     return refusal_of([&] { static_cast<void>(road_from_file(file, 20.0, 1000.0, 100)); });
   };
-  EXPECT_NE(refusal("t,z_r\n0,0\n1,0\n2,0\n3,0\n").find("a road of 4 points, expected at least five"), std::string::npos);
+  EXPECT_NE(refusal("t,z_r\n0,0\n1,0\n2,0\n3,0\n").find("a road of 4 points, expected at least five"),
+            std::string::npos);
   EXPECT_NE(refusal("t,z_w\n0,0\n1,0\n2,0\n3,0\n4,0\n").find("z_r"), std::string::npos);
   EXPECT_NE(refusal("x,z_r\n0,0\n1,0\n2,0\n3,0\n4,0\n").find("expected"), std::string::npos) << "neither time nor way";
   EXPECT_NE(refusal("s,z_r\n0,0\n1,0\n2,nan\n3,0\n4,0\n").find("road.csv:4: "), std::string::npos);

@@ -104,8 +104,9 @@ plan = [{ t = 0.5, open = 3 }, { t = 2, open = [1, 6] }, { t = 3.5, open = 0 }]
   EXPECT_TRUE(d.rig.effects.get<model::TyreLiftOff>().active) << "an effect without parameters is an empty table";
   EXPECT_FALSE(d.rig.effects.get<model::ForceSensorInertia>().active);
 
-  EXPECT_EQ(d.tolerance, (std::map<std::string, double>{
-                             {"body.mass", 0.01}, {"effects.actuator_delay.delay", 0.5}, {"fdva.coupling_stiffness", 0.03}}))
+  EXPECT_EQ(d.tolerance,
+            (std::map<std::string, double>{
+                {"body.mass", 0.01}, {"effects.actuator_delay.delay", 0.5}, {"fdva.coupling_stiffness", 0.03}}))
       << "with quotes and without";
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     const bool wheel_load = model::channel_at(i) == Channel::F_w;
@@ -182,28 +183,31 @@ void expect_each_refused(std::string_view text, const std::vector<Mistake>& mist
 
 // A typing mistake must not become a default: the contract's rule, with the word that was meant.
 TEST(RigDescription, NamesTheNearestKnownKey) {
-  expect_each_refused(hil_text, {
-                                    {"sample_rate", "samplerate", "unknown key 'samplerate' (did you mean 'sample_rate'?)"},
-                                    {"[machine]", "[machin]", "unknown key 'machin' (did you mean 'machine'?)"},
-                                    {"virtual_damping", "virtual_dampng", "(did you mean 'machine.virtual_damping'?)"},
-                                    {"oil_viscosity", "viscosity", "unknown key 'fdva.viscosity' (did you mean 'fdva.oil_viscosity'?)"},
-                                    {"mass = 290.0", "masss = 290.0", "unknown key 'body.masss' (did you mean 'body.mass'?)"},
-                                    {"delay =", "dely =", "(did you mean 'effects.actuator_delay.delay'?)"},
-                                    {"[wheel]", "[wheels]", "unknown key 'wheels' (did you mean 'wheel'?)"},
-                                    {"[effects.actuator_delay]", "[effects.actuator_dely]",
-                                     "unknown key 'effects.actuator_dely' (did you mean 'effects.actuator_delay'?)"},
-                                    {"kind = \"hil\"", "kind = \"hill\"", "unknown kind 'hill' (did you mean 'hil'?)"},
-                                });
+  expect_each_refused(
+      hil_text, {
+                    {"sample_rate", "samplerate", "unknown key 'samplerate' (did you mean 'sample_rate'?)"},
+                    {"[machine]", "[machin]", "unknown key 'machin' (did you mean 'machine'?)"},
+                    {"virtual_damping", "virtual_dampng", "(did you mean 'machine.virtual_damping'?)"},
+                    {"oil_viscosity", "viscosity", "unknown key 'fdva.viscosity' (did you mean 'fdva.oil_viscosity'?)"},
+                    {"mass = 290.0", "masss = 290.0", "unknown key 'body.masss' (did you mean 'body.mass'?)"},
+                    {"delay =", "dely =", "(did you mean 'effects.actuator_delay.delay'?)"},
+                    {"[wheel]", "[wheels]", "unknown key 'wheels' (did you mean 'wheel'?)"},
+                    {"[effects.actuator_delay]", "[effects.actuator_dely]",
+                     "unknown key 'effects.actuator_dely' (did you mean 'effects.actuator_delay'?)"},
+                    {"kind = \"hil\"", "kind = \"hill\"", "unknown kind 'hill' (did you mean 'hil'?)"},
+                });
   const std::string more = std::string(hil_text) + "mass = 3\n";
   expect_refused(more, "mass = 3", "unknown key 'effects.actuator_delay.mass' (did you mean");
   expect_refused(std::string(hil_text) + "[effects.tyre_lift_off]\nforce = 1\n", "force = 1", "an empty table");
   expect_refused(with(hil_text, "mass = 40.0\n", "mass = 40.0\nmas = 1\n"), "mas = 1", "(did you mean 'wheel.mass'?)");
-  expect_refused(std::string(hil_text) + "[noise]\nF_v = 1\n", "F_v", "unknown channel 'noise.F_v' (did you mean 'F_w'?)");
+  expect_refused(std::string(hil_text) + "[noise]\nF_v = 1\n", "F_v",
+                 "unknown channel 'noise.F_v' (did you mean 'F_w'?)");
   expect_refused(std::string(hil_text) + "[channels]\nz_R = { column = 'x' }\n", "z_R", "(did you mean 'z_r'?)");
   expect_refused(std::string(hil_text) + "[limits]\nspede = 1\n", "spede", "(did you mean 'limits.speed'?)");
   expect_refused(std::string(hil_text) + "[valves]\nplans = []\n", "plans", "(did you mean 'valves.plan'?)");
   expect_refused(std::string(hil_text) + "[estimator]\ncrossover = 1\n", "crossover", "'estimator.cross_over'");
-  expect_refused(std::string(hil_text) + "[tolerance]\n\"body.mas\" = 0.1\n", "\"body.mas", "(did you mean 'body.mass'?)");
+  expect_refused(std::string(hil_text) + "[tolerance]\n\"body.mas\" = 0.1\n", "\"body.mas",
+                 "(did you mean 'body.mass'?)");
   expect_refused(std::string(hil_text) + "[bodies]\n", "[bodies]", "(did you mean 'body'?)");
 }
 
@@ -259,28 +263,27 @@ TEST(RigDescription, TakesNothingButNumbersForNumbers) {
 // What no rig can be: the number, its line, and what it should have been.
 TEST(RigDescription, RefusesNumbersThatNoRigHas) {
   expect_each_refused(
-      hil_text,
-      {
-          {"mass = 290.0", "mass = -290.0", "body.mass = -290 does not fit, expected a finite number > 0"},
-          {"mass = 290.0", "mass = 0", "body.mass = 0 does not fit"},
-          {"mass = 40.0", "mass = -0.1", "wheel.mass = -0.1 does not fit"},
-          {"stiffness = 200e3", "stiffness = 0.0", "tyre.stiffness = 0 does not fit"},
-          {"damping = 100.0", "damping = -100.0", "tyre.damping = -100 does not fit"},
-          {"stiffness = 31500.0", "stiffness = -1", "suspension.stiffness = -1 does not fit"},
-          {"virtual_damping = 1140.0", "virtual_damping = -1", "machine.virtual_damping = -1 does not fit"},
-          {"piston_area = 30e-4", "piston_area = 0", "fdva.piston_area = 0 does not fit"},
-          {"oil_viscosity = 32e-6", "oil_viscosity = -1e-6", "fdva.oil_viscosity = -1e-06 does not fit"},
-          {"ducts = 6\n", "ducts = 0\n", "fdva.ducts = 0 does not fit"},
-          {"ducts = 6\n", "ducts = 7\n", "fdva.ducts = 7 does not fit"},
-          {"open_ducts = 2", "open_ducts = 7", "fdva.open_ducts = 7 does not fit"},
-          {"open_ducts = 2", "open_ducts = -1", "fdva.open_ducts = -1 does not fit"},
-          {"sample_rate = 1000.0", "sample_rate = 0", "sample_rate = 0 does not fit"},
-          {"sample_rate = 1000.0", "sample_rate = -1000.0", "sample_rate = -1000 does not fit"},
-          {"sample_rate = 1000.0", "sample_rate = 0.5", "sample_rate = 0.5 does not fit"},
-          {"sample_rate = 1000.0", "sample_rate = 1e9", "sample_rate = 1e+09 does not fit"},
-          {"delay = 0.010", "delay = -0.001", "effects.actuator_delay.delay = -0.001 does not fit"},
-          {"delay = 0.010", "delay = 7.0", "effects.actuator_delay.delay = 7 does not fit"},
-      });
+      hil_text, {
+                    {"mass = 290.0", "mass = -290.0", "body.mass = -290 does not fit, expected a finite number > 0"},
+                    {"mass = 290.0", "mass = 0", "body.mass = 0 does not fit"},
+                    {"mass = 40.0", "mass = -0.1", "wheel.mass = -0.1 does not fit"},
+                    {"stiffness = 200e3", "stiffness = 0.0", "tyre.stiffness = 0 does not fit"},
+                    {"damping = 100.0", "damping = -100.0", "tyre.damping = -100 does not fit"},
+                    {"stiffness = 31500.0", "stiffness = -1", "suspension.stiffness = -1 does not fit"},
+                    {"virtual_damping = 1140.0", "virtual_damping = -1", "machine.virtual_damping = -1 does not fit"},
+                    {"piston_area = 30e-4", "piston_area = 0", "fdva.piston_area = 0 does not fit"},
+                    {"oil_viscosity = 32e-6", "oil_viscosity = -1e-6", "fdva.oil_viscosity = -1e-06 does not fit"},
+                    {"ducts = 6\n", "ducts = 0\n", "fdva.ducts = 0 does not fit"},
+                    {"ducts = 6\n", "ducts = 7\n", "fdva.ducts = 7 does not fit"},
+                    {"open_ducts = 2", "open_ducts = 7", "fdva.open_ducts = 7 does not fit"},
+                    {"open_ducts = 2", "open_ducts = -1", "fdva.open_ducts = -1 does not fit"},
+                    {"sample_rate = 1000.0", "sample_rate = 0", "sample_rate = 0 does not fit"},
+                    {"sample_rate = 1000.0", "sample_rate = -1000.0", "sample_rate = -1000 does not fit"},
+                    {"sample_rate = 1000.0", "sample_rate = 0.5", "sample_rate = 0.5 does not fit"},
+                    {"sample_rate = 1000.0", "sample_rate = 1e9", "sample_rate = 1e+09 does not fit"},
+                    {"delay = 0.010", "delay = -0.001", "effects.actuator_delay.delay = -0.001 does not fit"},
+                    {"delay = 0.010", "delay = 7.0", "effects.actuator_delay.delay = 7 does not fit"},
+                });
 }
 
 // The line of the delay has 508 samples: 0.4 s fit at 1 kHz, not at 2 kHz.

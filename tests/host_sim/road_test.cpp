@@ -269,6 +269,11 @@ TEST(Road, DifferentiatesParabolasExactlyToTheEnds) {
       EXPECT_NEAR(m[k].acceleration, -6.0, 1e-11) << n << " samples, " << k;
     }
   }
+  // A signal that rests does so exactly, whatever its value: friction sees the sign of a velocity.
+  for (const auto& m : host_sim::through_samples(std::vector<double>(8, 0.1), 1000.0)) {
+    EXPECT_EQ(m.velocity, 0.0);
+    EXPECT_EQ(m.acceleration, 0.0);
+  }
   const auto two = host_sim::through_samples({1.0, 3.0}, 10.0);
   EXPECT_EQ(two[0].velocity, 20.0);
   EXPECT_EQ(two[1].velocity, 20.0);

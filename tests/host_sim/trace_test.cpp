@@ -21,7 +21,8 @@ Recording small() {
   return recording;
 }
 
-// Point. FNV-1a, 64 bit, of eight zero bytes – one row with t = 0 – from its published constants: eight times h ← h · p.
+// Point. FNV-1a, 64 bit, of eight zero bytes – one row with t = 0 – from its published constants: eight times h ← h ·
+// p.
 TEST(Trace, IsTheHashOfFowlerNollVo) {
   Recording recording;
   EXPECT_EQ(host_sim::hexadecimal(trace_hash(recording)), "cbf29ce484222325") << "of nothing";
