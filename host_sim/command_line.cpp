@@ -88,6 +88,16 @@ void add_compare(CLI::App& app, CompareOptions& options) {
   command->callback([&options] { compare(options); });
 }
 
+/// (CLI11 would only say that a subcommand is required.)
+void demand_command(const CLI::App& app, const std::string& word) {
+  std::string known;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (word == command->get_name()) return;
+    known += (known.empty() ? "" : ", ") + command->get_name();
+  }
+  if (!word.starts_with('-')) throw UsageError("unknown command " + in_quotes(word) + ", expected one of " + known);
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -101,10 +111,7 @@ int run_command_line(int argc, const char* const* argv) {
   StabilityOptions stability_options;
   add_stability(app, stability_options);
   try {
-    if (const std::string_view word = argc > 1 ? argv[1] : "-";
-        word != "simulate" && word != "compare" && !word.starts_with('-')) {
-      return fail(ExitStatus::wrong_usage, "unknown command " + in_quotes(word) + ", expected simulate or compare");
-    }
+    if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       return fail(ExitStatus::cannot_write, unwritable_output);
