@@ -84,7 +84,7 @@ TEST_F(CommandLine, HelpsOnRequest) {
 TEST_F(CommandLine, RefusesWrongUsage) {
   const auto out = folder / "run.csv";
   expect_refused({}, 2, "subcommand");
-  expect_refused({"simulat"}, 2, "unknown command 'simulat'");
+  expect_refused({"simulat"}, 2, "unknown command 'simulat', expected one of simulate, compare");
   expect_refused({"simulate", "--out", out}, 2, "--rig");
   expect_refused({"simulate", "--rig", rig}, 2, "--out");
   expect_refused({"compare", "--rig", rig}, 2, "--data");
