@@ -60,11 +60,8 @@ double StateEstimator::follow(VelocityObserver& observer, const Place& place) {
 }
 
 void StateEstimator::step(const SampleGuard& samples) {
-  if (waiting_) {
-    for (std::size_t i = 0; i < model::channel_count; ++i) {
-      if (samples.fitted(model::channel_at(i)) && !samples.seen(model::channel_at(i))) return;
-    }
-    waiting_ = false;
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    if (samples.fitted(model::channel_at(i)) && !samples.seen(model::channel_at(i))) return;
   }
   const Places now = places([&samples](Channel channel) {
     return samples.fitted(channel) ? std::optional<double>(samples.value(channel)) : std::nullopt;

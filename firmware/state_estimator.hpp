@@ -27,7 +27,7 @@ class StateEstimator {
  public:
   StateEstimator(const SampleGuard& samples, double tyre_stiffness, const Observers& settings, double period);
 
-  /// Once a period, after the samples were taken.
+  /// Once a period, after the samples were taken; waits until every fitted channel has shown a good one.
   void step(const SampleGuard& samples);
 
   [[nodiscard]] const Velocities& velocities() const { return velocities_; }
@@ -56,7 +56,6 @@ class StateEstimator {
   VelocityObserver wheel_;
   VelocityObserver body_;
   VelocityObserver deflection_;
-  bool waiting_ = true;  ///< for the first good sample of every fitted channel
 };
 
 }  // namespace firmware
