@@ -1,0 +1,92 @@
+// What a minute at 1 kHz costs on the PC, in processor time.
+//
+//   simulate/minute        the paper's hil rig over 60 s of class B through the firmware, CSV text included; at most
+//   0.4 s recording/read_minute  ten columns of full-length decimals recording/write_minute the same, written
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <string>
+
+#include "host_sim/closed_loop.hpp"
+#include "host_sim/recording.hpp"
+#include "host_sim/rig_description.hpp"
+#include "host_sim/road.hpp"
+
+namespace {
+
+constexpr std::size_t minute = 60000;
+
+host_sim::RigDescription hil_rig() {
+  return host_sim::parse_rig(R"(
+kind = "hil"
+sample_rate = 1000.0
+[body]
+mass = 290.0
+[wheel]
+mass = 40.0
+[tyre]
+stiffness = 200e3
+damping = 100.0
+[suspension]
+stiffness = 31500.0
+damping = 0.0
+[machine]
+virtual_damping = 1140.0
+[fdva]
+piston_area = 30e-4
+duct_diameter = 12e-3
+duct_length = 0.6361571127
+oil_density = 860.0
+oil_viscosity = 32e-6
+minor_loss = 1.5
+coupling_stiffness = 55e3
+ducts = 6
+open_ducts = 2
+[effects.actuator_delay]
+delay = 0.010
+[noise]
+F = 10.0
+x_act = 2e-5
+[limits]
+speed = 1.5
+)",
+                             "hil.toml");
+}
+
+void simulate_minute(benchmark::State& state) {
+  const host_sim::RigDescription rig = hil_rig();
+  for (auto _ : state) {
+    const auto road = host_sim::drive_over(host_sim::IsoRoad{}, rig.sample_rate, minute);
+    const host_sim::Run run = host_sim::run_closed_loop(rig, road, {});
+    if (run.recording.size() != minute) state.SkipWithError("the run ended early");
+    benchmark::DoNotOptimize(host_sim::format_recording_csv(run.recording).size());
+  }
+}
+BENCHMARK(simulate_minute)->Name("simulate/minute")->Unit(benchmark::kMillisecond);
+
+host_sim::Recording ten_columns() {
+  host_sim::Recording recording;
+  recording.sample_period = 1e-3;
+  recording.time = host_sim::sample_times(minute, 1000.0);
+  for (std::size_t i = 0; i < 9; ++i) {
+    recording.channels[i].resize(minute);
+    for (std::size_t k = 0; k < minute; ++k) {
+      recording.channels[i][k] = std::sin(1e-3 * static_cast<double>(k * (i + 1)));  // all 17 digits
+    }
+  }
+  return recording;
+}
+
+void read_minute(benchmark::State& state) {
+  const std::string text = host_sim::format_recording_csv(ten_columns());
+  for (auto _ : state) benchmark::DoNotOptimize(host_sim::parse_recording_csv(text, "minute.csv", {}, 1000.0).size());
+}
+BENCHMARK(read_minute)->Name("recording/read_minute")->Unit(benchmark::kMillisecond);
+
+void write_minute(benchmark::State& state) {
+  const host_sim::Recording recording = ten_columns();
+  for (auto _ : state) benchmark::DoNotOptimize(host_sim::format_recording_csv(recording).size());
+}
+BENCHMARK(write_minute)->Name("recording/write_minute")->Unit(benchmark::kMillisecond);
+
+}  // namespace
