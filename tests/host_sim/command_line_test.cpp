@@ -28,7 +28,7 @@ void expect_refused(const std::vector<std::string>& arguments, int status, const
   EXPECT_EQ(ended.errors.rfind("rigtwin: ", 0), 0U) << ended.errors;
   EXPECT_NE(ended.errors.find(says), std::string::npos) << line << '\n' << ended.errors << "expected: " << says;
   EXPECT_EQ(ended.output, "") << line;
-  if (!never.empty()) EXPECT_FALSE(std::filesystem::exists(never)) << line;
+  EXPECT_FALSE(!never.empty() && std::filesystem::exists(never)) << line;
 }
 
 /// Everything below works on a sound rig and a sound recording, each spoilt in one way.
