@@ -10,14 +10,16 @@ namespace model {
 /// Coulomb friction at up to four contacts, sharp and unconditionally stable.
 ///
 ///   (1)  λ_p = f_p sgn(v_p)  while slipping,   |λ_p| ≤ f_p  while v_p = 0
+///   (2)  v(s) = v₀ + s (v_free − v₀) − s |G| λ     s = 0 … 1 through the step, G: what a unit of λ does in one
 ///
-/// The friction forces λ are constant over a step and chosen such that (1) holds at its end, where the linear system
-/// gives v = v_free + G λ. One contact is solved exactly: λ = clamp(−v_free/G, ±f). More are solved by a fixed number
-/// of projected Gauss–Seidel sweeps, started from the forces of the last step. Energy can only be lost: λ v ≥ 0.
-/// First order in the step at the instants where sticking begins or slip reverses, exact between them while slipping;
-/// while sticking under a load that grows by Ḟ a mass m creeps back by Ḟ h³/(12 m) a step. Source: Moreau, time
-/// stepping of unilateral and frictional contact, 1988; Acary and Brogliato, Numerical methods for nonsmooth dynamical
-/// systems, 2008.
+/// Within a step the velocity of a contact is taken to go straight (2). A contact that slips goes on slipping; where it
+/// comes to rest before the end, it sticks for the rest of the step if at most f is needed for that, else it slips the
+/// other way. The step gets the mean of these forces, the end of the step the last of them. Several contacts are solved
+/// by a fixed number of projected Gauss–Seidel sweeps, started from the forces of the last step.
+/// Second order in the step, also where a contact sticks, slips or turns round. Work that friction does in a step, −λ
+/// Δe, is never positive but for the part of a step in which a contact turns round, f (f h/m) h/8 at most. Source:
+/// Moreau, time stepping of unilateral and frictional contact, 1988; Acary and Brogliato, Numerical methods for
+/// nonsmooth dynamical systems, 2008; event within the step after (2) is ours.
 template <class S>
 class FrictionContacts {
  public:
@@ -38,30 +40,46 @@ class FrictionContacts {
   [[nodiscard]] bool any() const { return count_ > 0; }
   [[nodiscard]] const Forces& limits() const { return limits_; }
 
-  /// Adds the friction of one step to x, whose velocities v_p = velocity(p, x) are the free ones; `columns.col(p)` is
-  /// what a unit of λ_p does in one step; `limits`: f_p of this step; `forces`: λ of the last step, replaced by the new
-  /// one.
+  /// Adds the friction of one step to x, which has gone from `start` to here without it. Velocities: v_p = velocity(p,
+  /// x). `columns.col(p)`: what a unit of λ_p does in one step; `limits`: f_p of this step; `forces`: λ at the end of
+  /// the last step, replaced by that at the end of this.
   template <int N, class Velocity>
-  void solve(Column<S, N>& x, const Block<S, N, contacts>& columns, const Forces& limits, Forces& forces,
-             const Velocity& velocity) const {
-    for (int i = 0; i < count_; ++i) x += columns.col(list(i)) * at(forces, list(i));
+  void solve(Column<S, N>& x, const Column<S, N>& start, const Block<S, N, contacts>& columns, const Forces& limits,
+             Forces& forces, const Velocity& velocity) const {
+    Forces mean = forces;
+    for (int i = 0; i < count_; ++i) x += columns.col(list(i)) * at(mean, list(i));
     const int rounds = count_ == 1 ? 1 : sweeps;
     for (int round = 0; round < rounds; ++round) {
       for (int i = 0; i < count_; ++i) {
         const int p = list(i);
         const Column<S, N> column = columns.col(p);
-        const S gain = velocity(p, column);
-        if (!(gain < S(0))) continue;  // a locked piston cannot be slowed
-        const S limit = at(limits, p);
-        const S wanted = at(forces, p) - velocity(p, x) / gain;
-        const S now = wanted > limit ? limit : (wanted < -limit ? -limit : wanted);
-        x += column * (now - at(forces, p));
-        at(forces, p) = now;
+        const S slowing = -velocity(p, column);
+        if (!(slowing > S(0))) continue;  // a locked piston cannot be slowed
+        const S free = velocity(p, x) + slowing * at(mean, p);
+        const Friction friction = friction_of(velocity(p, start), free, slowing, at(limits, p));
+        x += column * (friction.mean - at(mean, p));
+        at(mean, p) = friction.mean;
+        at(forces, p) = friction.last;
       }
     }
   }
 
  private:
+  struct Friction {
+    S mean, last;  ///< over the step, at its end [N]
+  };
+
+  /// One contact, from velocity `before` to `free` if nothing rubs; `slowing`: |G|.
+  [[nodiscard]] static Friction friction_of(S before, S free, S slowing, S limit) {
+    const S slipping = before > S(0) ? limit : (before < S(0) ? -limit : S(0));
+    const S arriving = free - slowing * slipping;
+    if (before * arriving > S(0)) return {slipping, slipping};
+    const S stop = before == arriving ? S(0) : before / (before - arriving);  // share of the step until it is at rest
+    const S holding = (free - before) / slowing;
+    const S after = holding > limit ? limit : (holding < -limit ? -limit : holding);
+    return {stop * slipping + (S(1) - stop) * after, after};
+  }
+
   template <class Array>
   static constexpr auto& at(Array& array, int p) {
     return array[static_cast<std::size_t>(p)];

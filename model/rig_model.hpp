@@ -190,7 +190,7 @@ class RigModel {
   template <bool WithLaws, int N>
   void advance_component(const ComponentStep<N>& m, State& x, const Stroke<S>& reached) const;
   template <int N>
-  void rub(const Block<S, N, Friction::contacts>& columns, State& x, S mount_before) const;
+  void rub(const Block<S, N, Friction::contacts>& columns, State& x, const Column<S, 8>& before) const;
   void refresh_laws(State& x) const;
   void start_laws(State& x) const;
   void flush(State& x) const;

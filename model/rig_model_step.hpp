@@ -224,31 +224,40 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_joined(const JoinedStep<N>& m, State
     m.free_play[1].add_to(next, newest_three(x.free_play_rate));
   }
   if (equations_.has_fdva()) m.losses.add_to(next, newest_four(x.ducts.losses()));
-  const S mount_before = x.core(7);
   next = next + m.state.times(entries<N>(x.core, 0));
-  next.store(x.core);
-  if (WithLaws && contacts_.any()) rub(m.friction, x, mount_before);
+  if (WithLaws && contacts_.any()) {
+    const Column<S, 8> before = x.core;
+    next.store(x.core);
+    rub(m.friction, x, before);
+  } else {
+    next.store(x.core);
+  }
   x.foot_point = in.foot_point;
   x.actuator_force = in.actuator_force;
   if (equations_.has_fdva()) x.ducts.advance(x.core(5), duct_step_);
   if constexpr (WithLaws) refresh_laws(x);
 }
 
-/// Dry friction of this step, on top of what moves freely. With a top mount it rubs where the component is deflected
-/// inside: on e, which was `mount_before`.
+/// Dry friction of the step that led from `before` to x without it. With a top mount it rubs where the component is
+/// deflected inside, on e, which has no mass: its travel in the step takes the place of a velocity.
 template <class S, std::size_t D>
 template <int N>
-RIGTWIN_APART void RigModel<S, D>::rub(const Block<S, N, Friction::contacts>& columns, State& x, S mount_before) const {
+RIGTWIN_APART void RigModel<S, D>::rub(const Block<S, N, Friction::contacts>& columns, State& x,
+                                       const Column<S, 8>& before) const {
   constexpr int before_component = N > 4 ? 0 : 4;  // N = 6, 8: car and component; 2, 4: component alone
   constexpr int travel = N > 4 ? 4 : 0;
   Column<S, N> all = x.core.template segment<N>(before_component);
+  Column<S, N> start = before.template segment<N>(before_component);
   const bool mount = N % 4 == 0 && equations_.has_mount();
-  if (mount) all(N - 1) -= mount_before;
+  if (mount) {
+    all(N - 1) -= before(7);
+    start(N - 1) = S(0);
+  }
   typename Friction::Forces limits = contacts_.limits();
   if (has_free_play_ && inside_free_play(x)) {
     limits[Friction::suspension] = S(0);  // inside the free play nothing rubs
   }
-  contacts_.solve(all, columns, limits, x.friction, [&](int contact, const Column<S, N>& v) {
+  contacts_.solve(all, start, columns, limits, x.friction, [&](int contact, const Column<S, N>& v) {
     switch (contact) {
       case Friction::suspension:
         if (mount) return v(N - 1);
@@ -261,7 +270,7 @@ RIGTWIN_APART void RigModel<S, D>::rub(const Block<S, N, Friction::contacts>& co
         return N > 4 ? v(1) : S(0);
     }
   });
-  if (mount) all(N - 1) += mount_before;
+  if (mount) all(N - 1) += before(7);
   x.core.template segment<N>(before_component) = all;
 }
 
@@ -304,7 +313,6 @@ template <class S, std::size_t D>
 template <bool WithLaws, int N>
 RIGTWIN_INLINE void RigModel<S, D>::advance_component(const ComponentStep<N>& m, State& x,
                                                       const Stroke<S>& reached) const {
-  const S mount_before = x.core(7);
   Packed<S, N> c = m.state.times(entries<N>(x.core, 4));
   if (equations_.has_fdva()) m.losses.add_to(c, newest_four(x.ducts.losses()));
   if (WithLaws && has_free_play_ && !equations_.has_mount()) {
@@ -323,8 +331,13 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_component(const ComponentStep<N>& m,
       m.free_play[1].add_to(c, newest_three(x.free_play_rate));
     }
   }
-  c.store(x.core.template segment<N>(4));
-  if (WithLaws && contacts_.any()) rub(m.friction, x, mount_before);
+  if (WithLaws && contacts_.any()) {
+    const Column<S, 8> before = x.core;
+    c.store(x.core.template segment<N>(4));
+    rub(m.friction, x, before);
+  } else {
+    c.store(x.core.template segment<N>(4));
+  }
   if (equations_.has_fdva()) x.ducts.advance(x.core(5), duct_step_);
 }
 
