@@ -63,8 +63,9 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
   const auto& m = a.margins;
   std::printf("border\n");
   if (m.critical_delay) {
-    std::printf("  critical delay            %s at %.4g Hz, given %s\n", text("%.6g ms", 1e3 * *m.critical_delay).c_str(),
-                m.critical_omega / turn, text("%.6g ms", 1e3 * a.delay).c_str());
+    std::printf("  critical delay            %s at %.4g Hz, given %s\n",
+                text("%.6g ms", 1e3 * *m.critical_delay).c_str(), m.critical_omega / turn,
+                text("%.6g ms", 1e3 * a.delay).c_str());
   } else {
     std::printf("  critical delay            none up to 1 s\n");
   }
@@ -74,8 +75,8 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
   } else {
     std::printf("  critical virtual damping  none from 0 to 10000 N s/m, given %.6g N s/m\n", virtual_damping);
   }
-  for (const auto& [name, gain] : {std::pair("gain margin, upwards", m.upper_gain),
-                                   std::pair("gain margin, downwards", m.lower_gain)}) {
+  for (const auto& [name, gain] :
+       {std::pair("gain margin, upwards", m.upper_gain), std::pair("gain margin, downwards", m.lower_gain)}) {
     if (gain) {
       std::printf("  %-25s force × %.4g (%+.2f dB) at %.4g Hz\n", name, gain->factor, 20.0 * std::log10(gain->factor),
                   gain->omega / turn);
@@ -124,7 +125,8 @@ void print_budget(const StabilityAnalysis& a) {
                 lag ? "   (in the equations, not added)" : "");
   }
   std::printf("  %-52s %9.4f ms", "together", 1e3 * a.balance.total);
-  if (a.balance.left) std::printf(", %.4f ms %s", 1e3 * std::abs(*a.balance.left), *a.balance.left >= 0.0 ? "left" : "too much");
+  if (a.balance.left)
+    std::printf(", %.4f ms %s", 1e3 * std::abs(*a.balance.left), *a.balance.left >= 0.0 ? "left" : "too much");
   std::printf("\n");
 }
 
@@ -135,7 +137,9 @@ void print_sensitivities(const StabilityAnalysis& a) {
     const auto& s = a.parameters[i];
     std::printf("  %-36s %+11.4g 1/s %+11.4g Hz", s.path.c_str(), 0.01 * s.root_change.real(),
                 0.01 * s.root_change.imag() / turn);
-    if (a.margins.critical_delay && s.path != "loop delay") std::printf(" %+11.4g ms", 10.0 * s.critical_delay_change);
+    if (a.margins.critical_delay && std::abs(s.critical_delay_change) > 1e-12) {
+      std::printf(" %+11.4g ms", 10.0 * s.critical_delay_change);
+    }
     std::printf("\n");
   }
 }
@@ -164,7 +168,8 @@ void print_sweep(const stability::PoleSweep& sweep) {
 
 void examine_stability(const StabilityOptions& options) {
   const RigDescription description = read_rig(options.rig);
-  if (!(options.line < 0.0)) throw UsageError("--right-of is not below 0, expected a line left of the axis, such as -60");
+  if (!(options.line < 0.0))
+    throw UsageError("--right-of is not below 0, expected a line left of the axis, such as -60");
   if (description.rig.kind != model::RigKind::hil) {
     throw InputError(description.source, 0,
                      "stability is a question about the loop of a hil rig, and this is a " +
@@ -195,9 +200,8 @@ void examine_stability(const StabilityOptions& options) {
     for (const auto& sweep : swept) json["sweeps"].push_back(stability::to_json(sweep));
     if (map) json["map"] = stability::to_json(*map);
     if (options.responses) {
-      json["bode"] = stability::to_json(stability::bode(
-          analysis.rig, analysis.delay, analysis.machine_delay,
-          stability::frequencies(0.1, 100.0, 600, analysis.roots.roots)));
+      json["bode"] = stability::to_json(stability::bode(analysis.rig, analysis.delay, analysis.machine_delay,
+                                                        stability::frequencies(0.1, 100.0, 600, analysis.roots.roots)));
       json["nyquist"] = stability::to_json(stability::nyquist(analysis.equation(), analysis.roots.roots));
     }
     const std::string bytes = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -230,9 +234,10 @@ void add_stability(CLI::App& app, StabilityOptions& options) {
   command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
   command->add_option("--sweep", options.sweeps,
                       "Roots over one variable, such as virtual_damping=0:2000:41; may be given several times");
-  command->add_option("--map", options.map,
-                      "Rightmost root over two variables, such as tau=0:0.03:200,virtual_damping=0:2000:200; a variable "
-                      "is tau, virtual_damping or a parameter path of the rig description");
+  command->add_option(
+      "--map", options.map,
+      "Rightmost root over two variables, such as tau=0:0.03:200,virtual_damping=0:2000:200; a variable "
+      "is tau, virtual_damping or a parameter path of the rig description");
   command->add_flag("--responses", options.responses, "Bode and Nyquist data into the JSON");
   command->add_option("--right-of", options.line, "List the roots right of this line [1/s]")->capture_default_str();
   command->callback([&options] { examine_stability(options); });

@@ -89,9 +89,9 @@ std::vector<double> zeros(const TrigonometricPolynomial& g, double from, double 
     search(search, from + (to - from) * i / pieces, from + (to - from) * (i + 1) / pieces);
   }
   std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end(),
-                          [&](double a, double b) { return std::abs(a - b) < 1e-9 * (to - from); }),
-              found.end());
+  found.erase(
+      std::unique(found.begin(), found.end(), [&](double a, double b) { return std::abs(a - b) < 1e-9 * (to - from); }),
+      found.end());
   return found;
 }
 
@@ -123,11 +123,12 @@ AffineFamily affine_family(const std::function<LoopPolynomials(double)>& member,
 }
 
 double highest_frequency(const AffineFamily& family, double size) {
-  const Polynomial rest = size * size * (squared_magnitude(family.p1) + squared_magnitude(family.q1)) +
-                          squared_magnitude(family.q0);
+  const Polynomial rest =
+      size * size * (squared_magnitude(family.p1) + squared_magnitude(family.q1)) + squared_magnitude(family.q0);
   double highest = 1.0;
   for (const Complex x : roots(squared_magnitude(family.p0) - 3.0 * rest)) {
-    if (x.real() > 0.0 && std::abs(x.imag()) < 1e-3 * x.real()) highest = std::max(highest, 1.001 * std::sqrt(x.real()));
+    if (x.real() > 0.0 && std::abs(x.imag()) < 1e-3 * x.real())
+      highest = std::max(highest, 1.001 * std::sqrt(x.real()));
   }
   return highest;
 }

@@ -27,9 +27,7 @@ struct TrigonometricPolynomial {
 struct AffineFamily {
   Polynomial p0, p1, q0, q1;
 
-  [[nodiscard]] DelayEquation at(double kappa, double delay) const {
-    return {p0 + kappa * p1, q0 + kappa * q1, delay};
-  }
+  [[nodiscard]] DelayEquation at(double kappa, double delay) const { return {p0 + kappa * p1, q0 + kappa * q1, delay}; }
 };
 
 /// The family of which member(κ) = {P, Q} is known at any κ; checked at a third value (std::logic_error if it is no

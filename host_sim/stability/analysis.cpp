@@ -33,8 +33,8 @@ DelayBalance balance_of(const StabilityAnalysis& analysis, const RigDescription&
   balance.total = analysis.delay + hold;
   if (analysis.margins.critical_delay) balance.left = *analysis.margins.critical_delay - balance.total;
 
-  const double omega = analysis.margins.critical_delay ? analysis.margins.critical_omega
-                                                       : analysis.roots.rightmost().imag();
+  const double omega =
+      analysis.margins.critical_delay ? analysis.margins.critical_omega : analysis.roots.rightmost().imag();
   const auto [over, under] = analysis.rig.machine_response();
   add("lags of the machine, at the critical frequency", group_delay(over, under, omega), false);
   const TransferMatrix& sensor = analysis.rig.force_sensor;

@@ -27,9 +27,9 @@ struct DelayPart {
 ///
 /// The loop delay τ of roots, verdict and margins is what the rig description says is there: the delays among its
 /// effects and the entries of [delay_budget]. A description without that table gives τ = effects.actuator_delay alone.
-/// The hold of the sampled loop adds about half a step; it stands in `total`, which is what to hold against the critical
-/// delay, and is treated exactly by the sampled loop. Lags are in P and Q; their delay at the critical frequency is
-/// shown and not added, since the critical delay has it in already.
+/// The hold of the sampled loop adds about half a step; it stands in `total`, which is what to hold against the
+/// critical delay, and is treated exactly by the sampled loop. Lags are in P and Q; their delay at the critical
+/// frequency is shown and not added, since the critical delay has it in already.
 struct DelayBalance {
   std::vector<DelayPart> parts;
   double total{};              ///< τ and half a step [s]
@@ -44,22 +44,22 @@ struct StabilityAnalysis {
   RootSet roots;
   Margins margins;
   SensitivityPeak sensitivity;
-  std::vector<PadeResult> pade;                 ///< orders 1 … 5
-  std::vector<AxisValue> virtual_dampings;      ///< in 0 … most_virtual_damping with a root on the axis, at τ
-  std::optional<AxisValue> critical_damping;    ///< the border that lies nearest to the given damping
+  std::vector<PadeResult> pade;               ///< orders 1 … 5
+  std::vector<AxisValue> virtual_dampings;    ///< in 0 … most_virtual_damping with a root on the axis, at τ
+  std::optional<AxisValue> critical_damping;  ///< the border that lies nearest to the given damping
   std::vector<ParameterSensitivity> parameters;
-  std::optional<SampledLoop> sampled;           ///< none: the delay does not fit the model's delay line
+  std::optional<SampledLoop> sampled;  ///< none: the delay does not fit the model's delay line
   DelayBalance balance;
 
   [[nodiscard]] DelayEquation equation() const { return rig.equation(delay); }
 };
 
-inline constexpr double usual_line = -60.0;              ///< roots right of it are listed [1/s]
+inline constexpr double usual_line = -60.0;               ///< roots right of it are listed [1/s]
 inline constexpr double most_virtual_damping = 10'000.0;  ///< [N s/m]
 
 /// Throws InputError for a rig that is not a hil rig or whose loop is not retarded; CountMismatch and other
-/// std::logic_errors where two ways to one number disagree: the roots found against the argument principle, both against
-/// the crossings counted from no delay on, the step's matrix against the model's step.
+/// std::logic_errors where two ways to one number disagree: the roots found against the argument principle, both
+/// against the crossings counted from no delay on, the step's matrix against the model's step.
 [[nodiscard]] StabilityAnalysis analyse(const RigDescription& description, double line = usual_line);
 
 }  // namespace host_sim::stability

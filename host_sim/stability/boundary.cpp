@@ -89,8 +89,8 @@ class DampingCurve {
       if (a[i].has_value() != b[i].has_value()) return true;
       if (!a[i]) continue;
       const double change = std::abs(a[i]->damping - b[i]->damping) / (damping_.to - damping_.from);
-      const bool near = inside(*a[i]) || inside(*b[i]) ||
-                        (a[i]->damping < damping_.from) != (b[i]->damping < damping_.from);
+      const bool near =
+          inside(*a[i]) || inside(*b[i]) || (a[i]->damping < damping_.from) != (b[i]->damping < damping_.from);
       if (!near) continue;
       if (change > finest) return true;
       const double later = std::abs(a[i]->delay - b[i]->delay) / (delay_.to - delay_.from);
@@ -216,8 +216,7 @@ BoundaryCurve on_lines(const LoopFamily& family, const StabilityMap& map) {
       }
     }
     const bool along_x = &along == &map.x;
-    curve.points.push_back(
-        {along_x ? position : fixed, along_x ? fixed : position, std::abs(root.imag()), true});
+    curve.points.push_back({along_x ? position : fixed, along_x ? fixed : position, std::abs(root.imag()), true});
   };
   for (std::size_t iy = 0; iy < map.y.count; ++iy) {
     for (std::size_t ix = 0; ix < map.x.count; ++ix) {

@@ -61,9 +61,7 @@ double reach(const DelayEquation& equation, double line) {
   return y;
 }
 
-bool further_right(Complex a, Complex b) {
-  return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
-}
+bool further_right(Complex a, Complex b) { return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag(); }
 
 }  // namespace
 
@@ -82,7 +80,8 @@ bool settle(const DelayEquation& equation, Complex& start) {
     if (std::abs(step) <= 4.0 * rounding * std::abs(s)) break;
     if (i >= 6 && std::abs(step) <= 1e-13 * std::abs(s)) break;  // as near as rounding lets it come
   }
-  if (std::abs(s.imag()) < 1e-9 * (1.0 + std::abs(s.real()))) {
+  // Near a double real root, which rounding tears apart by 1e-8 of its size, f is zero to rounding on the axis too.
+  if (std::abs(s.imag()) < 1e-6 * (1.0 + std::abs(s.real()))) {
     const auto [value, slope] = equation.jet(s.real());
     if (std::abs(value) <= 1e3 * rounding * equation.scale(s.real())) s = s.real();
   }
@@ -165,7 +164,8 @@ RootSet verified_roots(const DelayEquation& equation, double line, const std::ve
   if (count() != set.count) {
     const std::vector<Complex> once = set.roots;
     set.roots.clear();
-    for (const Complex s : once) set.roots.insert(set.roots.end(), static_cast<std::size_t>(multiplicity(equation, s)), s);
+    for (const Complex s : once)
+      set.roots.insert(set.roots.end(), static_cast<std::size_t>(multiplicity(equation, s)), s);
   }
   if (count() != set.count) throw CountMismatch(count(), set.count, line);
   for (const Complex s : set.roots) {

@@ -13,9 +13,9 @@ inline constexpr double longest_delay = 1.0;  ///< up to which delays are looked
 
 /// A frequency at which a pair of roots ±jω lies on the axis for some delay.
 struct CrossingFrequency {
-  double omega{};      ///< [rad/s] > 0
-  double first{};      ///< smallest such delay [s], in 0 … 2π/ω; the others follow every 2π/ω
-  int direction{};     ///< +1: with growing delay to the right, −1 to the left, 0: touches
+  double omega{};   ///< [rad/s] > 0
+  double first{};   ///< smallest such delay [s], in 0 … 2π/ω; the others follow every 2π/ω
+  int direction{};  ///< +1: with growing delay to the right, −1 to the left, 0: touches
 };
 
 /// A pair of roots on the axis.

@@ -38,7 +38,7 @@ RoadResponse::RoadResponse(const LinearRig& rig, double delay, double machine_de
 
 std::vector<model::Channel> RoadResponse::outputs() {
   using model::Channel;
-  return {Channel::z_w, Channel::z_b,   Channel::zdd_w, Channel::zdd_b, Channel::dz_w,
+  return {Channel::z_w,  Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w,
           Channel::dz_b, Channel::F_w, Channel::x_cmd, Channel::x_act, Channel::F};
 }
 
@@ -117,8 +117,8 @@ BodeData bode(const LinearRig& rig, double delay, double machine_delay, const st
   for (const model::Channel channel : RoadResponse::outputs()) {
     std::string unit(model::unit(channel));
     unit = unit == "m" ? "1" : unit + "/m";
-    data.outputs.push_back(
-        curve(std::string(model::name(channel)), unit, [&](double w) { return response(channel, w); }, omega));
+    data.outputs.push_back(curve(
+        std::string(model::name(channel)), unit, [&](double w) { return response(channel, w); }, omega));
   }
   return data;
 }

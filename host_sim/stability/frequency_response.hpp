@@ -15,8 +15,8 @@ class RoadResponse {
   /// \param delay    of the whole loop [s]; `machine_delay` of it lies between x_cmd and x_act, the rest behind F
   RoadResponse(const LinearRig& rig, double delay, double machine_delay);
 
-  /// Output ÷ z_r at ω > 0. Outputs: z_w, z_b, zdd_w, zdd_b, dz_w, dz_b, F_w, x_cmd, x_act, and F, the component's force at
-  /// the machine. From (jω − A − B H(jω) e^{−jωτ} C) X = B_r [1, jω], solved as it stands.
+  /// Output ÷ z_r at ω > 0. Outputs: z_w, z_b, zdd_w, zdd_b, dz_w, dz_b, F_w, x_cmd, x_act, and F, the component's
+  /// force at the machine. From (jω − A − B H(jω) e^{−jωτ} C) X = B_r [1, jω], solved as it stands.
   [[nodiscard]] Complex operator()(model::Channel output, double omega) const;
 
   [[nodiscard]] static std::vector<model::Channel> outputs();
@@ -61,19 +61,20 @@ struct Peak {
 
 /// L(s) along Re s = `offset`, a hair right of the axis where L may have poles on it (a floating body: 1/s).
 struct NyquistData {
-  double offset{};              ///< [1/s]
-  std::vector<double> omega;    ///< [rad/s], 0 … the radius beyond which |L| < 1
-  std::vector<Complex> loop;    ///< L(offset + jω); the other half is its mirror image
-  int encirclements{};          ///< of −1, counter-clockwise, by both halves: the turns of 1 + L
-  int open_loop_unstable{};     ///< poles of L right of the line
-  int closed_loop_unstable{};   ///< open_loop_unstable − encirclements: roots right of the line
+  double offset{};             ///< [1/s]
+  std::vector<double> omega;   ///< [rad/s], 0 … the radius beyond which |L| < 1
+  std::vector<Complex> loop;   ///< L(offset + jω); the other half is its mirror image
+  int encirclements{};         ///< of −1, counter-clockwise, by both halves: the turns of 1 + L
+  int open_loop_unstable{};    ///< poles of L right of the line
+  int closed_loop_unstable{};  ///< open_loop_unstable − encirclements: roots right of the line
 };
 [[nodiscard]] NyquistData nyquist(const DelayEquation& equation, const std::vector<Complex>& roots);
 
 template <class Response>
 std::vector<double> unwrapped_phase(const Response& response, const std::vector<double>& omega) {
   std::vector<double> phase;
-  const auto turn = [&](const auto& self, double low, Complex at_low, double high, Complex at_high, int depth) -> double {
+  const auto turn = [&](const auto& self, double low, Complex at_low, double high, Complex at_high,
+                        int depth) -> double {
     const double middle = 0.5 * (low + high);
     const Complex at_middle = response(middle);
     const double first = std::arg(times(at_middle, std::conj(at_low)));

@@ -24,9 +24,8 @@ ordered_json complex_list(const std::vector<Complex>& list) {
 
 ordered_json gain(const std::optional<GainMargin>& margin) {
   if (!margin) return nullptr;
-  return {{"factor", margin->factor},
-          {"db", 20.0 * std::log10(margin->factor)},
-          {"frequency_hz", margin->omega / turn}};
+  return {
+      {"factor", margin->factor}, {"db", 20.0 * std::log10(margin->factor)}, {"frequency_hz", margin->omega / turn}};
 }
 
 ordered_json axis_json(const Axis& axis) {
@@ -36,7 +35,8 @@ ordered_json axis_json(const Axis& axis) {
 ordered_json sampled_json(const std::optional<SampledLoop>& sampled) {
   if (!sampled) return nullptr;
   ordered_json modes = ordered_json::array();
-  for (std::size_t i = 0; i < sampled->eigenvalues.size() && i < 8; ++i) modes.push_back(complex(sampled->eigenvalues[i]));
+  for (std::size_t i = 0; i < sampled->eigenvalues.size() && i < 8; ++i)
+    modes.push_back(complex(sampled->eigenvalues[i]));
   return {{"stable", sampled->stable()},
           {"spectral_radius", sampled->spectral_radius},
           {"period", sampled->period},
@@ -102,8 +102,7 @@ ordered_json to_json(const StabilityAnalysis& a, const RigDescription& descripti
   for (const DelayPart& part : a.balance.parts) {
     parts.push_back({{"name", part.name}, {"delay", part.seconds}, {"in_loop_delay", part.in_loop_delay}});
   }
-  json["delay_budget"] = {
-      {"parts", std::move(parts)}, {"total", a.balance.total}, {"left", number(a.balance.left)}};
+  json["delay_budget"] = {{"parts", std::move(parts)}, {"total", a.balance.total}, {"left", number(a.balance.left)}};
   json["left_out"] = a.rig.left_out;
   json["outside_loop"] = a.rig.outside_loop;
   return json;

@@ -1,7 +1,6 @@
 #include "host_sim/stability/linear_rig.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "model/machine.hpp"
@@ -17,9 +16,11 @@ constexpr std::array<std::string_view, 11> linear_effects{
     "actuator_delay",     "actuator_lag",        "actuator_resonance", "viscous_damping", "top_mount",  "relaxation",
     "body_guide_damping", "wheel_guide_damping", "sensor_lag",         "sensor_delay",    "sensor_gain"};
 constexpr std::array<std::string_view, 14> nonlinear_effects{
-    "actuator_rate_limit", "coulomb_friction",    "quadratic_damping", "progressive_spring", "bump_stop",
-    "backlash",            "seal_friction",       "body_guide_friction", "wheel_guide_friction", "tyre_lift_off",
-    "progressive_tyre",    "sensor_offset",       "sensor_saturation", "sensor_hold"};
+    "actuator_rate_limit", "coulomb_friction",    "quadratic_damping",
+    "progressive_spring",  "bump_stop",           "backlash",
+    "seal_friction",       "body_guide_friction", "wheel_guide_friction",
+    "tyre_lift_off",       "progressive_tyre",    "sensor_offset",
+    "sensor_saturation",   "sensor_hold"};
 constexpr std::array<std::string_view, 1> effects_outside{"force_sensor_inertia"};
 
 template <std::size_t N>
@@ -29,26 +30,13 @@ bool among(const std::array<std::string_view, N>& names, std::string_view name) 
 
 Eigen::Index index_of(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
-/// States that are reached from `start` along the entries of `links` (i is reached by j where links(i, j) ≠ 0).
-std::vector<bool> reached(const Eigen::MatrixXd& links, std::vector<bool> start) {
-  bool grown = true;
-  while (grown) {
-    grown = false;
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      for (std::size_t j = 0; j < start.size() && !start[i]; ++j) {
-        if (start[j] && links(index_of(i), index_of(j)) != 0.0) start[i] = grown = true;
-      }
-    }
-  }
-  return start;
-}
-
 /// Car (1) of LinearRig: inputs F_s, z_r, ż_r; outputs z_w, z_b, F_w.
 StateSpace car_of(const Equations& equations) {
   using State = Equations::CarState;
   using Drive = Equations::CarDrive;
   constexpr int n = State::RowsAtCompileTime;
-  StateSpace car{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 3), Eigen::MatrixXd::Zero(3, n), Eigen::MatrixXd::Zero(3, 3)};
+  StateSpace car{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 3), Eigen::MatrixXd::Zero(3, n),
+                 Eigen::MatrixXd::Zero(3, 3)};
   for (int j = 0; j < n; ++j) {
     const State unit = State::Unit(j);
     car.a.col(j) = equations.car(unit, Drive{});
@@ -118,6 +106,48 @@ StateSpace force_sensor_of(const model::SensorPath<double>& path) {
   return system;
 }
 
+/// det(M + s diag(1 … 1, 0 … 0)) with `ones` ones, expanded by rows: a sum of products of entries, so that matrices
+/// whose entries differ by many powers of ten keep every coefficient's digits. Each set of columns is expanded once.
+class PencilDeterminant {
+ public:
+  PencilDeterminant(const Eigen::MatrixXd& matrix, Eigen::Index ones)
+      : matrix_(matrix), ones_(ones), size_(matrix.rows()), known_(std::size_t{1} << static_cast<unsigned>(size_)) {}
+
+  [[nodiscard]] Polynomial polynomial() { return of(0, 0); }
+
+ private:
+  /// Of the rows from `row` on, without the columns of `used`.
+  const Polynomial& of(Eigen::Index row, std::size_t used) {
+    auto& [done, sum] = known_[used];
+    if (done) return sum;
+    done = true;
+    if (row == size_) return sum = {1.0};
+    bool positive = true;
+    for (Eigen::Index j = 0; j < size_; ++j) {
+      const std::size_t column = std::size_t{1} << static_cast<unsigned>(j);
+      if ((used & column) != 0U) continue;
+      const double entry = matrix_(row, j);
+      const bool with_s = j == row && j < ones_;
+      if (entry != 0.0 || with_s) {
+        const Polynomial factor = with_s ? Polynomial{entry, 1.0} : Polynomial{entry};
+        sum += (positive ? 1.0 : -1.0) * (factor * of(row + 1, used | column));
+      }
+      positive = !positive;
+    }
+    return sum;
+  }
+
+  const Eigen::MatrixXd& matrix_;
+  Eigen::Index ones_, size_;
+  std::vector<std::pair<bool, Polynomial>> known_;
+};
+
+/// det(sI − A)
+Polynomial characteristic(const Eigen::MatrixXd& a) {
+  const Eigen::MatrixXd negative = -a;
+  return PencilDeterminant(negative, a.rows()).polynomial();
+}
+
 /// Numerator from a displacement to `output` of a block that takes displacement (input 0) and velocity (input 1).
 Polynomial by_displacement(const TransferMatrix& block, std::size_t output) {
   return block.numerator(output, 0) + Polynomial::s() * block.numerator(output, 1);
@@ -130,6 +160,19 @@ EffectKind kind_of_effect(std::string_view name) {
   if (among(nonlinear_effects, name)) return EffectKind::nonlinear;
   if (among(effects_outside, name)) return EffectKind::outside_loop;
   return EffectKind::unknown;
+}
+
+std::vector<bool> reached(const Eigen::MatrixXd& links, std::vector<bool> start) {
+  bool grown = true;
+  while (grown) {
+    grown = false;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      for (std::size_t j = 0; j < start.size() && !start[i]; ++j) {
+        if (start[j] && links(index_of(i), index_of(j)) != 0.0) start[i] = grown = true;
+      }
+    }
+  }
+  return start;
 }
 
 StateSpace without_idle_states(const StateSpace& system) {
@@ -150,38 +193,13 @@ StateSpace without_idle_states(const StateSpace& system) {
 
 TransferMatrix::TransferMatrix(const StateSpace& full) : inputs_(static_cast<std::size_t>(full.d.cols())) {
   const StateSpace system = without_idle_states(full);
-  const Eigen::Index n = system.a.rows();
-  // Faddeev–LeVerrier: adj(sI − A) = Σ_k M_k s^k, det(sI − A) = Σ_k c_k s^k, from the highest power down. The same sums
-  // in absolute values tell a coefficient that is zero from its rounding error.
-  const auto rounded = [](double value, double size) { return std::abs(value) < 1e-14 * size ? 0.0 : value; };
-  const Eigen::MatrixXd a_size = system.a.cwiseAbs(), b_size = system.b.cwiseAbs(), c_size = system.c.cwiseAbs();
-  Eigen::MatrixXd m_size = Eigen::MatrixXd::Identity(n, n);
-  std::vector<double> c(static_cast<std::size_t>(n) + 1);
-  std::vector<std::vector<double>> numerators(static_cast<std::size_t>(full.d.size()));
-  for (auto& numerator : numerators) numerator.resize(static_cast<std::size_t>(n) + 1);
-  c.back() = 1.0;
-  Eigen::MatrixXd m = Eigen::MatrixXd::Identity(n, n);
-  for (Eigen::Index k = n; k-- > 0;) {
-    const Eigen::MatrixXd part = system.c * m * system.b, part_size = c_size * m_size * b_size;
-    for (Eigen::Index i = 0; i < part.rows(); ++i) {
-      for (Eigen::Index j = 0; j < part.cols(); ++j) {
-        numerators[static_cast<std::size_t>(i * part.cols() + j)][static_cast<std::size_t>(k)] =
-            rounded(part(i, j), part_size(i, j));
-      }
-    }
-    const auto at = static_cast<std::size_t>(k);
-    m = (system.a * m).eval();
-    m_size = (a_size * m_size).eval();
-    const double size = m_size.trace() / static_cast<double>(n - k);
-    c[at] = rounded(-m.trace() / static_cast<double>(n - k), size);
-    m.diagonal().array() += c[at];
-    m_size.diagonal().array() += size;
-  }
-  denominator_ = Polynomial(c);
-  for (Eigen::Index i = 0; i < full.d.rows(); ++i) {
-    for (Eigen::Index j = 0; j < full.d.cols(); ++j) {
-      auto& numerator = numerators[static_cast<std::size_t>(i * full.d.cols() + j)];
-      numerators_.push_back(Polynomial(std::move(numerator)) + system.d(i, j) * denominator_);
+  denominator_ = characteristic(system.a);
+  for (Eigen::Index i = 0; i < system.d.rows(); ++i) {
+    for (Eigen::Index j = 0; j < system.d.cols(); ++j) {
+      // c adj(sI − A) b + d det(sI − A) = det [sI − A, b; −c, d]
+      Eigen::MatrixXd bordered(system.a.rows() + 1, system.a.cols() + 1);
+      bordered << -system.a, system.b.col(j), -system.c.row(i), system.d(i, j);
+      numerators_.push_back(PencilDeterminant(bordered, system.a.rows()).polynomial());
     }
   }
 }

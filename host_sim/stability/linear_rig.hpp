@@ -22,11 +22,14 @@ struct StateSpace {
 /// an effect that is not there.
 [[nodiscard]] StateSpace without_idle_states(const StateSpace& system);
 
+/// Which states are reached from those of `start` along the entries of `links` (j reaches i where links(i, j) ≠ 0).
+[[nodiscard]] std::vector<bool> reached(const Eigen::MatrixXd& links, std::vector<bool> start);
+
 /// Transfer functions numerator(i, k)/denominator from input k to output i.
 class TransferMatrix {
  public:
   TransferMatrix() = default;
-  explicit TransferMatrix(const StateSpace& system);  ///< Faddeev–LeVerrier
+  explicit TransferMatrix(const StateSpace& system);  ///< of a few states: by determinants, expanded
 
   [[nodiscard]] const Polynomial& denominator() const { return denominator_; }
   [[nodiscard]] const Polynomial& numerator(std::size_t output, std::size_t input) const {

@@ -17,14 +17,14 @@ struct GainMargin {
 /// Margins of the loop L = (Q/P) e^{−sτ}, broken at the force F, with 1 + L = 0 on the border. All are distances of a
 /// stable loop to the nearest border; of an unstable loop they are what would have to change to reach one.
 struct Margins {
-  std::optional<double> critical_delay;   ///< smallest total delay with a root on the axis [s], up to longest_delay
-  double critical_omega{};                ///< its frequency [rad/s]
-  std::optional<double> delay_margin;     ///< delay to the next border: > 0 to be added, < 0 to be taken away [s]
-  double delay_margin_omega{};            ///< [rad/s]
-  std::optional<GainMargin> upper_gain;   ///< smallest factor > 1 on the border
-  std::optional<GainMargin> lower_gain;   ///< largest factor below 1 on the border
-  std::optional<double> phase_margin;     ///< smallest |arg L + π| where |L| = 1, with its sign [rad]
-  double phase_margin_omega{};            ///< [rad/s]
+  std::optional<double> critical_delay;  ///< smallest total delay with a root on the axis [s], up to longest_delay
+  double critical_omega{};               ///< its frequency [rad/s]
+  std::optional<double> delay_margin;    ///< delay to the next border: > 0 to be added, < 0 to be taken away [s]
+  double delay_margin_omega{};           ///< [rad/s]
+  std::optional<GainMargin> upper_gain;  ///< smallest factor > 1 on the border
+  std::optional<GainMargin> lower_gain;  ///< largest factor below 1 on the border
+  std::optional<double> phase_margin;    ///< smallest |arg L + π| where |L| = 1, with its sign [rad]
+  double phase_margin_omega{};           ///< [rad/s]
   std::vector<CrossingFrequency> frequencies;
   std::vector<StableRange> stable_delays;
 };

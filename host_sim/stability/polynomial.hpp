@@ -67,7 +67,7 @@ class Polynomial {
   }
 
   [[nodiscard]] Polynomial derivative() const;
-  [[nodiscard]] Polynomial mirrored() const;               ///< p(−s)
+  [[nodiscard]] Polynomial mirrored() const;                ///< p(−s)
   [[nodiscard]] Polynomial stretched(double factor) const;  ///< p(factor · s)
 
   Polynomial& operator+=(const Polynomial& other);

@@ -8,6 +8,7 @@
 
 #include "host_sim/stability/delay_equation.hpp"
 #include "host_sim/stability/eigenvalues.hpp"
+#include "host_sim/stability/linear_rig.hpp"
 #include "model/rig_model.hpp"
 
 namespace host_sim::stability {
@@ -36,9 +37,10 @@ void for_each_own(const Rig& model, Rig::State& x, const Visit& visit) {
   }
   auto& sensor = x.sensors.channels[model::index(model::Channel::F)];
   for (double* value : {&x.received_force, &sensor.input, &sensor.lagged, &sensor.held}) visit(*value, true);
-  for (std::size_t i = 0; i < samples_read(sensor_delay(model), model.period()); ++i) {
-    visit(x.sensors.lines[0].ago(i), true);  // the sensor of F is the only one left in a linear rig
-  }
+  // The sensor of F is the only one left in a linear rig; its line is read by the four samples around the delay.
+  const double delay = sensor_delay(model);
+  const std::size_t samples = delay > 0.0 ? samples_read(delay, model.period()) + 2 : 0;
+  for (std::size_t i = 0; i < samples; ++i) visit(x.sensors.lines[0].ago(i), true);
 }
 
 /// The same and the line, newest sample first.
@@ -97,6 +99,24 @@ void check(const Rig& model, const StepMatrix& step) {
     }
     ++i;
   });
+}
+
+StepMatrix only_the_loop(const StepMatrix& step, std::size_t force_at) {
+  const auto size = static_cast<std::size_t>(step.matrix.rows());
+  std::vector<bool> force(size);
+  force[force_at] = true;
+  const std::vector<bool> driven = reached(step.matrix, force), seen = reached(step.matrix.transpose(), force);
+  std::vector<Eigen::Index> kept;
+  StepMatrix loop;
+  loop.line = step.line;
+  for (std::size_t i = 0; i < size; ++i) {
+    const bool of_line = i >= step.own;
+    if (!of_line && !(driven[i] && seen[i])) continue;
+    kept.push_back(static_cast<Eigen::Index>(i));
+    loop.own += of_line ? 0 : 1;
+  }
+  loop.matrix = step.matrix(kept, kept);
+  return loop;
 }
 
 /// The eigenvector of an eigenvalue λ has λ^{−i} times the newest sample at the line's place i, which leaves a small
@@ -196,7 +216,11 @@ StepMatrix step_matrix(const model::RigParameters<double>& rig, double period, d
   const Rig model(with_delay(rig, delay), period);
   StepMatrix result;
   Rig::State start = model.start();
-  for_each_own(model, start, [&](double&, bool) { ++result.own; });
+  std::size_t force_at = 0;
+  for_each_own(model, start, [&](double& value, bool) {
+    if (&value == &start.received_force) force_at = result.own;
+    ++result.own;
+  });
   result.line = samples_read(delay, period);
   const auto size = static_cast<Eigen::Index>(result.own + 2 * result.line);
   result.matrix.resize(size, size);
@@ -208,7 +232,7 @@ StepMatrix step_matrix(const model::RigParameters<double>& rig, double period, d
     result.matrix.col(j) = read(model, x, result.line, size);
   }
   check(model, result);
-  return result;
+  return only_the_loop(result, force_at);
 }
 
 SampledLoop sampled_loop(const model::RigParameters<double>& rig, double period, double delay,

@@ -12,7 +12,9 @@
 namespace host_sim::stability {
 
 /// One period of model::RigModel::step as a matrix: its columns are the step at unit vectors of the whole state – car,
-/// component, machine, received force and every sample in the delay line that is still to be read.
+/// component, machine, received force and every sample in the delay line that is still to be read. States that the
+/// force does not reach or that do not reach the force – of effects that are not there, of a locked piston – stand
+/// still or die away for themselves and are left out.
 struct StepMatrix {
   Eigen::MatrixXd matrix;
   std::size_t own = 0;   ///< states before those of the line

@@ -43,7 +43,8 @@ std::vector<ParameterSensitivity> sensitivities(const model::RigParameters<doubl
   // (2): two real equations for dω and dτ
   const auto delay_change = [&](Complex by_parameter) {
     if (!(critical_omega > 0.0)) return 0.0;
-    const double determinant = border_slope.real() * border_by_delay.imag() - border_slope.imag() * border_by_delay.real();
+    const double determinant =
+        border_slope.real() * border_by_delay.imag() - border_slope.imag() * border_by_delay.real();
     return -(border_slope.real() * by_parameter.imag() - border_slope.imag() * by_parameter.real()) / determinant;
   };
 
@@ -70,7 +71,7 @@ std::vector<ParameterSensitivity> sensitivities(const model::RigParameters<doubl
       const Values up = at(h), down = at(-h);
       return Values{(up.at_root - down.at_root) / (2.0 * h), (up.at_border - down.at_border) / (2.0 * h)};
     };
-    constexpr double h = 2e-3;
+    constexpr double h = 5e-4;
     const Values coarse = difference(2.0 * h), fine = difference(h);
     const auto better = [](Complex c, Complex f) { return f + (f - c) / 3.0; };
     ParameterSensitivity s;

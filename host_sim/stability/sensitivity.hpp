@@ -17,11 +17,11 @@ namespace host_sim::stability {
 /// ∂f/∂p goes through the model's equations: central differences of linearise() with two steps, extrapolated; `error`
 /// is what the extrapolation changed, relative to the largest of the derivatives.
 struct ParameterSensitivity {
-  std::string path;              ///< as in rig descriptions; "loop delay": τ itself
-  double value{};                ///< p
-  Complex root_change;           ///< p ds/dp [1/s]
+  std::string path;                ///< as in rig descriptions; "loop delay": τ itself
+  double value{};                  ///< p
+  Complex root_change;             ///< p ds/dp [1/s]
   double critical_delay_change{};  ///< p dτ_c/dp [s]
-  double error{};                ///< of (1), relative
+  double error{};                  ///< of (1), relative
 };
 
 /// \param extra_delay     what the loop delay holds beside the rig's own effects [s]

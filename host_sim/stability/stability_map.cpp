@@ -41,9 +41,8 @@ bool RootTracker::follow(const DelayEquation& equation) {
     Complex s = roots_[i];
     if (!settle(equation, s)) continue;
     if (s.imag() < 0.0) s = std::conj(s);
-    const bool known = std::any_of(roots_.begin(), roots_.begin() + static_cast<std::ptrdiff_t>(kept), [s](Complex other) {
-      return std::abs(s - other) < 1e-7 * (1.0 + std::abs(s));
-    });
+    const bool known = std::any_of(roots_.begin(), roots_.begin() + static_cast<std::ptrdiff_t>(kept),
+                                   [s](Complex other) { return std::abs(s - other) < 1e-7 * (1.0 + std::abs(s)); });
     if (!known) roots_[kept++] = s;
   }
   roots_.resize(kept);
@@ -96,8 +95,7 @@ StabilityMap stability_map(const LoopFamily& family, const Axis& x, const Axis& 
     try {
       for (std::size_t line = next++; line < outer.count; line = next++) {
         RootTracker tracker;
-        DelayEquation equation =
-            family.at({{outer.variable, outer.value(line)}, {inner.variable, inner.value(0)}});
+        DelayEquation equation = family.at({{outer.variable, outer.value(line)}, {inner.variable, inner.value(0)}});
         for (std::size_t i = 0; i < inner.count; ++i) {
           if (inner.is_delay()) {
             equation.set_delay(inner.value(i));

@@ -50,8 +50,7 @@ struct Axis {
 /// The equation at a value of one or two variables; `extra_delay`: what the loop delay holds beside the rig's effects.
 class LoopFamily {
  public:
-  LoopFamily(model::RigParameters<double> rig, double extra_delay)
-      : rig_(std::move(rig)), extra_delay_(extra_delay) {}
+  LoopFamily(model::RigParameters<double> rig, double extra_delay) : rig_(std::move(rig)), extra_delay_(extra_delay) {}
 
   struct Setting {
     std::string_view variable;
@@ -79,10 +78,10 @@ struct BoundaryCurve {
 
 struct StabilityMap {
   Axis x, y;
-  std::vector<double> rightmost;   ///< Re of the rightmost root [1/s], row after row of constant y
-  std::vector<double> frequency;   ///< its Im [rad/s]
+  std::vector<double> rightmost;  ///< Re of the rightmost root [1/s], row after row of constant y
+  std::vector<double> frequency;  ///< its Im [rad/s]
   std::vector<BoundaryCurve> boundary;
-  std::size_t searches{};          ///< points at which following was not enough
+  std::size_t searches{};  ///< points at which following was not enough
   unsigned threads{};
 
   [[nodiscard]] double at(std::size_t ix, std::size_t iy) const { return rightmost[iy * x.count + ix]; }
