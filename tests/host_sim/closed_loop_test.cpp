@@ -251,7 +251,7 @@ TEST(ClosedLoop, AddsNoNoiseToNumbers) {
     for (const double value : column) ASSERT_EQ(value, 0.0);
   }
   rig.noise[index(Channel::F)] = 10.0;
-  EXPECT_NE(flat(rig).recording[Channel::F][0], 0.0);
+  EXPECT_NE(flat(rig).recording[Channel::F][1], 0.0);
   EXPECT_NE(flat(rig).recording[Channel::z_w][100], 0.0) << "the noise of F goes round the loop";
 }
 

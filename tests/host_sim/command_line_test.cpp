@@ -116,10 +116,10 @@ TEST_F(CommandLine, RefusesWrongUsage) {
 // The list of the issue, both commands: one line, status 3, no output file.
 TEST_F(CommandLine, RefusesRigsThatDoNotFit) {
   expect_rig_refused(with(hil_text, "mass = 290.0", "mass = "), "bad.toml:4: TOML syntax");
-  expect_rig_refused(with(hil_text, "virtual_damping", "virtual_dampin"), "bad.toml:13: unknown key");
+  expect_rig_refused(with(hil_text, "virtual_damping", "virtual_dampin"), "bad.toml:14: unknown key");
   expect_rig_refused(with(hil_text, "mass = 290.0", "mass = -290.0"), "bad.toml:4: body.mass = -290 does not fit");
   expect_rig_refused(with(hil_text, "sample_rate = 1000.0", "sample_rate = 0"), "bad.toml:2: sample_rate = 0");
-  expect_rig_refused(with(hil_text, "delay = 0.010", "delay = 0.6"), "bad.toml:25: effects.actuator_delay.delay = 0.6");
+  expect_rig_refused(with(hil_text, "delay = 0.010", "delay = 0.6"), "bad.toml:26: effects.actuator_delay.delay = 0.6");
   expect_rig_refused("", "bad.toml: the file is empty");
   const auto out = folder / "run.csv";
   expect_refused({"simulate", "--rig", folder.path(), "--out", out}, 3, "is a directory", out);
