@@ -1,0 +1,312 @@
+#include "model/rig_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/support/reference_parameters.hpp"
+#include "tests/support/reference_road.hpp"
+#include "tests/support/without_heap.hpp"
+
+namespace {
+
+using model::Channel;
+using model::Extent;
+using model::Motion;
+using model::RigKind;
+using model::Signals;
+using model::Stroke;
+using Rig = model::RigModel<>;
+using Parameters = model::RigParameters<double>;
+
+constexpr double period = 1e-3;
+
+double at(const Signals<double>& s, Channel channel) { return s[index(channel)]; }
+
+/// Everything nonlinear of the first four effects, machine late by 10.3 ms.
+Parameters everything(RigKind kind) {
+  auto rig = support::fdva_rig(kind);
+  rig.suspension.damping = 50.0;
+  rig.effects.add(model::CoulombFriction<double>{30.0});
+  if (kind != RigKind::component_bench) rig.effects.add(model::TyreLiftOff<double>{});
+  if (kind == RigKind::quarter_car) {
+    rig.effects.add(model::ForceSensorInertia<double>{5.0});
+  } else {
+    rig.effects.add(model::ActuatorDelay<double>{0.0103});
+  }
+  return rig;
+}
+
+constexpr RigKind kinds[] = {RigKind::quarter_car, RigKind::hil, RigKind::component_bench};
+
+Rig::Input input_of(const Motion<double>& road) {
+  Rig::Input in;
+  in.foot_point = road;
+  in.command = {road.position, road.velocity};
+  return in;
+}
+
+// Law. The firmware computes the car, the rig the component: force received → car → deflection → machine. Together they
+// are the closed rig, to the bit, so that one measurement can be replayed through either.
+TEST(RigModel, SplitsIntoCarAndMachineWithoutChangingABit) {
+  for (const bool with_effects : {false, true}) {
+    auto rig = with_effects ? everything(RigKind::hil) : support::fdva_rig(RigKind::hil);
+    const Rig whole(rig, period), car(rig, period, Extent::virtual_car), machine(rig, period, Extent::test_machine);
+    auto x = whole.start(), c = car.start(), m = machine.start();
+    const auto road = support::random_road(256e-6, period, 5.0, 61);
+    for (std::size_t k = 0; k < road.size(); ++k) {
+      whole.step(x, input_of(road[k]));
+      car.receive_force(c, machine.measured(m)[index(Channel::F)]);
+      car.step(c, input_of(road[k]));
+      Rig::Input command;
+      command.command = car.deflection(c);
+      machine.step(m, command);
+      car.receive_force(c, machine.measured(m)[index(Channel::F)]);
+      const auto closed = whole.measured(x), of_car = car.measured(c), of_machine = machine.measured(m);
+      for (const Channel channel : {Channel::z_r, Channel::z_w, Channel::z_b, Channel::zdd_w, Channel::zdd_b,
+                                    Channel::F_w, Channel::dz_b, Channel::x_cmd, Channel::F}) {
+        ASSERT_EQ(at(closed, channel), at(of_car, channel)) << name(channel) << ", sample " << k << ", seed 61";
+      }
+      for (const Channel channel : {Channel::x_cmd, Channel::x_act, Channel::F}) {
+        ASSERT_EQ(at(closed, channel), at(of_machine, channel)) << name(channel) << ", sample " << k << ", seed 61";
+      }
+    }
+  }
+}
+
+/// All signals of a linear rig under an input, one after the other.
+std::vector<double> response(const Rig& model, const std::vector<Motion<double>>& road, double factor) {
+  auto x = model.start();
+  std::vector<double> all;
+  for (const auto& m : road) {
+    Rig::Input in = input_of({factor * m.position, factor * m.velocity, factor * m.acceleration});
+    in.actuator_force = model.parameters().kind == RigKind::quarter_car ? factor * 1e4 * m.velocity : 0.0;
+    model.step(x, in);
+    for (const double s : model.signals(x)) all.push_back(s);
+  }
+  return all;
+}
+
+// Law. Without nonlinear effects and minor losses a rig is linear: twice the input is twice the output to the bit
+// (powers of two do not round), and the answer to a sum is the sum of the answers within rounding.
+TEST(RigModel, IsLinearWithoutNonlinearEffects) {
+  for (const RigKind kind : kinds) {
+    auto rig = support::fdva_rig(kind);
+    rig.fdva.minor_loss = 0.0;
+    if (kind != RigKind::quarter_car) rig.effects.add(model::ActuatorDelay<double>{0.0047});
+    const Rig model(rig, period);
+    const auto a = support::random_road(64e-6, period, 2.0, 62), b = support::random_road(64e-6, period, 2.0, 63);
+    std::vector<Motion<double>> sum(a.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      sum[k] = {a[k].position + b[k].position, a[k].velocity + b[k].velocity, a[k].acceleration + b[k].acceleration};
+    }
+    const auto of_a = response(model, a, 1.0), of_b = response(model, b, 1.0), of_sum = response(model, sum, 1.0),
+               of_double = response(model, a, 2.0);
+    for (std::size_t i = 0; i < of_a.size(); ++i) {
+      EXPECT_EQ(of_double[i], 2.0 * of_a[i]) << name(kind) << ", seed 62";
+      // accelerations come from forces of some 1e4 N over 40 kg, rounded a few hundred times
+      EXPECT_NEAR(of_sum[i], of_a[i] + of_b[i], 1e-9) << name(kind) << ", seeds 62, 63";
+    }
+  }
+}
+
+// Law. Minor losses, lift-off and friction know no direction but their own: the mirrored road gives the mirrored answer
+// to the bit, except where the tyre may push but not pull.
+TEST(RigModel, IsSymmetricUpAndDown) {
+  for (const RigKind kind : kinds) {
+    auto rig = support::fdva_rig(kind);
+    rig.effects.add(model::CoulombFriction<double>{30.0});
+    const Rig model(rig, period);
+    const auto road = support::random_road(256e-6, period, 3.0, 64);
+    const auto up = response(model, road, 1.0), down = response(model, road, -1.0);
+    for (std::size_t i = 0; i < up.size(); ++i) ASSERT_EQ(up[i], -down[i]) << name(kind) << ", seed 64";
+  }
+}
+
+// Law. After start no step, no switching of ducts, no change of delay and no reading touches the heap.
+TEST(RigModel, NeverTouchesTheHeap) {
+  for (const RigKind kind : kinds) {
+    const Rig model(everything(kind), period);
+    const auto road = support::random_road(1024e-6, period, 1.0, 65);
+    auto x = model.start();
+    double sum = 0.0;
+    support::without_heap([&] {
+      for (std::size_t k = 0; k < road.size(); ++k) {
+        if (k % 100 == 7) model.open_ducts(x, static_cast<model::OpenDucts>(k % 64));
+        if (k == 500 && kind != RigKind::quarter_car) model.set_delay(x, 0.005);
+        model.step(x, input_of(road[k]));
+        sum += model.measured(x)[index(Channel::F_w)] + model.energy(x);
+      }
+    });
+    EXPECT_EQ(sum, sum);
+  }
+}
+
+// Law. Unconditionally stable in its linear part: steps of a second and a component a million times stiffer, and the
+// car on a resting road ends where it must.
+TEST(RigModel, IsStableForAnyStepAndStiffness) {
+  for (const double factor : {1.0, 1e6}) {
+    for (const double h : {1e-3, 0.01, 1.0}) {
+      auto rig = support::fdva_rig(RigKind::quarter_car);
+      rig.suspension = {31500.0 * factor, 1140.0 * factor};
+      rig.fdva.minor_loss = 0.0;
+      const Rig model(rig, h);
+      auto x = model.start();
+      Rig::Input in;
+      in.foot_point.position = 0.1;
+      for (int k = 0; k < static_cast<int>(100.0 / h); ++k) model.step(x, in);
+      EXPECT_NEAR(x.core(0), 0.1, 1e-8) << "step " << h << ", stiffness × " << factor;
+      EXPECT_NEAR(x.core(2), 0.1, 1e-8) << "step " << h << ", stiffness × " << factor;
+    }
+  }
+}
+
+// Order. The linear part is exact for any step: 1, 10 and 100 ms on the same cubic motion of the foot point (a cubic is
+// its own Hermite polynomial) end at the same place. Rounding of some thousand steps: 1e-12.
+TEST(RigModel, TakesLinearPartsExactlyWhateverTheStep) {
+  auto rig = support::fdva_rig(RigKind::quarter_car);
+  rig.fdva.minor_loss = 0.0;
+  const auto end = [&rig](double h) {
+    const Rig model(rig, h);
+    auto x = model.start();
+    const auto steps = static_cast<int>(std::lround(2.0 / h));
+    for (int k = 1; k <= steps; ++k) {
+      const double t = 2.0 * k / steps;
+      Rig::Input in;
+      in.foot_point = {0.05 * t * t * (1.5 - 0.5 * t), 0.05 * t * (3.0 - 1.5 * t), 0.05 * (3.0 - 3.0 * t)};
+      in.actuator_force = 200.0 * t;
+      model.step(x, in);
+    }
+    return x.core;
+  };
+  const auto exact = end(1e-3);
+  for (const double h : {1e-2, 1e-1, 1.0}) EXPECT_LT((end(h) - exact).norm(), 1e-12) << "step " << h;
+}
+
+/// Distance, in the norm of the state, of a run with step h from one with a much finer step.
+double error_of(const Parameters& rig, double h, double amplitude) {
+  const auto run = [&](double step) {
+    const Rig model(rig, step);
+    auto x = model.start();
+    const auto steps = static_cast<int>(std::lround(0.5 / step));
+    for (int k = 1; k <= steps; ++k) {
+      // From rest, smooth, and never turning: the flow does not cross zero, where q|q| has a corner.
+      const double t = 0.5 * k / steps;
+      Rig::Input in;
+      in.foot_point = {amplitude * t * t * t * t, 4.0 * amplitude * t * t * t, 12.0 * amplitude * t * t};
+      model.step(x, in);
+    }
+    return model::Column<double, 6>(x.core.head<6>());
+  };
+  return (run(h) - run(2.5e-5)).norm();
+}
+
+// Order. Quadratic losses: fourth. Halving the step divides the error by 16; the first steps, for which there are only
+// samples of rest, cost nothing because the motion starts with its fourth power.
+TEST(RigModel, IsOfFourthOrderInTheDuctLosses) {
+  auto rig = support::fdva_rig(RigKind::quarter_car);
+  rig.tyre.damping = 2000.0;  // well damped: the wheel follows
+  rig.suspension.damping = 3000.0;
+  const double ratio = error_of(rig, 2e-3, 2.0) / error_of(rig, 1e-3, 2.0);
+  EXPECT_GT(ratio, 13.0);
+  EXPECT_LT(ratio, 19.0);
+}
+
+// Order. Laws of the suspension: third.
+TEST(RigModel, IsOfThirdOrderInTheLawsOfTheSuspension) {
+  auto rig = support::linear_rig(RigKind::quarter_car);
+  rig.tyre.damping = 2000.0;
+  rig.effects.add(model::ProgressiveSpring<double>{2e7});
+  const double ratio = error_of(rig, 2e-3, 2.0) / error_of(rig, 1e-3, 2.0);
+  EXPECT_GT(ratio, 6.5);
+  EXPECT_LT(ratio, 9.5);
+}
+
+// Point. What each channel is, from one state of each kind: (3), (4), the law of Coulomb, z̈_r on the sensor's mass.
+TEST(RigModel, ShowsTheSignalsOfAQuarterCar) {
+  auto rig = support::linear_rig(RigKind::quarter_car);
+  rig.effects.add(model::ForceSensorInertia<double>{5.0});
+  const Rig model(rig, period);
+  model::Column<double, 6> core;
+  core << 0.02, 0.5, 0.01, 0.3, 0.0, 0.0;
+  const auto x = model.start(core, {0.03, 1.0, 7.0}, {});
+  const auto s = model.signals(x);
+  const double load = 2e5 * 0.01 + 100.0 * 0.5, force = 31500.0 * 0.01 + 1140.0 * 0.2;
+  EXPECT_EQ(at(s, Channel::z_r), 0.03);
+  EXPECT_EQ(at(s, Channel::z_w), 0.02);
+  EXPECT_EQ(at(s, Channel::z_b), 0.01);
+  EXPECT_EQ(at(s, Channel::zdd_r), 7.0);
+  EXPECT_NEAR(at(s, Channel::dz_w), 0.01, 1e-17);
+  EXPECT_NEAR(at(s, Channel::dz_b), 0.01, 1e-17);
+  EXPECT_NEAR(at(s, Channel::F_w), load, 1e-11);
+  EXPECT_NEAR(at(s, Channel::zdd_w), (load - force) / 40.0, 1e-12);
+  EXPECT_NEAR(at(s, Channel::zdd_b), force / 290.0, 1e-13);
+  EXPECT_NEAR(model.suspension_force(x), force, 1e-11);
+  EXPECT_NEAR(at(model.measured(x), Channel::F_w), load + 35.0, 1e-11);
+  EXPECT_EQ(at(s, Channel::F), 0.0);
+  EXPECT_EQ(at(s, Channel::x_cmd), 0.0);
+}
+
+TEST(RigModel, ShowsTheSignalsOfABench) {
+  auto rig = support::fdva_rig(RigKind::component_bench);
+  rig.suspension.damping = 100.0;
+  const Rig model(rig, period);
+  model::Column<double, 6> core = model::Column<double, 6>::Zero();
+  core(4) = 0.004;
+  const auto x = model.start(core, {}, {0.01, 0.2});
+  const auto s = model.signals(x);
+  EXPECT_EQ(at(s, Channel::x_act), 0.01);
+  EXPECT_EQ(at(s, Channel::x_cmd), 0.01);
+  EXPECT_NEAR(at(s, Channel::F), 31500.0 * 0.01 + 100.0 * 0.2 + 55e3 * 0.006, 1e-11);
+  EXPECT_EQ(at(s, Channel::F_w), 0.0);
+  EXPECT_EQ(at(s, Channel::z_w), 0.0);
+}
+
+// Point. Machine path: x_act is x_cmd, τ later; the bench's command passes through, position and velocity.
+TEST(RigModel, ReachesTheCommandOneDelayLater) {
+  auto rig = support::linear_rig(RigKind::component_bench);
+  rig.effects.add(model::ActuatorDelay<double>{0.010});
+  const Rig model(rig, period);
+  auto x = model.start();
+  for (int k = 1; k <= 100; ++k) {
+    Rig::Input in;
+    in.command = {1e-4 * k, 0.1};
+    model.step(x, in);
+    EXPECT_EQ(at(model.signals(x), Channel::x_act), k <= 10 ? 0.0 : 1e-4 * (k - 10)) << "sample " << k;
+    EXPECT_EQ(at(model.signals(x), Channel::x_cmd), 1e-4 * k);
+  }
+}
+
+// Law. Noise on the force sensor goes around the loop of a hil rig: the car feels it one step later, and the true force
+// of the component does not have it.
+TEST(RigModel, FeedsTheNoiseOfTheForceSensorBack) {
+  const Rig model(support::linear_rig(RigKind::hil), period);
+  auto quiet = model.start(), noisy = model.start();
+  Signals<double> noise{};
+  noise[index(Channel::F)] = 100.0;
+  Rig::Input in;
+  in.noise = &noise;
+  model.step(noisy, in);
+  model.step(quiet, {});
+  EXPECT_EQ(at(model.measured(noisy, &noise), Channel::F) - at(model.measured(quiet), Channel::F), 100.0);
+  EXPECT_EQ(at(model.signals(noisy), Channel::F), at(model.signals(quiet), Channel::F));
+  EXPECT_EQ(noisy.core(3), quiet.core(3));
+  model.step(noisy, {});
+  EXPECT_NEAR(noisy.core(3), 100.0 / 290.0 * period, 1e-3 * 100.0 / 290.0 * period);  // held for a period
+}
+
+// Fault. Ducts that are not there, an FDVA that is not there, half a rig that has no halves: broken assumptions.
+TEST(RigModelDeathTest, StopsAtWhatItDoesNotHave) {
+  const Rig with(support::fdva_rig(RigKind::quarter_car), period), without(support::linear_rig(RigKind::hil), period);
+  auto x = with.start(), y = without.start();
+  EXPECT_DEATH(with.open_ducts(x, 64), "");
+  EXPECT_DEATH(without.open_ducts(y, 1), "");
+  EXPECT_DEATH(Rig(support::linear_rig(RigKind::quarter_car), period, Extent::virtual_car), "");
+  auto broken = support::linear_rig(RigKind::quarter_car);
+  broken.body.mass = -1.0;
+  EXPECT_DEATH(Rig(broken, period), "");
+}
+
+}  // namespace
