@@ -7,8 +7,9 @@
 //   step/hil_fdva_silent the same rig after minutes of a flat road; costs no more than the shaken one
 //   step/hil_linear, step/quarter_car_linear, step/quarter_car_fdva, step/quarter_car_effects: for comparison
 //
-// The program ends with the three ratios, each of medians over the repetitions of this run, and exit status 1 when one
-// is missed (see main).
+// Compare medians of one run:
+//   rigtwin_bench --benchmark_filter=step/ --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
+//                 --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Core>
