@@ -46,7 +46,7 @@ TEST(Crossings, PutARootOnTheAxisAndTellItsDirection) {
     for (const Crossing& c : crossings(frequencies, 0.06)) {
       const DelayEquation equation = rig.equation(c.delay);
       const Complex s(0.0, c.omega);
-      EXPECT_LT(std::abs(equation(s)), 1e-12 * equation.scale(s));
+      EXPECT_LT(std::abs(equation(s)), 1e-14 * equation.scale(s));  // some roundings
       const Complex moves = -equation.by_delay(s) / equation.jet(s)[1];
       EXPECT_EQ(moves.real() > 0.0 ? 1 : -1, c.direction);
     }
@@ -137,6 +137,30 @@ TEST(Margins, LeadToTheBorder) {
       EXPECT_LT(std::abs(equation.p()(s) + turned), 1e-9 * equation.scale(s));
     }
   }
+}
+
+// Point. s² + 5s + 2500 + 8s e^{−sτ} crosses where |2500 − ω²| = √(8² − 5²) ω and cos ωτ = −5/8: it is lost at the
+// upper frequency, won back at the lower one, and lost again. From the second range the next border counts, not the
+// first.
+TEST(Margins, LookAheadFromASecondStableRange) {
+  const double half = std::sqrt(39.0) / 2.0, upper = half + std::sqrt(half * half + 2500.0), lower = upper - 2.0 * half;
+  const double angle = std::acos(-5.0 / 8.0);
+  const double lost = angle / upper, won = (2.0 * pi - angle) / lower, lost_again = (angle + 2.0 * pi) / upper;
+  const DelayEquation equation({2500.0, 5.0, 1.0}, {0.0, 8.0}, 0.1);
+  EXPECT_LT(rightmost(equation), 0.0);
+  const Margins m = margins(equation, true);
+  EXPECT_NEAR(*m.critical_delay, lost, 1e-14);
+  EXPECT_NEAR(*m.delay_margin, lost_again - 0.1, 1e-14);
+  EXPECT_NEAR(m.delay_margin_omega, upper, 1e-12);
+  ASSERT_GE(m.stable_delays.size(), 2U);
+  EXPECT_EQ(m.stable_delays[0].from, 0.0);
+  EXPECT_NEAR(m.stable_delays[0].to, lost, 1e-14);
+  EXPECT_NEAR(m.stable_delays[1].from, won, 1e-14);
+  EXPECT_NEAR(m.stable_delays[1].to, lost_again, 1e-14);
+  // In the gap between, less delay is nearer to stability than more.
+  const Margins unstable = margins({equation.p(), equation.q(), 0.05}, false);
+  EXPECT_NEAR(*unstable.delay_margin, lost - 0.05, 1e-14);
+  EXPECT_NEAR(unstable.delay_margin_omega, upper, 1e-12);
 }
 
 // Law. The sensitivity peak is max |P/f| on the axis.
