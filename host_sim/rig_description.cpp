@@ -436,9 +436,9 @@ void read_delay_budget(Reader& top, model::RigKind kind, DelayBudget& budget) {
   if (kind != model::RigKind::hil) {
     top.fail("delay_budget", "[delay_budget] does not fit", "none: only the loop of a hil rig has such a budget");
   }
-  for (const auto& [key, part] : {std::pair("sensor_age", &DelayBudget::sensor_age),
-                                  std::pair("transport", &DelayBudget::transport),
-                                  std::pair("computation", &DelayBudget::computation)}) {
+  for (const auto& [key, part] :
+       {std::pair("sensor_age", &DelayBudget::sensor_age), std::pair("transport", &DelayBudget::transport),
+        std::pair("computation", &DelayBudget::computation)}) {
     if (!table->has(key)) continue;
     const double value = table->number(key);
     if (!(value >= 0.0 && value <= 0.5)) table->fail(key, table->path(key) + " does not fit", "a delay of 0 … 0.5 s");
