@@ -248,3 +248,12 @@ class RigModel {
 
 #include "model/rig_check.hpp"
 #include "model/rig_model_step.hpp"
+
+namespace model {
+
+// Compiled once, in rig_model.cpp.
+extern template std::optional<RigFault> find_fault(const RigParameters<double>& rig, double period,
+                                                   std::size_t longest);
+extern template class RigModel<double>;
+
+}  // namespace model

@@ -50,7 +50,7 @@ constexpr double fine = 50e-6;
 /// Poles of a rig kicked at the wheel and left alone on a flat road: samples every 8 ms, from 0.3 s on, when the faster
 /// modes that a delay brings along (decaying with 150 1/s and more) are below 1e-19 of the kick.
 std::vector<Complex> poles_of(const Parameters& rig, int count, double period = fine) {
-  const model::RigModel<double, 1024> model(rig, period);
+  const model::RigModel<> model(rig, period);
   model::Column<double, 6> kicked = model::Column<double, 6>::Zero();
   kicked(1) = 1.0;
   kicked(3) = -0.2;

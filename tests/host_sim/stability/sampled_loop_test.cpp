@@ -69,6 +69,13 @@ TEST(SampledLoop, HoldsTheWholeStateOfTheModel) {
     EXPECT_NO_THROW(static_cast<void>(step_matrix(rig, 1e-3, 0.007)));
     EXPECT_NO_THROW(static_cast<void>(step_matrix(rig, 1e-3, 0.0)));
   }
+  // A delayed sensor of another channel is no part of the loop, and its line not taken for that of F.
+  Rig two = linear_rig();
+  two.effects.add(model::Channel::z_w, model::SensorDelay<double>{0.004});
+  two.effects.add(model::Channel::F, model::SensorDelay<double>{0.0025});
+  const StepMatrix step = step_matrix(linear_part(two), 1e-3, 0.010);
+  two.effects.get<model::SensorDelay>(model::Channel::z_w).active = false;
+  EXPECT_EQ(step.matrix, step_matrix(linear_part(two), 1e-3, 0.010).matrix);
 }
 
 // Fault. A rig that is not linear is no matrix, and that is noticed.
