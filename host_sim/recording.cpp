@@ -78,7 +78,7 @@ void check_columns(const std::filesystem::path& file, const Recording& recording
 const std::vector<double>& Recording::required(model::Channel channel, std::string_view purpose) const {
   if (!has(channel)) {
     throw InputError(source, 0, "there is no channel " + std::string(model::name(channel)),
-                     "it " + std::string(purpose));
+                     "that channel: it " + std::string(purpose));
   }
   return (*this)[channel];
 }

@@ -470,8 +470,9 @@ void check_physics(const toml::table& top, const RigDescription& description) {
   descend(fault->key);
   if (path.empty()) path = "the rig as a whole";
   if (const auto value = as_number(*node)) path += " = " + shortest(*value);
-  throw InputError(description.source, node == &top ? 0 : node->source().begin.line, path + " does not fit",
-                   fault->expected);
+  std::string expected(fault->expected);
+  if (fault->bounds) expected += ", " + shortest(fault->bounds->lower) + " to " + shortest(fault->bounds->upper);
+  throw InputError(description.source, node == &top ? 0 : node->source().begin.line, path + " does not fit", expected);
 }
 
 }  // namespace

@@ -132,11 +132,12 @@ void print_budget(const StabilityAnalysis& a) {
 
 void print_sensitivities(const StabilityAnalysis& a) {
   constexpr std::size_t most = 8;
-  std::printf("what one per cent more does to the rightmost root and to the critical delay\n");
+  std::printf("what one per cent more does to the critical root (%.4g %+.4gj 1/s) and to the critical delay\n",
+              a.critical_root.real(), a.critical_root.imag());
   for (std::size_t i = 0; i < std::min(most, a.parameters.size()); ++i) {
     const auto& s = a.parameters[i];
-    std::printf("  %-36s %+11.4g 1/s %+11.4g Hz", s.path.c_str(), 0.01 * s.root_change.real(),
-                0.01 * s.root_change.imag() / turn);
+    std::printf("  %-36s %+11.4g 1/s %+11.4g Hz", s.path.c_str(), 0.01 * s.critical_root_change.real(),
+                0.01 * s.critical_root_change.imag() / turn);
     if (a.margins.critical_delay && std::abs(s.critical_delay_change) > 1e-12) {
       std::printf(" %+11.4g ms", 10.0 * s.critical_delay_change);
     }

@@ -141,11 +141,23 @@ class DuctFlows {
     return S(0.5) * inertance * sum;
   }
 
-  /// Sets everything below `least` to zero.
+  /// Sets deviations below `least` [m³/s] to zero, losses below its square.
   void flush(S least) {
-    for (std::size_t j = 0; j < duct_capacity; ++j) {
-      if (at(deviation_, j) < least && at(deviation_, j) > -least) set(deviation_, j, S(0));
-    }
+    const auto flush_one = [](S& value, S threshold) {
+      if (value < threshold && value > -threshold) value = S(0);
+    };
+    const auto flush_each = [&](PerDuct& values, S threshold) {
+      for (std::size_t j = 0; j < duct_capacity; ++j) {
+        S value = at(values, j);
+        flush_one(value, threshold);
+        set(values, j, value);
+      }
+    };
+    flush_each(deviation_, least);
+    flush_each(loss_, least * least);
+    for (PerDuct& excess : excess_) flush_each(excess, least * least);
+    for (S* loss : {&losses_.now, &losses_.before, &losses_.earlier, &losses_.earliest})
+      flush_one(*loss, least * least);
   }
 
  private:

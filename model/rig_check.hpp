@@ -59,8 +59,9 @@ std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::s
     for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
       const auto& parameter = Effect::card.parameters[i];
       const S value = effect.*Effect::values[i];
-      demand(finite(value) && value >= S(parameter.lower) && value <= S(parameter.upper), Effect::card.name,
-             parameter.name, "a number within the physical bounds of the effect");
+      if (fault || (finite(value) && value >= S(parameter.lower) && value <= S(parameter.upper))) continue;
+      fault = RigFault{Effect::card.name, parameter.name, "a number within the physical bounds of the effect"};
+      fault->bounds = {parameter.lower, parameter.upper};
     }
     if (sound && fault) fault->channel = channel;
   };

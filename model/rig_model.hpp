@@ -35,6 +35,10 @@ struct RigFault {
   std::string_view key;
   std::string_view expected;
   std::optional<Channel> channel{};  ///< of a sensor effect
+  struct Bounds {
+    double lower, upper;
+  };
+  std::optional<Bounds> bounds{};  ///< of an effect's parameter, where these are what it is outside of
 };
 
 /// nullopt, or the first thing that is wrong with `rig` when it runs with this period [s] and delay capacity [samples].

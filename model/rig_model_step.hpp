@@ -545,10 +545,20 @@ RIGTWIN_APART void RigModel<S, D>::flush(State& x) const {
   for (int i = 0; i < 8; ++i) flush_one(x.core(i));
   for (int i = 0; i < 3; ++i) flush_one(x.machine(i));
   flush_one(x.received_force);
+  for (Stroke<S>* stroke : {&x.command, &x.reached, &x.delayed}) {
+    flush_one(stroke->position);
+    flush_one(stroke->velocity);
+  }
   flush_one(x.foot_point.position);
   flush_one(x.foot_point.velocity);
   x.ducts.flush(least);
   if (sensors_.any()) sensors_.flush(x.sensors, least);
+  if (has_delay_ && x.core(0) == S(0) && x.core(2) == S(0)) {  // else the line would wake the rig up again
+    for (std::size_t i = 0; i < Line::longest && i < 64; ++i) {
+      flush_one(x.line.ago(i).position);
+      flush_one(x.line.ago(i).velocity);
+    }
+  }
 }
 
 }  // namespace model

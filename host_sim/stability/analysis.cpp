@@ -94,9 +94,15 @@ StabilityAnalysis analyse(const RigDescription& description, double line) try {
 
   const double critical = result.margins.critical_delay.value_or(0.0);
   const double critical_omega = result.margins.critical_delay ? result.margins.critical_omega : 0.0;
-  result.parameters = sensitivities(description.rig, extra, result.roots.rightmost(), critical, critical_omega);
+  result.critical_root = result.roots.rightmost();
+  if (result.margins.critical_delay) {
+    const auto followed = critical_root(result.rig.equation(critical), critical_omega, result.delay, result.roots.line);
+    result.critical_root = followed.value_or(result.critical_root);
+  }
+  result.parameters =
+      sensitivities(description.rig, extra, result.roots.rightmost(), result.critical_root, critical, critical_omega);
   std::stable_sort(result.parameters.begin(), result.parameters.end(), [](const auto& a, const auto& b) {
-    return std::abs(a.root_change.real()) > std::abs(b.root_change.real());
+    return std::abs(a.critical_root_change.real()) > std::abs(b.critical_root_change.real());
   });
 
   // In the sampled loop all delays sit in the machine path, where they commute with everything linear.

@@ -47,8 +47,9 @@ struct StabilityAnalysis {
   std::vector<PadeResult> pade;               ///< orders 1 … 5
   std::vector<AxisValue> virtual_dampings;    ///< in 0 … most_virtual_damping with a root on the axis, at τ
   std::optional<AxisValue> critical_damping;  ///< the border that lies nearest to the given damping
-  std::vector<ParameterSensitivity> parameters;
-  std::optional<SampledLoop> sampled;  ///< none: the delay does not fit the model's delay line
+  Complex critical_root;  ///< which reaches the axis at the critical delay, where it is now; else the rightmost [1/s]
+  std::vector<ParameterSensitivity> parameters;  ///< largest effect on the critical root first
+  std::optional<SampledLoop> sampled;            ///< none: the delay does not fit the model's delay line
   DelayBalance balance;
 
   [[nodiscard]] DelayEquation equation() const { return rig.equation(delay); }

@@ -89,12 +89,15 @@ ordered_json to_json(const StabilityAnalysis& a, const RigDescription& descripti
     json["virtual_dampings_on_axis"].push_back(
         {{"virtual_damping", v.value}, {"frequency_hz", v.omega / turn}, {"border", v.border}});
   }
+  json["critical_root"] = {{"re", a.critical_root.real()}, {"im", a.critical_root.imag()}};
   json["sensitivities"] = ordered_json::array();
   for (const ParameterSensitivity& s : a.parameters) {
     json["sensitivities"].push_back({{"parameter", s.path},
                                      {"value", s.value},
                                      {"rightmost_re", s.root_change.real()},
                                      {"rightmost_im", s.root_change.imag()},
+                                     {"critical_re", s.critical_root_change.real()},
+                                     {"critical_im", s.critical_root_change.imag()},
                                      {"critical_delay", number(s.critical_delay_change)},
                                      {"error", number(s.error)}});
   }

@@ -1,10 +1,11 @@
 // What each parameter does to a root.
 #pragma once
 
-#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host_sim/stability/delay_equation.hpp"
 #include "host_sim/stability/linear_rig.hpp"
 
 namespace host_sim::stability {
@@ -19,17 +20,24 @@ namespace host_sim::stability {
 struct ParameterSensitivity {
   std::string path;                ///< as in rig descriptions; "loop delay": τ itself
   double value{};                  ///< p
-  Complex root_change;             ///< p ds/dp [1/s]
+  Complex root_change;             ///< p ds/dp of the rightmost root [1/s]
+  Complex critical_root_change;    ///< p ds/dp of the critical root [1/s]
   double critical_delay_change{};  ///< p dτ_c/dp [s]
   double error{};                  ///< of (1), relative
 };
 
 /// \param extra_delay     what the loop delay holds beside the rig's own effects [s]
-/// \param root            a simple root at the given delay
+/// \param root            the rightmost root at the given delay, simple
+/// \param critical_root   the critical root at the given delay, simple
 /// \param critical_delay  and `critical_omega`: a border, or 0 for none
 [[nodiscard]] std::vector<ParameterSensitivity> sensitivities(const model::RigParameters<double>& rig,
-                                                              double extra_delay, Complex root, double critical_delay,
-                                                              double critical_omega);
+                                                              double extra_delay, Complex root, Complex critical_root,
+                                                              double critical_delay, double critical_omega);
+
+/// The critical root: where the root that stands at j `omega` on the border, τ = f.delay(), is at `delay` [s]. It is
+/// followed in steps that move it by 1 1/s at most, each finished by Newton. Nothing where it gets lost: it meets
+/// another root, or leaves to the left of `line` [1/s] on the way to no delay.
+[[nodiscard]] std::optional<Complex> critical_root(DelayEquation f, double omega, double delay, double line);
 
 /// Paths of all real parameters of this rig, those of its effects included.
 [[nodiscard]] std::vector<std::string> real_parameters(const model::RigParameters<double>& rig);

@@ -463,10 +463,10 @@ TEST(RecordingFile, SaysWhatAMissingChannelIsNeededFor) {
   const Recording rec = parse_recording_csv("t,F\n0,1\n1,2\n", "REC.csv");
   EXPECT_EQ(rec.required(Channel::F, "to compare").size(), 2U);
   try {
-    static_cast<void>(rec.required(Channel::z_r, "to drive the simulation"));
+    static_cast<void>(rec.required(Channel::z_r, "drives the simulation"));
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "REC.csv: there is no channel z_r, expected it to drive the simulation");
+    EXPECT_STREQ(error.what(), "REC.csv: there is no channel z_r, expected that channel: it drives the simulation");
   }
 }
 

@@ -263,27 +263,30 @@ TEST(RigDescription, TakesNothingButNumbersForNumbers) {
 // What no rig can be: the number, its line, and what it should have been.
 TEST(RigDescription, RefusesNumbersThatNoRigHas) {
   expect_each_refused(
-      hil_text, {
-                    {"mass = 290.0", "mass = -290.0", "body.mass = -290 does not fit, expected a finite number > 0"},
-                    {"mass = 290.0", "mass = 0", "body.mass = 0 does not fit"},
-                    {"mass = 40.0", "mass = -0.1", "wheel.mass = -0.1 does not fit"},
-                    {"stiffness = 200e3", "stiffness = 0.0", "tyre.stiffness = 0 does not fit"},
-                    {"damping = 100.0", "damping = -100.0", "tyre.damping = -100 does not fit"},
-                    {"stiffness = 31500.0", "stiffness = -1", "suspension.stiffness = -1 does not fit"},
-                    {"virtual_damping = 1140.0", "virtual_damping = -1", "machine.virtual_damping = -1 does not fit"},
-                    {"piston_area = 30e-4", "piston_area = 0", "fdva.piston_area = 0 does not fit"},
-                    {"oil_viscosity = 32e-6", "oil_viscosity = -1e-6", "fdva.oil_viscosity = -1e-06 does not fit"},
-                    {"ducts = 6\n", "ducts = 0\n", "fdva.ducts = 0 does not fit"},
-                    {"ducts = 6\n", "ducts = 7\n", "fdva.ducts = 7 does not fit"},
-                    {"open_ducts = 2", "open_ducts = 7", "fdva.open_ducts = 7 does not fit"},
-                    {"open_ducts = 2", "open_ducts = -1", "fdva.open_ducts = -1 does not fit"},
-                    {"sample_rate = 1000.0", "sample_rate = 0", "sample_rate = 0 does not fit"},
-                    {"sample_rate = 1000.0", "sample_rate = -1000.0", "sample_rate = -1000 does not fit"},
-                    {"sample_rate = 1000.0", "sample_rate = 0.5", "sample_rate = 0.5 does not fit"},
-                    {"sample_rate = 1000.0", "sample_rate = 1e9", "sample_rate = 1e+09 does not fit"},
-                    {"delay = 0.010", "delay = -0.001", "effects.actuator_delay.delay = -0.001 does not fit"},
-                    {"delay = 0.010", "delay = 7.0", "effects.actuator_delay.delay = 7 does not fit"},
-                });
+      hil_text,
+      {
+          {"mass = 290.0", "mass = -290.0", "body.mass = -290 does not fit, expected a finite number > 0"},
+          {"mass = 290.0", "mass = 0", "body.mass = 0 does not fit"},
+          {"mass = 40.0", "mass = -0.1", "wheel.mass = -0.1 does not fit"},
+          {"stiffness = 200e3", "stiffness = 0.0", "tyre.stiffness = 0 does not fit"},
+          {"damping = 100.0", "damping = -100.0", "tyre.damping = -100 does not fit"},
+          {"stiffness = 31500.0", "stiffness = -1", "suspension.stiffness = -1 does not fit"},
+          {"virtual_damping = 1140.0", "virtual_damping = -1", "machine.virtual_damping = -1 does not fit"},
+          {"piston_area = 30e-4", "piston_area = 0", "fdva.piston_area = 0 does not fit"},
+          {"oil_viscosity = 32e-6", "oil_viscosity = -1e-6", "fdva.oil_viscosity = -1e-06 does not fit"},
+          {"ducts = 6\n", "ducts = 0\n", "fdva.ducts = 0 does not fit"},
+          {"ducts = 6\n", "ducts = 7\n", "fdva.ducts = 7 does not fit"},
+          {"open_ducts = 2", "open_ducts = 7", "fdva.open_ducts = 7 does not fit"},
+          {"open_ducts = 2", "open_ducts = -1", "fdva.open_ducts = -1 does not fit"},
+          {"sample_rate = 1000.0", "sample_rate = 0", "sample_rate = 0 does not fit"},
+          {"sample_rate = 1000.0", "sample_rate = -1000.0", "sample_rate = -1000 does not fit"},
+          {"sample_rate = 1000.0", "sample_rate = 0.5", "sample_rate = 0.5 does not fit"},
+          {"sample_rate = 1000.0", "sample_rate = 1e9", "sample_rate = 1e+09 does not fit"},
+          {"delay = 0.010", "delay = -0.001", "effects.actuator_delay.delay = -0.001 does not fit"},
+          {"delay = 0.010", "delay = 7.0",
+           "effects.actuator_delay.delay = 7 does not fit, expected a number within the physical bounds of the "
+           "effect, 0 to 0.5"},
+      });
 }
 
 // The line of the delay has 508 samples: 0.4 s fit at 1 kHz, not at 2 kHz.

@@ -76,6 +76,29 @@ TEST(RigModel, SplitsIntoCarAndMachineWithoutChangingABit) {
   }
 }
 
+// Law. A rig at rest stays at rest, on any level and with any deflection in its machine. (Not a hil rig with dry
+// friction: its sharp law takes the sign of a velocity that is rounding, and the sampled loop answers with a small
+// limit cycle.)
+TEST(RigModel, StaysAtRest) {
+  for (const RigKind kind : kinds) {
+    auto rig = everything(kind);
+    if (kind == RigKind::hil) rig.effects.get<model::CoulombFriction>().active = false;
+    const Rig model(rig, period);
+    auto x = model.start(kind == RigKind::component_bench ? 0.0 : 0.25, 0.03);
+    const auto before = model.signals(x);
+    Rig::Input in;
+    in.foot_point.position = 0.25;
+    in.command.position = 0.03;
+    for (int k = 0; k < 1000; ++k) model.step(x, in);
+    const auto after = model.signals(x);
+    for (std::size_t c = 0; c < model::channel_count; ++c) {
+      // the level enters by 1 − (1 − …): rounding of k_t z_r = 5e4 N and its like
+      EXPECT_NEAR(after[c], before[c], 1e-8 * std::fmax(1.0, std::fabs(before[c])))
+          << name(kind) << " " << name(model::channel_at(c));
+    }
+  }
+}
+
 /// All signals of a linear rig under an input, one after the other.
 std::vector<double> response(const Rig& model, const std::vector<Motion<double>>& road, double factor) {
   auto x = model.start();
@@ -141,6 +164,29 @@ TEST(RigModel, NeverTouchesTheHeap) {
       }
     });
     EXPECT_EQ(sum, sum);
+  }
+}
+
+// Law. What dies away ends at zero and never passes through denormal numbers, which cost a hundred times: left alone
+// for an hour after a shake, at every moment every signal is zero or normal, and in the end all are zero.
+TEST(RigModel, DiesAwayToZeroWithoutDenormalNumbers) {
+  for (const RigKind kind : kinds) {
+    auto rig = support::fdva_rig(kind);
+    if (kind == RigKind::hil) rig.effects.add(model::ActuatorDelay<double>{0.010});
+    const Rig model(rig, period);
+    auto x = model.start();
+    for (const auto& m : support::random_road(64e-6, period, 2.0, 66)) model.step(x, input_of(m));
+    int denormal = 0;
+    for (int k = 0; k < 3'600'000; ++k) {
+      model.step(x, {});
+      for (int i = 0; i < 6; ++i) denormal += std::fpclassify(x.core(i)) == FP_SUBNORMAL ? 1 : 0;
+      for (const double load : {x.received_force, x.reached.position, x.reached.velocity, x.ducts.losses().now,
+                                x.ducts.losses().earliest}) {
+        denormal += std::fpclassify(load) == FP_SUBNORMAL ? 1 : 0;
+      }
+    }
+    EXPECT_EQ(denormal, 0) << name(kind) << ", seed 66";
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(x.core(i), 0.0) << name(kind) << ", seed 66";
   }
 }
 

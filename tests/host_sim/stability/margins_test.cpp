@@ -271,6 +271,8 @@ TEST(Sensitivity, IsTheChangeOfTheRootsFoundAnew) {
     const StabilityAnalysis up = at(h), down = at(-h);
     const Complex difference = (up.roots.rightmost() - down.roots.rightmost()) / (2.0 * h);
     EXPECT_LT(std::abs(difference - s.root_change), 1e-4 * (std::abs(difference) + 0.1));
+    const Complex critical = (up.critical_root - down.critical_root) / (2.0 * h);
+    EXPECT_LT(std::abs(critical - s.critical_root_change), 1e-4 * (std::abs(critical) + 0.1));
     const double later = (*up.margins.critical_delay - *down.margins.critical_delay) / (2.0 * h);
     EXPECT_NEAR(later, s.critical_delay_change, 1e-4 * std::abs(later) + 1e-9);
   }
@@ -281,6 +283,33 @@ TEST(Sensitivity, IsTheChangeOfTheRootsFoundAnew) {
   const Complex machine = of("effects.actuator_delay.delay").root_change / 0.010;
   EXPECT_LT(std::abs(of("loop delay").root_change / 0.011 - machine), 1e-6 * std::abs(machine));
   EXPECT_EQ(of("fdva.minor_loss").root_change, Complex());
+  const Complex critical = of("effects.actuator_delay.delay").critical_root_change / 0.010;
+  EXPECT_LT(std::abs(of("loop delay").critical_root_change / 0.011 - critical), 1e-6 * std::abs(critical));
+}
+
+// Point. The paper's rig is not threatened by its rightmost root, the body mode, but by the wheel mode of physics.md
+// section 6; where the loop is unstable already, the critical root is the unstable one.
+TEST(CriticalRoot, IsTheOneThatGoes) {
+  const StabilityAnalysis stable = analyse(described(fdva_rig()));
+  EXPECT_NEAR(stable.critical_root.real(), -2.3945, 5e-5);
+  EXPECT_NEAR(stable.critical_root.imag(), 83.902, 5e-4);
+  Rig rig = fdva_rig();
+  rig.machine.virtual_damping = 700.0;
+  const StabilityAnalysis unstable = analyse(described(rig));
+  EXPECT_NEAR(unstable.critical_root.real(), 2.1685, 5e-5);
+  EXPECT_LT(std::abs(unstable.critical_root - unstable.roots.rightmost()), 1e-9);
+}
+
+// Law. On its way from the border each step ends on a root; without delay on one of the polynomial's.
+TEST(CriticalRoot, IsFollowedToNoDelay) {
+  const LinearRig linear = linearise(linear_rig(0.010));
+  const StabilityAnalysis a = analyse(described(linear_rig(0.010)));
+  const auto root = critical_root(linear.equation(*a.margins.critical_delay), a.margins.critical_omega, 0.0, -60.0);
+  ASSERT_TRUE(root);
+  EXPECT_LT(std::abs(linear.equation(0.0)(*root)), 1e-12 * linear.equation(0.0).scale(*root));
+  EXPECT_NEAR(root->real(), -15.988, 5e-4);  // physics.md section 6
+  EXPECT_NEAR(root->imag(), 73.898, 5e-4);
+  EXPECT_FALSE(critical_root(linear.equation(*a.margins.critical_delay), a.margins.critical_omega, 0.0, -10.0));
 }
 
 // Point. τ is what the description says is there; half a step is in the total, lags are shown and not added.
