@@ -143,31 +143,27 @@ void print_blocks(const Responses& r) {
       "coherence of %g\n",
       wish.block ? "block as given" : "block chosen for least error", 100.0 * wish.lowest_damping,
       wish.lowest_frequency, 100.0 * r.blocks.peak_bias, 100.0 * r.blocks.random_error, frf::expected_coherence);
-  if (r.blocks.peak_bias > 0.1) {
+  if (!wish.block && r.blocks.peak_bias > 0.1) {
     std::printf("  note: %.4g s are short for a peak that sharp\n", r.duration);
   }
 }
 
-void print_delay(const Responses& r, const frf::OutputResponse& o) {
-  if (!o.delay) {
-    std::printf("delay not found");
-    return;
-  }
-  std::printf("delay %.4g ms", 1e3 * static_cast<double>(*o.delay) / r.sample_rate);
-  if (o.compensated) {
-    std::printf(", compensated (it would have taken %.2g %% of the magnitude)", 100.0 * o.delay_bias);
-  } else if (o.delay_bias > frf::noticeable_delay_bias) {
-    std::printf(", not compensated: it takes %.2g %% of the magnitude", 100.0 * o.delay_bias);
-  }
+std::string delay_text(const Responses& r, const frf::OutputResponse& o) {
+  if (!o.delay || !(std::abs(o.delay_bias) > frf::noticeable_delay_bias)) return "";
+  char line[160];
+  std::snprintf(line, sizeof line,
+                o.compensated ? ", %.4g ms late: compensated, else %.2g %% of the magnitude were lost"
+                              : ", %.4g ms late: not compensated, takes %.2g %% of the magnitude",
+                1e3 * static_cast<double>(*o.delay) / r.sample_rate, 100.0 * o.delay_bias);
+  return line;
 }
 
 /// The line nearest to the middle of each third-octave band in which there is one.
 void print_response(const Responses& r, const frf::OutputResponse& o) {
   const std::string unit = std::string(model::unit(o.output)) + "/" + std::string(model::unit(r.request.input));
-  std::printf("%s / %s [%s] by %s, ", std::string(model::name(o.output)).c_str(),
+  std::printf("%s / %s [%s] by %s%s", std::string(model::name(o.output)).c_str(),
               std::string(model::name(r.request.input)).c_str(), unit.c_str(),
-              std::string(name(r.request.estimator)).c_str());
-  print_delay(r, o);
+              std::string(name(r.request.estimator)).c_str(), delay_text(r, o).c_str());
   std::printf("\n  %9s %12s %25s %9s %17s %10s\n", "f [Hz]", "magnitude", "95 %", "phase [°]", "95 %", "coherence");
   std::string unknown, unknown_end;
   const auto close_unknown = [&] {

@@ -15,14 +15,29 @@ struct RealTransform::Plan {
   kissfft<double> half;
 };
 
-std::size_t good_fft_size(std::size_t n) {
-  for (std::size_t size = n <= 2 ? 2 : n + n % 2;; size += 2) {
-    std::size_t rest = size;
-    for (const std::size_t factor : {std::size_t{2}, std::size_t{3}, std::size_t{5}}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1) return size;
+namespace {
+
+bool is_good_fft_size(std::size_t n) {
+  if (n == 0 || n % 2 != 0) return false;
+  for (const std::size_t factor : {std::size_t{2}, std::size_t{3}, std::size_t{5}}) {
+    while (n % factor == 0) n /= factor;
   }
+  return n == 1;
+}
+
+}  // namespace
+
+std::size_t good_fft_size(std::size_t n) {
+  std::size_t size = n <= 2 ? 2 : n + n % 2;
+  while (!is_good_fft_size(size)) size += 2;
+  return size;
+}
+
+std::size_t good_fft_size_at_most(std::size_t n) {
+  if (n < 2) throw std::invalid_argument("good_fft_size_at_most: less than 2");
+  std::size_t size = n - n % 2;
+  while (!is_good_fft_size(size)) size -= 2;
+  return size;
 }
 
 RealTransform::RealTransform(std::size_t length)

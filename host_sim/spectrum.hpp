@@ -14,6 +14,9 @@ namespace host_sim {
 /// The smallest even number ≥ n with no prime factor but 2, 3 and 5: a transform of that length is fast. At least 2.
 [[nodiscard]] std::size_t good_fft_size(std::size_t n);
 
+/// The largest such number ≤ n; n at least 2.
+[[nodiscard]] std::size_t good_fft_size_at_most(std::size_t n);
+
 /// The discrete Fourier transform of real signals of one even length N, bins 0 … N/2:
 ///
 ///   (1)  X_k = Σ_n x_n e^{−2πi kn/N}

@@ -57,12 +57,6 @@ double independent_averages(const BlockScheme& scheme, std::span<const std::size
   return squares > 0.0 ? blocks * blocks / squares : 0.0;
 }
 
-std::size_t fast_size_at_most(std::size_t n) {
-  n -= n % 2;
-  while (good_fft_size(n) != n) n -= 2;
-  return n;
-}
-
 // A number of blocks does not depend on how finely they are sampled, so their overlap is judged on a coarse window.
 double independent_averages(const BlockScheme& scheme, std::span<const std::size_t> recordings) {
   if (scheme.length <= lags) return independent_averages(scheme, recordings, make_window(scheme.window, scheme.length));
@@ -121,18 +115,17 @@ std::optional<BlockChoice> choose_blocks(std::span<const std::size_t> recordings
     if (!(samples <= static_cast<double>(shortest))) return std::nullopt;
     const std::size_t length = good_fft_size(static_cast<std::size_t>(std::llround(samples)));
     if (length > shortest) return std::nullopt;
-    BlockChoice choice = choice_of(length);
-    std::size_t blocks = 0;
-    for (const std::size_t recording : recordings) blocks += choice.scheme.blocks(recording);
-    if (blocks < 2) return std::nullopt;
-    return choice;
+    std::size_t apart = 0;  // blocks that do not overlap
+    for (const std::size_t recording : recordings) apart += recording / length;
+    if (apart < 2) return std::nullopt;
+    return choice_of(length);
   }
 
   const std::size_t most = std::min(shortest, 2 * all / (fewest_blocks + 1));
   if (most < shortest_block || static_cast<double>(most) * wish.bandwidth() < sample_rate) return std::nullopt;
   std::optional<BlockChoice> best;
   double least = std::numeric_limits<double>::infinity();
-  const std::size_t longest = fast_size_at_most(most);
+  const std::size_t longest = good_fft_size_at_most(most);
   for (std::size_t length = longest; length >= shortest_block;) {
     const BlockChoice choice = choice_of(length);
     const double error = choice.peak_bias * choice.peak_bias + choice.random_error * choice.random_error;
@@ -140,10 +133,7 @@ std::optional<BlockChoice> choose_blocks(std::span<const std::size_t> recordings
       least = error;
       best = choice;
     }
-    const auto next = static_cast<std::size_t>(static_cast<double>(length) / 1.04);
-    if (next < shortest_block) break;
-    length = std::min(fast_size_at_most(next), length - 2);
-    length = fast_size_at_most(length);
+    length = good_fft_size_at_most(std::min(static_cast<std::size_t>(static_cast<double>(length) / 1.04), length - 2));
   }
   return best;
 }

@@ -54,7 +54,7 @@ inline constexpr std::size_t fewest_blocks = 5;
 /// leaves fewer than 16 independent averages (which gains a tenth more of them, for twice the work).
 ///
 /// \param recordings  their lengths [samples]
-/// nullopt: not even a block of 1/B fits, or not two of the block length that the user gave.
+/// nullopt: not even a block of 1/B fits, or not two blocks end to end of the length that the user gave.
 [[nodiscard]] std::optional<BlockChoice> choose_blocks(std::span<const std::size_t> recordings, double sample_rate,
                                                        const BlockWish& wish);
 

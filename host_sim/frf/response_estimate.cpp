@@ -77,9 +77,9 @@ std::vector<std::optional<std::ptrdiff_t>> find_delays(std::span<const Recording
     shortest = std::min(shortest, recording.size());
     all += recording.size();
   }
-  std::size_t length = std::min({4 * scheme.length, shortest, all / 2});
-  for (length -= length % 2; length >= shortest_block && good_fft_size(length) != length;) length -= 2;
-  if (length < shortest_block) return delays;
+  const std::size_t most = std::min({4 * scheme.length, shortest, all / 2});
+  if (most < shortest_block) return delays;
+  const std::size_t length = good_fft_size_at_most(most);
   const BlockScheme longer{length, all < 16 * length ? length / 2 : length, WindowShape::hann, Detrend::mean};
   CrossSpectra spectra(rate, longer, channels.list.size(), 1);
   if (add_all(spectra, recordings, channels, Shifts(channels.list.size())) < 2) return delays;
