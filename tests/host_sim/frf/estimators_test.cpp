@@ -163,9 +163,9 @@ Coverage coverage(const Case& c, Estimator estimator, int recordings, std::uint6
   return result;
 }
 
-/// `above`: where hardly anything is determined, bounds that say "any phase" hold some more.
+/// `above`: where less than a fifth is determined, bounds that say "any phase" hold some more.
 void expect_95(const Coverage& c, const std::string& what) {
-  const double above = c.share(c.determined) < 0.1 ? 0.975 : 0.97;
+  const double above = c.share(c.determined) < 0.2 ? 0.975 : 0.97;
   EXPECT_GT(c.share(c.magnitude), 0.93) << what;
   EXPECT_LT(c.share(c.magnitude), 0.97) << what;
   EXPECT_GT(c.share(c.phase), 0.93) << what;
@@ -178,7 +178,7 @@ void expect_95(const Coverage& c, const std::string& what) {
 // 95–97.2 %.
 TEST(Bounds, HoldTheTruthAtNinetyFiveOfAHundredPoints) {
   const std::uint64_t seed = 100;
-  const std::vector<std::pair<std::size_t, std::size_t>> blocks{{8, 256}, {12, 128}, {40, 128}, {24, 64}};
+  const std::vector<std::pair<std::size_t, std::size_t>> blocks{{8, 256}, {12, 128}, {40, 128}, {24, 64}, {10, 64}};
   for (const double noise : {0.03, 0.3, 1.0, 3.0, 30.0}) {
     for (const auto& [count, hop] : blocks) {
       const Coverage held = coverage({0.0, noise, count, hop}, Estimator::h1, 120, seed);
