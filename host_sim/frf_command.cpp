@@ -165,12 +165,9 @@ void print_response(const Responses& r, const frf::OutputResponse& o) {
               std::string(model::name(r.request.input)).c_str(), unit.c_str(),
               std::string(name(r.request.estimator)).c_str(), delay_text(r, o).c_str());
   std::printf("\n  %9s %12s %25s %9s %17s %10s\n", "f [Hz]", "magnitude", "95 %", "phase [°]", "95 %", "coherence");
-  std::string unknown, unknown_end;
-  const auto close_unknown = [&] {
-    if (unknown_end != "") unknown += " … " + unknown_end;
-    unknown_end = "";
-  };
+  std::vector<std::string> unknown;  // runs of bands: "0.1", "50 … 400"
   bool in_unknown = false;
+  std::string run_begin;
   std::size_t last = r.frequency.size();
   for (int number = -60; number <= 30; ++number) {
     const Band band = third_octave_band(number);
@@ -180,23 +177,22 @@ void print_response(const Responses& r, const frf::OutputResponse& o) {
     if (k == last || r.frequency[k] < band.lower || r.frequency[k] >= band.upper) continue;
     last = k;
     if (!o.determined[k]) {
-      const std::string centre = nominal_name(band);
       if (in_unknown) {
-        unknown_end = centre;
+        unknown.back() = run_begin + " … " + nominal_name(band);
       } else {
-        unknown += (unknown.empty() ? "" : ", ") + centre;
+        unknown.push_back(run_begin = nominal_name(band));
       }
       in_unknown = true;
       continue;
     }
-    close_unknown();
     in_unknown = false;
     std::printf("  %9.4g %12.5g %12.5g %12.5g %8.2f %8.2f %8.2f %10.4f\n", r.frequency[k], o.magnitude[k],
                 o.magnitude_ci95[k].low, o.magnitude_ci95[k].high, o.phase[k] / degree, o.phase_ci95[k].low / degree,
                 o.phase_ci95[k].high / degree, o.coherence[k]);
   }
-  close_unknown();
-  if (!unknown.empty()) std::printf("  not told from 0 by these data: %s Hz\n", unknown.c_str());
+  if (unknown.empty()) return;
+  const std::vector<std::string_view> runs(unknown.begin(), unknown.end());
+  std::printf("  not told from 0 by these data: %s Hz\n", listed(runs).c_str());
 }
 
 }  // namespace
