@@ -79,6 +79,19 @@ TEST(Bounds, OfH1AreBendatAndPiersols) {
   EXPECT_NEAR(b.highest_phase, 0.5 * pi + std::asin(radius), 1e-8);
 }
 
+// Point. Equation (8) for K = 11, γ² = 0.5, |Hv| = √2: a factor exp(asinh(2.0860 √(0.5/20))) to both sides.
+TEST(Bounds, OfHvArePitmans) {
+  const LineSpectra s{1.0, 1.0, 2.0, 1.0, {0.0, 1.0}, {0.0, 1.0}};
+  const Bounds b = bounds(s, Estimator::hv, Quantiles(11.0));
+  const double factor = std::exp(std::asinh(2.0859634473 * std::sqrt(0.5 / 20.0)));
+  EXPECT_TRUE(b.determined);
+  EXPECT_NEAR(b.lowest_magnitude, std::sqrt(2.0) / factor, 1e-8);
+  EXPECT_NEAR(b.highest_magnitude, std::sqrt(2.0) * factor, 1e-8);
+  const Bounds h1 = bounds(s, Estimator::h1, Quantiles(11.0));
+  EXPECT_NEAR(b.lowest_phase, h1.lowest_phase, 1e-12);
+  EXPECT_NEAR(b.highest_phase, h1.highest_phase, 1e-12);
+}
+
 // Law. H2 of (x, y) is one over H1 of (y, x), and so are its bounds: the disc is turned inside out.
 TEST(Bounds, OfH2AreThoseOfTheInverse) {
   const LineSpectra s{1.0, 2.0, 9.0, 1.0, 1.0, {2.5, 3.0}};
@@ -135,6 +148,7 @@ const std::vector<double> taps{1.0, 0.5, -0.3, 0.2};
 struct Case {
   double noise_in, noise_out;  ///< rms, relative to the input's
   std::size_t blocks, hop;
+  bool like_signal = false;  ///< the output's noise has the output's spectrum: equal parts of both powers
 };
 
 /// Bounds over 58 lines of `recordings` recordings of y = taps * x with noise. The estimate's own bias – 4 taps in a
@@ -147,7 +161,8 @@ Coverage coverage(const Case& c, Estimator estimator, int recordings, std::uint6
     const std::size_t samples = length + (c.blocks - 1) * c.hop + taps.size();
     const std::uint64_t run = seed + static_cast<std::uint64_t>(r);
     std::vector<double> x = white(samples, 1.0, run, 1);
-    std::vector<double> y = sum(filtered(x, taps), white(samples, c.noise_out, run, 2));
+    const std::vector<double> noise = white(samples, c.noise_out, run, 2);
+    std::vector<double> y = sum(filtered(x, taps), c.like_signal ? filtered(noise, taps) : noise);
     x = sum(x, white(samples, c.noise_in, run, 3));
     x.erase(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(taps.size()));  // where the filter starts
     y.erase(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(taps.size()));
@@ -195,6 +210,8 @@ TEST(Bounds, HoldForTheNoiseThatEachEstimatorIsMadeFor) {
   for (const double noise : {0.1, 0.5, 2.0}) {
     const Case input{noise, 0.0, 20, 128};
     expect_95(coverage(input, Estimator::h2, 120, seed), "H2, noise " + std::to_string(noise));
+    const Case both{noise, noise, 20, 128, true};
+    expect_95(coverage(both, Estimator::hv, 120, seed), "Hv, noise " + std::to_string(noise));
   }
   const Coverage wrong = coverage({0.5, 0.0, 20, 128}, Estimator::h1, 60, seed);
   EXPECT_LT(wrong.share(wrong.magnitude), 0.6) << "H1 with a noisy input comes out 20 % too low";
