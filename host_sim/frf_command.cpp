@@ -65,6 +65,10 @@ frf::Request request_of(const FrfOptions& options) {
     }
     request.outputs.push_back(output);
   }
+  for (auto file = options.data.begin(); file != options.data.end(); ++file) {
+    if (std::find(options.data.begin(), file, *file) == file) continue;
+    throw UsageError("--data: " + file->string() + " is given twice, expected recordings that tell something new");
+  }
   demand("--block", options.block, 1e-4, 1e6);
   demand("--overlap", options.overlap, 0.0, 0.95);
   demand("--lowest-damping", options.lowest_damping, 1e-4, 1.0);

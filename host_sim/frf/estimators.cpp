@@ -61,13 +61,13 @@ std::string_view name(Estimator estimator) {
     case Estimator::hv:
       return "Hv";
     default:
-      return "Hz";
+      return "Hiv";
   }
 }
 
 double coherence(double aa, double bb, Complex ab) {
-  const double powers = aa * bb;
-  return powers > 0.0 ? std::min(1.0, std::norm(ab) / powers) : 0.0;
+  const double share = std::abs(ab) / std::sqrt(aa) / std::sqrt(bb);  // the product of two powers may not be a number
+  return aa > 0.0 && bb > 0.0 && std::isfinite(share) ? std::min(1.0, share * share) : 0.0;
 }
 
 Complex estimate(const LineSpectra& s, Estimator estimator) {

@@ -13,7 +13,7 @@ using Complex = std::complex<double>;
 ///   (1)  H1 = S_xy/S_xx             noise in y
 ///   (2)  H2 = S_yy/S_yx             noise in x
 ///   (3)  Hv = √(S_yy/S_xx) S_xy/|S_xy|    noise in both, in equal parts of their powers
-///   (4)  Hz = S_zy/S_zx             noise in both, however large and however related, if the instrument z has none
+///   (4)  Hiv = S_zy/S_zx            noise in both, however large and however related, if the instrument z has none
 ///                                   of it: what circulates in a loop that is driven by z
 ///
 /// (3) is total least squares with both signals scaled to equal power, √(H1 H2). (1) and (2) are (4) with z = x and
@@ -22,7 +22,7 @@ using Complex = std::complex<double>;
 /// 3rd IMAC 1985, 272–278; L. Ljung, System Identification, 2nd ed. 1999, 13.5.
 enum class Estimator : unsigned char { h1, h2, hv, instrument };
 
-/// "H1", "H2", "Hv", "Hz".
+/// "H1", "H2", "Hv", "Hiv".
 [[nodiscard]] std::string_view name(Estimator estimator);
 
 /// Spectra at one frequency; S_ab = ⟨A* B⟩. Without an instrument z is x.

@@ -80,7 +80,7 @@ std::vector<std::optional<std::ptrdiff_t>> find_delays(std::span<const Recording
   const std::size_t most = std::min({4 * scheme.length, shortest, all / 2});
   if (most < shortest_block) return delays;
   const std::size_t length = good_fft_size_at_most(most);
-  const BlockScheme longer{length, all < 16 * length ? length / 2 : length, WindowShape::hann, Detrend::mean};
+  const BlockScheme longer{length, all < 8 * length ? length / 2 : length, WindowShape::hann, Detrend::mean};
   CrossSpectra spectra(rate, longer, channels.list.size(), 1);
   if (add_all(spectra, recordings, channels, Shifts(channels.list.size())) < 2) return delays;
   for (std::size_t i = 1; i < channels.list.size(); ++i) delays[i] = find_delay(spectra, i);

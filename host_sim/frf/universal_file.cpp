@@ -17,18 +17,19 @@ std::string text(const char* format, Values... values) {
   return line;
 }
 
-// A record fills its 80 columns.
+// A record of the header fills its 80 columns; data lines end with their last number and delimiters with their −1:
+// there are readers that take blanks for numbers.
 void put(std::string& file, std::string record) {
   record.resize(80, ' ');
   file += record + "\n";
 }
 
 void begin(std::string& file, int dataset) {
-  put(file, text("%6d", -1));
+  file += "    -1\n";
   put(file, text("%6d", dataset));
 }
 
-void end(std::string& file) { put(file, text("%6d", -1)); }
+void end(std::string& file) { file += "    -1\n"; }
 
 int node(Channel channel) {
   switch (channel) {
@@ -73,7 +74,7 @@ void put_numbers(std::string& file, std::span<const double> numbers) {
   std::string record;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     record += text("%20.12E", numbers[i]);
-    if (i % 4 == 3 || i + 1 == numbers.size()) put(file, std::exchange(record, {}));
+    if (i % 4 == 3 || i + 1 == numbers.size()) file += std::exchange(record, {}) + "\n";
   }
 }
 

@@ -7,8 +7,8 @@
 
 namespace host_sim::frf {
 
-/// ASCII universal file, lines of 80 columns: dataset 164 (SI units), then for each output two datasets 58 (function at
-/// nodal DOF), the response (function type 4, complex, double precision) and its coherence (type 6, real):
+/// ASCII universal file, lines of at most 80 columns: dataset 164 (SI units), then for each output two datasets 58
+/// (function at nodal DOF), the response (function type 4, complex, double precision) and its coherence (type 6, real):
 ///
 ///   record 6    2(I5,I10),2(1X,10A1,I10,I4)   type, number, version, load case; response and reference: channel name,
 ///               node (1 foot point, 2 wheel, 3 body, 4 tyre, 5 component or machine), direction 3 (+Z)

@@ -157,7 +157,7 @@ TEST_F(Frf, TakesItsOptions) {
   EXPECT_EQ(part["outputs"]["F_w"]["frequency_hz"], json({10.0, 12.0, 14.0, 16.0, 18.0, 20.0}));
   const json by = with({"--instrument", "z_w"});
   EXPECT_EQ(by["instrument"], "z_w");
-  EXPECT_EQ(by["estimator"], "Hz");
+  EXPECT_EQ(by["estimator"], "Hiv");
   EXPECT_EQ(by["instrument_coherence"].size(), 49U);
   const json wrapped = parsed({"--data", first, "--input", "z_r", "--output", "z_w", "--block", "0.5"});
   const json running = parsed({"--data", first, "--input", "z_r", "--output", "z_w", "--block", "0.5", "--unwrap"});
@@ -177,7 +177,7 @@ TEST_F(Frf, UsesTheRoadAsInstrumentInsideAClosedLoop) {
     return ended.output;
   };
   EXPECT_THAT(output({"--rig", rig}), HasSubstr("z_r serves as instrument\n"));
-  EXPECT_THAT(output({"--rig", rig}), HasSubstr("F / x_act [N/m] by Hz"));
+  EXPECT_THAT(output({"--rig", rig}), HasSubstr("F / x_act [N/m] by Hiv"));
   EXPECT_THAT(output({"--rig", rig, "--instrument", "none"}), HasSubstr("by H1"));
   EXPECT_THAT(output({"--rig", rig, "--estimator", "hv"}), HasSubstr("note: x_act is inside the closed loop"));
   EXPECT_THAT(output({}), HasSubstr("note: z_r stands beside"));
@@ -254,6 +254,7 @@ TEST_F(Frf, TellsWhatIsWrongInOneLine) {
           "first.csv: the recording is too short: 20 s, expected at least 22 s for two blocks");
   refused(with({"--lowest-damping", "0.01"}), 3, "expected at least 125 s for a peak 0.024 Hz wide");
   refused({"--data", first, "--input", "z_r", "--output", "z_b"}, 3, "first.csv: there is no channel z_b");
+  refused(with({"--data", first}), 2, "first.csv is given twice");
   refused({"--data", folder / "none.csv", "--input", "z_r", "--output", "F_w"}, 3, "none.csv: cannot be opened");
   refused({"--data", folder.write("nan.csv", "t,z_r,F_w\n0,1,1\n0.01,nan,2\n"), "--input", "z_r", "--output", "F_w"}, 3,
           "nan.csv:3: ");

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <complex>
@@ -38,8 +39,8 @@ struct Function {
 /// A line of a file, taken apart from the left.
 class Record {
  public:
-  explicit Record(std::string line) : rest_(std::move(line)) {
-    if (rest_.size() != 80)
+  explicit Record(std::string line, std::size_t width) : rest_(std::move(line)) {
+    if (rest_.size() != width)
       throw std::runtime_error("a line of " + std::to_string(rest_.size()) + " columns: " + rest_);
   }
   [[nodiscard]] int integer(std::size_t width) {
@@ -68,7 +69,6 @@ class Record {
   void end() {
     if (rest_.find_first_not_of(' ') != std::string::npos) throw std::runtime_error("more than fields: " + rest_);
   }
-  [[nodiscard]] bool empty() const { return rest_.find_first_not_of(' ') == std::string::npos; }
 
  private:
   std::string take(std::size_t width) {
@@ -99,12 +99,12 @@ class File {
     }
   }
   [[nodiscard]] bool at_end() const { return next_ == lines_.size(); }
-  Record record() {
+  Record record(std::size_t width = 80) {
     if (at_end()) throw std::runtime_error("the file ends too early");
-    return Record(lines_[next_++]);
+    return Record(lines_[next_++], width);
   }
   void delimiter() {
-    Record line = record();
+    Record line = record(6);
     EXPECT_EQ(line.integer(6), -1);
     line.end();
   }
@@ -143,10 +143,10 @@ class File {
       f.axes.push_back(axis);
     }
     const auto count = static_cast<std::size_t>(f.points) * (f.data_type == 6 ? 2U : 1U);
-    while (f.numbers.size() < count) {  // 4E20.12
-      Record line = record();
-      for (int i = 0; i < 4 && f.numbers.size() < count; ++i) f.numbers.push_back(line.real(20));
-      line.end();
+    while (f.numbers.size() < count) {  // 4E20.12, the last line as long as it needs
+      const std::size_t in_line = std::min<std::size_t>(4, count - f.numbers.size());
+      Record line = record(20 * in_line);
+      for (std::size_t i = 0; i < in_line; ++i) f.numbers.push_back(line.real(20));
     }
     delimiter();
     return f;
@@ -184,7 +184,6 @@ TEST(UniversalFile, IsReadBackByItsDescription) {
   const Responses r = some_responses();
   File file(host_sim::frf::to_universal_file(r));
   ASSERT_EQ(file.dataset(), 164);
-  host_sim::Recording unused;
   Record units = file.record();
   EXPECT_EQ(units.integer(10), 1) << "SI";
   EXPECT_EQ(units.text(20), "SI: Metric Abs (SI)");
