@@ -209,6 +209,7 @@ void measure_responses(const FrfOptions& options) {
   for (const auto& file : options.data) {
     recordings.push_back(rig ? read_recording(file, rig->channels, rig->sample_rate) : read_recording(file));
   }
+  demand("--block", options.block, static_cast<double>(frf::shortest_block) * recordings.front().sample_period, 1e6);
   const std::string story = choose_estimator(options, rig ? &*rig : nullptr, recordings, request);
   const Responses result = estimate_responses(recordings, request);
   if (result.frequency.empty()) {

@@ -4,73 +4,46 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <complex>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "tests/host_sim/frf/scipy_numbers.hpp"
 #include "tests/host_sim/frf/signals.hpp"
-#include "tests/support/rig_texts.hpp"
 
 namespace {
 
-using host_sim::Detrend;
-using host_sim::WindowShape;
 using host_sim::frf::BlockScheme;
 using host_sim::frf::Complex;
 using host_sim::frf::CrossSpectra;
 using support::white;
 
-template <class Enum, class Names>
-Enum named(const std::string& word, const Names& names) {
-  return static_cast<Enum>(std::find(names.begin(), names.end(), word) - names.begin());
-}
-
 // Golden. scipy.signal.welch and csd for every window, three block lengths, overlaps and trends:
 // tests/golden/frf_scipy.py made the file. To 1e-10 of the largest value: the two sum in different order, some 10⁴
 // roundings of 1e-16.
 TEST(CrossSpectra, AgreesWithScipy) {
-  std::ifstream file(support::source / "tests/golden/frf_scipy.txt");
-  ASSERT_TRUE(file);
-  std::string line, word;
-  std::getline(file, line);
-  ASSERT_NE(line.find("scipy"), std::string::npos) << "says where it is from";
-  double rate = 0.0;
-  std::size_t count = 0;
-  file >> word >> rate >> count;
-  std::vector<double> x(count), y(count);
-  for (std::size_t n = 0; n < count; ++n) file >> x[n] >> y[n];
-
-  std::size_t cases = 0;
-  std::string window, trend;
-  for (std::size_t length = 0, hop = 0, lines = 0; file >> word >> window >> length >> hop >> trend >> lines; ++cases) {
-    const BlockScheme scheme{length, hop, named<WindowShape>(window, host_sim::window_names),
-                             named<Detrend>(trend, host_sim::detrend_names)};
-    CrossSpectra spectra(rate, scheme, 2, 1);
-    const host_sim::frf::ShiftedSignal signals[] = {{x}, {y}};
+  const support::ScipyNumbers scipy = support::scipy_numbers();
+  ASSERT_EQ(scipy.spectra.size(), 12U);
+  for (const auto& [scheme, lines] : scipy.spectra) {
+    CrossSpectra spectra(scipy.rate, scheme, 2, 1);
+    const host_sim::frf::ShiftedSignal signals[] = {{scipy.x}, {scipy.y}};
     spectra.add(signals);
-    ASSERT_EQ(spectra.lines(), lines);
+    ASSERT_EQ(spectra.lines(), lines.size());
     double xx_scale = 0.0, yy_scale = 0.0;
-    std::vector<std::array<double, 5>> rows(lines);
-    for (auto& row : rows) {
-      for (double& value : row) file >> value;
-      xx_scale = std::max(xx_scale, row[1]);
-      yy_scale = std::max(yy_scale, row[2]);
+    for (const auto& line : lines) {
+      xx_scale = std::max(xx_scale, line.xx);
+      yy_scale = std::max(yy_scale, line.yy);
     }
-    for (std::size_t k = 0; k < lines; ++k) {
-      const auto& [frequency, xx, yy, real, imaginary] = rows[k];
-      const std::string where = window + " " + std::to_string(length) + ", line " + std::to_string(k);
-      EXPECT_NEAR(spectra.frequency(k), frequency, 1e-12) << where;
-      EXPECT_NEAR(spectra.power(0, k), xx, 1e-10 * xx_scale) << where;
-      EXPECT_NEAR(spectra.power(1, k), yy, 1e-10 * yy_scale) << where;
-      EXPECT_LT(std::abs(spectra.cross(0, 1, k) - Complex(real, imaginary)), 1e-10 * std::sqrt(xx_scale * yy_scale))
-          << where;
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const std::string where =
+          std::string(name(scheme.window)) + " " + std::to_string(scheme.length) + ", line " + std::to_string(k);
+      EXPECT_NEAR(spectra.frequency(k), lines[k].frequency, 1e-12) << where;
+      EXPECT_NEAR(spectra.power(0, k), lines[k].xx, 1e-10 * xx_scale) << where;
+      EXPECT_NEAR(spectra.power(1, k), lines[k].yy, 1e-10 * yy_scale) << where;
+      EXPECT_LT(std::abs(spectra.cross(0, 1, k) - lines[k].xy), 1e-10 * std::sqrt(xx_scale * yy_scale)) << where;
     }
   }
-  EXPECT_EQ(cases, 12U);
 }
 
 // Law. Blocks are taken inside each recording and all count alike: two recordings of 3 and 5 blocks give the mean of

@@ -243,6 +243,7 @@ TEST_F(Frf, TellsWhatIsWrongInOneLine) {
   refused(with({"--overlap", "1"}), 2, "--overlap: is 1, expected a number from 0 to 0.95");
   refused(with({"--overlap", "nan"}), 2, "--overlap: is ");
   refused(with({"--block", "-1"}), 2, "--block: is -1, expected");
+  refused(with({"--block", "0.05"}), 2, "--block: is 0.05, expected a number from 0.08 to");
   refused(with({"--lowest-damping", "0"}), 2, "--lowest-damping: is 0, expected");
   refused(with({"--window", "kaiser"}), 2,
           "--window: is 'kaiser', expected one of hann, hamming, blackman, rectangular");

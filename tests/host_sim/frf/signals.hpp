@@ -48,10 +48,10 @@ inline std::vector<double> sum(std::vector<double> a, const std::vector<double>&
 
 inline host_sim::Recording recording(double rate,
                                      std::initializer_list<std::pair<model::Channel, std::vector<double>>> channels,
-                                     const std::string& source = "run.csv") {
+                                     const std::string& file = "run.csv") {
   host_sim::Recording result;
   result.sample_period = 1.0 / rate;
-  result.source = source;
+  result.source = file;
   for (const auto& [channel, samples] : channels) {
     result[channel] = samples;
     result.time = host_sim::sample_times(samples.size(), rate);
