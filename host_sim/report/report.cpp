@@ -36,7 +36,8 @@ table { border-collapse: collapse; margin: .4rem 0 1.2rem; font-variant-numeric:
 caption { text-align: left; font-weight: 600; padding: .4rem 0; }
 th, td { padding: .2rem .8rem .2rem 0; text-align: right; vertical-align: top; border-bottom: 1px solid #ddd; }
 th { border-bottom-color: #888; }
-th.words, td.words { text-align: left; }
+th, td { white-space: nowrap; }
+th.words, td.words { text-align: left; white-space: normal; }
 details { margin: .6rem 0; }
 summary { cursor: pointer; font-weight: 600; }
 pre { background: #f7f7f7; padding: .7rem; overflow-x: auto; font-size: .85rem; line-height: 1.35; }

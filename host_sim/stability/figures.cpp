@@ -153,6 +153,7 @@ Figure nyquist_figure(std::string title, std::span<const NamedLoop> loops) {
     lower.along = upper.along;
     upper.along_quantity = lower.along_quantity = "frequency";
     upper.along_unit = lower.along_unit = "Hz";
+    lower.in_legend = loops.size() == 1;
     panel.curves.push_back(std::move(upper));
     panel.curves.push_back(std::move(lower));
     ++colour;
@@ -164,7 +165,7 @@ Figure nyquist_figure(std::string title, std::span<const NamedLoop> loops) {
 }
 
 std::string encirclements_in_words(const NyquistData& data) {
-  return "Encirclements of −1, counter-clockwise: " + std::to_string(data.encirclements) +
+  return "Encirclements of −1, counter-clockwise: " + report::figure_text(data.encirclements) +
          "; unstable poles of L: " + std::to_string(data.open_loop_unstable) +
          "; so unstable roots of the closed loop: " + std::to_string(data.closed_loop_unstable) + ".";
 }
