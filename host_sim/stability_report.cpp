@@ -165,7 +165,9 @@ void add_sampled(Report& page, const StabilityAnalysis& a) {
                 {"real part", "1"}};
   figure.equal_axes = true;
   figure.height = 420;
+  figure.x.range = {{-1.15, 1.15}};
   Panel panel{{"imaginary part, upper half", "1"}};
+  panel.y.range = {{-0.1, 1.15}};
   report::Curve circle{"unit circle", {}, {}, 6, Dash::dotted},
       points{"eigenvalue", {}, {}, 0, Dash::none, report::Marker::circle};
   for (int i = 0; i <= 90; ++i) {

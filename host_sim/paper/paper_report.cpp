@@ -259,11 +259,10 @@ Report paper_report(const Experiments& e, const std::vector<Statement>& list) {
   add_summary(page, list);
 
   page.add_section("Every statement");
-  Table table{
-      "The paper's text against this model", {"the paper", "here", "number", "agreement if", "unit", "agrees"}, {}, 2};
+  Table table{"The paper's text against this model", {"the paper", "here", "unit", "agrees if", "agrees"}, {}};
   for (const Statement& s : list) {
-    table.rows.push_back({s.paper, s.finding, figure_text(s.computed, 5), s.expected, s.unit == "1" ? "–" : s.unit,
-                          s.agrees ? "✓ yes" : "✗ no"});
+    table.rows.push_back(
+        {s.paper, figure_text(s.computed, 5), s.unit == "1" ? "–" : s.unit, s.expected, s.agrees ? "✓ yes" : "✗ no"});
   }
   page.add_table(table);
 

@@ -178,9 +178,25 @@ ordered_json curve_json(const Figure& figure, const Panel& panel, const Curve& c
   return trace;
 }
 
+/// Broken at a blank about every 28 letters: what stands beside a bar must leave room for it.
+std::string in_lines(const std::string& name) {
+  std::string lines;
+  std::size_t length = 0;
+  for (const char c : escaped(name)) {
+    if (c == ' ' && length > 28) {
+      lines += "<br>";
+      length = 0;
+    } else {
+      lines += c;
+      ++length;
+    }
+  }
+  return lines;
+}
+
 ordered_json bars_json(const Figure& figure, const Bars& bars, int turn) {
   ordered_json names = ordered_json::array(), texts = ordered_json::array();
-  for (const std::string& name : bars.names) names.push_back(escaped(name));
+  for (const std::string& name : bars.names) names.push_back(in_lines(name));
   for (const double v : bars.values) texts.push_back(figure_text(v, 3));
   return {{"type", "bar"},
           {"orientation", "h"},
@@ -259,6 +275,7 @@ std::string plotly_json(const Figure& figure) {
     axis["domain"] = {bottom, top};
     top = bottom - gap;
     if (figure.equal_axes) {
+      axis["automargin"] = false;  // with a fixed ratio, margins and axes would chase each other
       axis["scaleanchor"] = "x";
       axis["scaleratio"] = 1;
     }
@@ -310,7 +327,10 @@ std::string plotly_json(const Figure& figure) {
   }
   ordered_json x = axis_json(figure.x);
   x["anchor"] = axis_name("y", figure.panels.size() - 1);
-  if (figure.equal_axes) x["constrain"] = "domain";
+  if (figure.equal_axes) {
+    x["constrain"] = "domain";
+    x["automargin"] = false;
+  }
   layout["xaxis"] = std::move(x);
   if (!shapes.empty()) layout["shapes"] = std::move(shapes);
   if (!notes.empty()) layout["annotations"] = std::move(notes);

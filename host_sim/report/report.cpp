@@ -16,7 +16,7 @@ constexpr std::string_view style = R"(
 :root { color-scheme: light; }
 body { margin: 0 auto; padding: 0 1.2rem 3rem; max-width: 68rem; background: #fff; color: #222;
        font: 16px/1.5 system-ui, "Segoe UI", "DejaVu Sans", Arial, sans-serif; }
-h1 { font-size: 1.7rem; line-height: 1.25; margin: 1.4rem 0 .4rem; }
+h1 { overflow-wrap: anywhere; font-size: 1.7rem; line-height: 1.25; margin: 1.4rem 0 .4rem; }
 h2 { font-size: 1.3rem; margin: 2.4rem 0 .6rem; padding-bottom: .2rem; border-bottom: 1px solid #bbb; }
 p { max-width: 52rem; margin: .6rem 0; }
 .lead { color: #444; }
@@ -37,7 +37,7 @@ caption { text-align: left; font-weight: 600; padding: .4rem 0; }
 th, td { padding: .2rem .8rem .2rem 0; text-align: right; vertical-align: top; border-bottom: 1px solid #ddd; }
 th { border-bottom-color: #888; }
 th, td { white-space: nowrap; }
-th.words, td.words { text-align: left; white-space: normal; }
+th.words, td.words { text-align: left; white-space: normal; min-width: 7rem; }
 details { margin: .6rem 0; }
 summary { cursor: pointer; font-weight: 600; }
 pre { background: #f7f7f7; padding: .7rem; overflow-x: auto; font-size: .85rem; line-height: 1.35; }
@@ -45,7 +45,7 @@ footer { margin-top: 2.5rem; font-size: .9rem; color: #444; }
 @media print {
   body { max-width: none; padding: 0; font-size: 10.5pt; }
   nav, .modebar-container { display: none !important; }
-  figure, table, .verdict { break-inside: avoid; }
+  figure, tr, .verdict { break-inside: avoid; }
   h2 { break-after: avoid; }
   pre { white-space: pre-wrap; overflow: visible; }
   .scroll { overflow: visible; }
@@ -60,8 +60,22 @@ constexpr std::string_view drawing = R"(
   const places = Array.from(document.querySelectorAll(".plot"));
   const config = {responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "",
                   modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], toImageButtonOptions: {format: "svg"}};
-  const narrow = function (layout) {  // a phone: every pixel of the margins counts
-    if (window.innerWidth < 600) { layout.font.size = 11; layout.margin.l = 45; layout.margin.r = 8; }
+  const narrow = function (layout) {  // a phone: every pixel of the margins counts, and tick labels must not turn
+    if (window.innerWidth >= 600) return layout;
+    layout.font.size = 11;
+    layout.margin.l = 45;
+    layout.margin.r = 8;
+    if (layout.xaxis.type === "linear") layout.xaxis.nticks = 5;
+    layout.xaxis.tickangle = 0;
+    layout.xaxis.automargin = false;
+    Object.keys(layout).forEach(function (key) {
+      const axis = layout[key];
+      if (!key.startsWith("yaxis") || axis.type !== "category") return;
+      axis.automargin = false;
+      axis.title.text = "";
+      axis.tickfont = {size: 10};
+      layout.margin.l = 155;
+    });
     return layout;
   };
   const drawn = places.map(function (place) {
@@ -70,7 +84,10 @@ constexpr std::string_view drawing = R"(
   });
   Promise.all(drawn).then(function () {
     say.drawn = String(places.filter(function (place) { return place.querySelector(".main-svg"); }).length);
-    say.traces = String(places.filter(function (place) { return place.querySelector(".trace, .bars .point, .hm image"); }).length);
+    say.traces = String(places.filter(function (place) {
+      return place.querySelector(".trace, .hm image, .heatmaplayer image");
+    }).length);
+    say.requests = String(performance.getEntriesByType("resource").length);
   }, function (error) { console.error(error); });
   window.addEventListener("beforeprint", function () {
     document.querySelectorAll("details").forEach(function (part) { part.open = true; });

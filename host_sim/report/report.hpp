@@ -97,7 +97,8 @@ inline constexpr std::string_view colours[] = {"#0072B2", "#D55E00", "#009E73", 
 /// Collects parts in their order and makes one HTML file of them. The same parts give the same bytes.
 ///
 /// The file asks for nothing from elsewhere: Plotly, the figures' numbers and the style are in it. Once every figure is
-/// drawn the page says so in attributes of its body – data-figures, data-drawn, data-errors – for whoever tests it.
+/// drawn the page says so in attributes of its body – data-figures, data-drawn,
+/// data-traces (figures with something in them), data-requests, data-errors – for whoever tests it.
 /// A part that cannot be right – an axis without a unit, columns of different lengths, nothing to see – is a
 /// std::logic_error of the caller when it is added.
 class Report {
