@@ -127,6 +127,7 @@ std::string figure_text(double value, int digits) {
   std::array<char, 40> text{};
   std::snprintf(text.data(), text.size(), "%.*g", digits, value);
   std::string result(text.data());
+  if (result == "-0") return "0";
   if (result.starts_with('-')) result.replace(0, 1, "−");
   return result;
 }
