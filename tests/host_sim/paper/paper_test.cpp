@@ -175,6 +175,29 @@ TEST(Paper, PageIsWhole) {
   for (const KickedRun& run : e.kicks) EXPECT_NE(html.find(in_words(run)), std::string::npos);
 }
 
+// Law. In Fig. 6 the dotted line, computed, passes through the points, measured: above 12 Hz within 3 %.
+TEST(Paper, ShowsWhyTheForceSensorIsWrong) {
+  const Experiments& e = experiments();
+  const auto figures = support::figures_of(paper_report(e, statements(e)).html());
+  const auto& data = figures.back()["data"];
+  const auto trace = [&](const std::string& name, const std::string& axis) {
+    return *std::find_if(data.begin(), data.end(), [&](const auto& t) {
+      return t["name"].template get<std::string>().starts_with(name) && t["yaxis"] == axis;
+    });
+  };
+  const auto points = trace("force sensor", "y2"), line = trace("expected", "y2");
+  const auto hz = line["x"].get<std::vector<double>>();
+  int compared = 0;
+  for (std::size_t i = 0; i < points["x"].size(); ++i) {
+    const double f = points["x"][i];
+    if (f < 12.0) continue;
+    const auto above = static_cast<std::size_t>(std::lower_bound(hz.begin(), hz.end(), f) - hz.begin());
+    EXPECT_NEAR(points["y"][i].get<double>(), line["y"][above].get<double>(), 0.03) << f;
+    ++compared;
+  }
+  EXPECT_GT(compared, 8);
+}
+
 // Journey. A folder that is not there yet is made; what stands in one stays.
 TEST(PaperCommand, WritesItsFilesBesideOthers) {
   const support::TemporaryFolder folder;

@@ -99,6 +99,31 @@ TEST(StabilityReport, DrawsTheExactBorder) {
   EXPECT_EQ(here.y.at(0), 1140.0);
 }
 
+// Point. Bode in degrees; Nyquist with its mirror image, −1 and the unit circle in sight.
+TEST(StabilityReport, DrawsTheLoop) {
+  const StabilityAnalysis a = analyse(described(fdva_rig()));
+  const BodeData data = bode(a.rig, a.delay, a.machine_delay, {1.0, 10.0});
+  const auto figure = bode_figure("Bode", "L", data.frequency_hz, std::vector<NamedResponse>{{"L", &data.loop, 0}});
+  EXPECT_EQ(figure.panels[0].curves[0].y, data.loop.magnitude);
+  EXPECT_NEAR(figure.panels[1].curves[0].y[1], data.loop.phase[1] * 57.29577951308232, 1e-9);
+
+  const NyquistData plane = nyquist(a.equation(), a.roots.roots);
+  const auto nyquist_plot = nyquist_figure("Nyquist", std::vector<NamedLoop>{{"L", &plane}});
+  EXPECT_TRUE(nyquist_plot.equal_axes);
+  const auto& curves = nyquist_plot.panels[0].curves;
+  ASSERT_EQ(curves.size(), 4U);
+  for (std::size_t i = 0; i < curves[0].x.size(); ++i)
+    EXPECT_NEAR(std::hypot(curves[0].x[i], curves[0].y[i]), 1.0, 1e-12);
+  for (std::size_t i = 0; i < curves[1].y.size(); ++i) EXPECT_EQ(curves[1].y[i], -curves[2].y[i]);
+  EXPECT_EQ(curves[3].x, std::vector<double>{-1.0});
+  EXPECT_LT(nyquist_plot.x.range->first, -1.0);
+  EXPECT_GT(nyquist_plot.x.range->second, 1.0);
+  // Fine enough to be drawn: from point to point L turns by a hundredth of a turn at most, but for its ends.
+  for (std::size_t i = 2; i + 1 < plane.loop.size(); ++i) {
+    EXPECT_LT(std::abs(std::arg(plane.loop[i] * std::conj(plane.loop[i - 1]))), 0.063);
+  }
+}
+
 // Law. A path followed through a sweep is one root: it moves little from value to value and passes the known poles.
 TEST(StabilityReport, FollowsOneRoot) {
   const PoleSweep sweep = pole_sweep(LoopFamily(linear_rig(), 0.0), {"virtual_damping", 0.0, 700.0, 71}, -80.0);
