@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): not ours
 class App;
 }
 

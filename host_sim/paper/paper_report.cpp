@@ -39,6 +39,7 @@ void say(Report& page, const Statement& s) {
 
 std::vector<double> magnitudes(const std::vector<Complex>& values) {
   std::vector<double> result;
+  result.reserve(values.size());
   for (const Complex v : values) result.push_back(std::abs(v));
   return result;
 }

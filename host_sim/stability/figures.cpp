@@ -274,15 +274,12 @@ std::vector<Complex> followed(const PoleSweep& sweep, std::size_t start_index, C
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Complex> path(sweep.axis.count, Complex(nan, nan));
   const auto walk = [&](std::size_t from, int step) {
-    Complex last = start, change;
+    Complex last = start;
     for (std::size_t i = from; i < sweep.axis.count; i += static_cast<std::size_t>(step)) {  // wraps below 0: ends
       const auto& roots = sweep.roots[i];
-      const Complex expected = last + change;
-      const auto nearest = std::min_element(roots.begin(), roots.end(), [&](Complex a, Complex b) {
-        return std::abs(a - expected) < std::abs(b - expected);
-      });
+      const auto nearest = std::min_element(
+          roots.begin(), roots.end(), [&](Complex a, Complex b) { return std::abs(a - last) < std::abs(b - last); });
       if (nearest == roots.end() || std::abs(*nearest - last) > 0.2 * std::abs(last)) return;
-      change = i == start_index ? Complex() : *nearest - last;
       last = path[i] = *nearest;
     }
   };
