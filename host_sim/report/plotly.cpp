@@ -205,6 +205,7 @@ ordered_json bars_json(const Figure& figure, const Bars& bars, int turn) {
           {"x", numbers(bars.values)},
           {"text", std::move(texts)},
           {"textposition", "auto"},
+          {"textangle", 0},
           {"cliponaxis", false},
           {"marker", {{"color", colour(bars.colour >= 0 ? bars.colour : turn)}}},
           {"showlegend", !bars.name.empty()},
