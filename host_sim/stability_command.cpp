@@ -162,6 +162,9 @@ void examine_stability(const StabilityOptions& options) {
                          std::string(model::name(description.rig.kind)),
                      "kind = \"hil\"");
   }
+  if (options.report && options.json == options.report) {
+    throw UsageError("--json and --report name the same file, expected one for each");
+  }
   std::optional<std::pair<stability::Axis, stability::Axis>> axes;
   if (options.map) axes = stability::parse_map(*options.map, description.rig, description.period());
   std::vector<stability::Axis> sweeps;
@@ -216,6 +219,7 @@ void examine_stability(const StabilityOptions& options) {
   }
   for (const auto& sweep : swept) print_sweep(sweep);
   if (map) print_map(*map);
+  if (options.report) std::printf("report %s\n", options.report->c_str());
 }
 
 void add_stability(CLI::App& app, StabilityOptions& options) {

@@ -185,8 +185,9 @@ void Report::add_figure(const Figure& figure) {
   const std::string json = plotly_json(figure);
   const std::string number = std::to_string(++figures_);
   body_ += "<figure id=\"figure-" + number + "\"><figcaption>" + escaped(figure.title) +
-           "</figcaption>\n<div class=\"plot\" style=\"height:" + std::to_string(figure.height) +
-           "px\"></div>\n<script type=\"application/json\">" + json + "</script>\n";
+           "</figcaption>\n<div class=\"plot\" role=\"img\" aria-label=\"" + escaped(figure.title) +
+           "\" style=\"height:" + std::to_string(figure.height) + "px\"></div>\n<script type=\"application/json\">" +
+           json + "</script>\n";
   if (!figure.note.empty()) body_ += "<p>" + escaped(figure.note) + "</p>\n";
   body_ += "</figure>\n";
 }

@@ -145,6 +145,9 @@ TEST(StabilityReport, TellsWhenThePageCannotBeWritten) {
     EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
     EXPECT_EQ(ended.output, "");
   }
+  const std::string same = (folder / "same").string();
+  const auto ended = support::rigtwin({"stability", "--rig", rig, "--report", same, "--json", same});
+  EXPECT_EQ(ended.status, static_cast<int>(host_sim::ExitStatus::wrong_usage)) << ended.errors;
   EXPECT_EQ(folder.count(), 0U);
 }
 
