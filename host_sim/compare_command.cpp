@@ -159,6 +159,7 @@ void compare(const CompareOptions& options) {
   }
 
   std::vector<RecordingComparison> results;
+  results.reserve(recordings.size());
   for (const ComparedRecording& recording : recordings) results.push_back(recording.compare(recording.simulate(rig)));
 
   if (options.json) {

@@ -13,6 +13,7 @@ constexpr double turn = 2.0 * std::numbers::pi;
 
 std::vector<double> in_rad(const std::vector<double>& hz) {
   std::vector<double> omega;
+  omega.reserve(hz.size());
   for (const double f : hz) omega.push_back(turn * f);
   return omega;
 }
