@@ -7,6 +7,7 @@
 #include <iostream>
 #include <new>
 
+#include "host_sim/frf_command.hpp"
 #include "host_sim/input_error.hpp"
 #include "host_sim/recording_columns.hpp"
 #include "host_sim/stability_command.hpp"
@@ -110,6 +111,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_compare(app, compare_options);
   StabilityOptions stability_options;
   add_stability(app, stability_options);
+  FrfOptions frf_options;
+  add_frf(app, frf_options);
   try {
     if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);

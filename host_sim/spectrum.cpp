@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace host_sim {
 
@@ -14,14 +15,29 @@ struct RealTransform::Plan {
   kissfft<double> half;
 };
 
-std::size_t good_fft_size(std::size_t n) {
-  for (std::size_t size = n <= 2 ? 2 : n + n % 2;; size += 2) {
-    std::size_t rest = size;
-    for (const std::size_t factor : {std::size_t{2}, std::size_t{3}, std::size_t{5}}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1) return size;
+namespace {
+
+bool is_good_fft_size(std::size_t n) {
+  if (n == 0 || n % 2 != 0) return false;
+  for (const std::size_t factor : {std::size_t{2}, std::size_t{3}, std::size_t{5}}) {
+    while (n % factor == 0) n /= factor;
   }
+  return n == 1;
+}
+
+}  // namespace
+
+std::size_t good_fft_size(std::size_t n) {
+  std::size_t size = n <= 2 ? 2 : n + n % 2;
+  while (!is_good_fft_size(size)) size += 2;
+  return size;
+}
+
+std::size_t good_fft_size_at_most(std::size_t n) {
+  if (n < 2) throw std::invalid_argument("good_fft_size_at_most: less than 2");
+  std::size_t size = n - n % 2;
+  while (!is_good_fft_size(size)) size -= 2;
+  return size;
 }
 
 RealTransform::RealTransform(std::size_t length)
@@ -43,12 +59,53 @@ std::span<const std::complex<double>> RealTransform::operator()(std::span<const 
   return output_;
 }
 
-std::vector<double> hann_window(std::size_t length) {
-  std::vector<double> window(length);
+std::vector<double> make_window(WindowShape shape, std::size_t length) {
+  std::vector<double> window(length, 1.0);
+  if (shape == WindowShape::rectangular) return window;
   for (std::size_t n = 0; n < length; ++n) {
-    window[n] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(length));
+    const double turn = 2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(length);
+    switch (shape) {
+      case WindowShape::hann:
+        window[n] = 0.5 - 0.5 * std::cos(turn);
+        break;
+      case WindowShape::hamming:
+        window[n] = 0.54 - 0.46 * std::cos(turn);
+        break;
+      default:
+        window[n] = 0.42 - 0.5 * std::cos(turn) + 0.08 * std::cos(2.0 * turn);
+        break;
+    }
   }
   return window;
+}
+
+std::vector<double> hann_window(std::size_t length) { return make_window(WindowShape::hann, length); }
+
+BlockTransform::BlockTransform(std::vector<double> window, Detrend detrend)
+    : window_(std::move(window)),
+      power_(std::inner_product(window_.begin(), window_.end(), window_.begin(), 0.0)),
+      detrend_(detrend),
+      transform_(window_.size()),
+      piece_(window_.size()) {}
+
+std::span<const std::complex<double>> BlockTransform::operator()(std::span<const double> block) {
+  if (block.size() != length()) throw std::invalid_argument("BlockTransform: a block of another length");
+  const auto N = static_cast<double>(block.size());
+  const double middle = 0.5 * (N - 1.0);
+  double mean = 0.0, slope = 0.0;
+  if (detrend_ != Detrend::none) mean = std::accumulate(block.begin(), block.end(), 0.0) / N;
+  if (detrend_ == Detrend::line) {
+    for (std::size_t n = 0; n < block.size(); ++n) slope += (static_cast<double>(n) - middle) * (block[n] - mean);
+    slope /= N * (N * N - 1.0) / 12.0;  // Σ (n − middle)²
+  }
+  if (slope == 0.0) {
+    for (std::size_t n = 0; n < block.size(); ++n) piece_[n] = window_[n] * (block[n] - mean);
+  } else {
+    for (std::size_t n = 0; n < block.size(); ++n) {
+      piece_[n] = window_[n] * (block[n] - mean - slope * (static_cast<double>(n) - middle));
+    }
+  }
+  return transform_(piece_);
 }
 
 double welch_standard_error(std::span<const double> window, std::size_t hop, std::size_t averages) {
@@ -70,29 +127,22 @@ PowerSpectrum welch(std::span<const double> signal, double sample_rate, std::siz
   std::size_t length = good_fft_size(segment);
   if (length > signal.size()) length = signal.size() - signal.size() % 2;
   const std::size_t hop = length / 2;
-  const std::vector<double> window = hann_window(length);
-  const double power = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
-
-  RealTransform transform(length);
+  BlockTransform transform(hann_window(length), Detrend::mean);
   PowerSpectrum spectrum;
   spectrum.density.assign(transform.bins(), 0.0);
-  std::vector<double> piece(length);
   for (std::size_t start = 0; start + length <= signal.size(); start += hop) {
-    const std::span<const double> part = signal.subspan(start, length);
-    const double mean = std::accumulate(part.begin(), part.end(), 0.0) / static_cast<double>(length);
-    for (std::size_t n = 0; n < length; ++n) piece[n] = window[n] * (part[n] - mean);
-    const std::span<const std::complex<double>> bins = transform(piece);
+    const std::span<const std::complex<double>> bins = transform(signal.subspan(start, length));
     for (std::size_t k = 0; k < bins.size(); ++k) spectrum.density[k] += std::norm(bins[k]);
     ++spectrum.averages;
   }
 
-  const double scale = 1.0 / (sample_rate * power * static_cast<double>(spectrum.averages));
+  const double scale = 1.0 / (sample_rate * transform.window_power() * static_cast<double>(spectrum.averages));
   spectrum.frequency.resize(transform.bins());
   for (std::size_t k = 0; k < transform.bins(); ++k) {
     spectrum.frequency[k] = static_cast<double>(k) * sample_rate / static_cast<double>(length);
     spectrum.density[k] *= k == 0 || k == length / 2 ? scale : 2.0 * scale;
   }
-  spectrum.relative_standard_error = welch_standard_error(window, hop, spectrum.averages);
+  spectrum.relative_standard_error = welch_standard_error(transform.window(), hop, spectrum.averages);
   return spectrum;
 }
 

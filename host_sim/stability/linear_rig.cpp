@@ -194,12 +194,18 @@ StateSpace without_idle_states(const StateSpace& system) {
 TransferMatrix::TransferMatrix(const StateSpace& full) : inputs_(static_cast<std::size_t>(full.d.cols())) {
   const StateSpace system = without_idle_states(full);
   denominator_ = characteristic(system.a);
+  const Eigen::Index n = system.a.rows();  // 0: nothing but d, and no rows or columns to speak of
   for (Eigen::Index i = 0; i < system.d.rows(); ++i) {
     for (Eigen::Index j = 0; j < system.d.cols(); ++j) {
       // c adj(sI − A) b + d det(sI − A) = det [sI − A, b; −c, d]
-      Eigen::MatrixXd bordered(system.a.rows() + 1, system.a.cols() + 1);
-      bordered << -system.a, system.b.col(j), -system.c.row(i), system.d(i, j);
-      numerators_.push_back(PencilDeterminant(bordered, system.a.rows()).polynomial());
+      Eigen::MatrixXd bordered(n + 1, n + 1);
+      if (n > 0) {
+        bordered.topLeftCorner(n, n) = -system.a;
+        bordered.topRightCorner(n, 1) = system.b.col(j);
+        bordered.bottomLeftCorner(1, n) = -system.c.row(i);
+      }
+      bordered(n, n) = system.d(i, j);
+      numerators_.push_back(PencilDeterminant(bordered, n).polynomial());
     }
   }
 }

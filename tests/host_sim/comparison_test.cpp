@@ -152,7 +152,7 @@ TEST(Comparison, ShowsWhereTheErrorLies) {
   RigDescription rig = support::rig("paper_rig_fdva");
   const Recording recording = simulated(rig, 20000, false);
   rig.rig.tyre.stiffness *= 1.05;
-  const auto& bands = of(compare(rig, recording), Channel::zdd_w).bands;
+  const auto bands = of(compare(rig, recording), Channel::zdd_w).bands;
   const auto worst = std::max_element(bands.begin(), bands.end(),
                                       [](const auto& a, const auto& b) { return a.error_rms < b.error_rms; });
   EXPECT_GT(worst->band.centre, 9.0);

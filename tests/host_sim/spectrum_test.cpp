@@ -46,6 +46,51 @@ TEST(GoodFftSize, IsTheNextEvenNumberOfSmallFactors) {
   EXPECT_EQ(good_fft_size(97), 100U);
 }
 
+TEST(GoodFftSize, IsFoundBelowToo) {
+  EXPECT_EQ(host_sim::good_fft_size_at_most(2), 2U);
+  EXPECT_EQ(host_sim::good_fft_size_at_most(3), 2U);
+  EXPECT_EQ(host_sim::good_fft_size_at_most(47), 40U);
+  EXPECT_EQ(host_sim::good_fft_size_at_most(60000), 60000U);
+  EXPECT_EQ(host_sim::good_fft_size_at_most(59999), 58320U);
+  EXPECT_THROW(static_cast<void>(host_sim::good_fft_size_at_most(1)), std::invalid_argument);
+}
+
+// Point. Windows at the beginning, a quarter and the middle of a block of eight, by hand; w_N would be w_0 again.
+TEST(Windows, AreTheirFormulas) {
+  using host_sim::WindowShape;
+  const auto expect = [](WindowShape shape, double first, double quarter, double middle) {
+    const std::vector<double> w = host_sim::make_window(shape, 8);
+    ASSERT_EQ(w.size(), 8U);
+    EXPECT_NEAR(w[0], first, 1e-15) << name(shape);
+    EXPECT_NEAR(w[2], quarter, 1e-15) << name(shape);
+    EXPECT_NEAR(w[4], middle, 1e-15) << name(shape);
+    EXPECT_NEAR(w[7], w[1], 1e-15) << name(shape);
+  };
+  expect(WindowShape::hann, 0.0, 0.5, 1.0);
+  expect(WindowShape::hamming, 0.08, 0.54, 1.0);
+  expect(WindowShape::blackman, 0.0, 0.34, 1.0);
+  expect(WindowShape::rectangular, 1.0, 1.0, 1.0);
+}
+
+// Law. What is taken from a block is gone: of a straight line nothing is left with `line`, its slope with `mean`, all
+// with `none`.
+TEST(BlockTransform, TakesTheTrendAway) {
+  std::vector<double> line(20);
+  for (std::size_t n = 0; n < line.size(); ++n) line[n] = 3.0 - 0.25 * static_cast<double>(n);
+  const auto bins = [&](host_sim::Detrend detrend) {
+    host_sim::BlockTransform transform(host_sim::make_window(host_sim::WindowShape::rectangular, 20), detrend);
+    const auto x = transform(line);
+    return std::pair(std::abs(x[0]), std::abs(x[1]));
+  };
+  using host_sim::Detrend;
+  EXPECT_NEAR(bins(Detrend::none).first, 20.0 * 0.625, 1e-12);
+  EXPECT_NEAR(bins(Detrend::mean).first, 0.0, 1e-12);
+  EXPECT_NEAR(bins(Detrend::mean).second, 0.25 * 20.0 / 2.0 / std::sin(pi / 20.0), 1e-12);
+  EXPECT_NEAR(bins(Detrend::line).second, 0.0, 1e-12);
+  host_sim::BlockTransform transform(host_sim::hann_window(20), Detrend::mean);
+  EXPECT_THROW(static_cast<void>(transform(std::vector<double>(19))), std::invalid_argument);
+}
+
 // Point. Equation (1), summed as it stands, for every length there is a special case for. Both sums round by about
 // N ε |x|.
 TEST(RealTransform, IsTheDiscreteFourierTransform) {
