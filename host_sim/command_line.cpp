@@ -9,6 +9,7 @@
 
 #include "host_sim/frf_command.hpp"
 #include "host_sim/input_error.hpp"
+#include "host_sim/paper_command.hpp"
 #include "host_sim/recording_columns.hpp"
 #include "host_sim/stability_command.hpp"
 #include "host_sim/version.hpp"
@@ -113,6 +114,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_stability(app, stability_options);
   FrfOptions frf_options;
   add_frf(app, frf_options);
+  PaperOptions paper_options;
+  add_paper(app, paper_options);
   try {
     if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);

@@ -554,6 +554,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   }
   RigDescription description;
   description.source = source;
+  description.text = text;
   Reader top(top_table, "", source);
   description.rig.kind = read_kind(top);
   description.sample_rate = top.number("sample_rate");

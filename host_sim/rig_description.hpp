@@ -65,6 +65,7 @@ struct RigDescription {
   ControllerDescription controller;
   DelayBudget delay_budget;
   std::string source;  ///< the file, as the user called it
+  std::string text;    ///< what stands in it, for reports
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }
 };

@@ -10,6 +10,8 @@
 #include "host_sim/output_file.hpp"
 #include "host_sim/progress.hpp"
 #include "host_sim/stability/json.hpp"
+#include "host_sim/stability/verdict.hpp"
+#include "host_sim/stability_report.hpp"
 
 namespace host_sim {
 namespace {
@@ -32,22 +34,6 @@ std::string joined(const std::vector<std::string>& words) {
   std::string list;
   for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
   return list;
-}
-
-std::string verdict(const StabilityAnalysis& a) {
-  const Complex worst = a.roots.rightmost();
-  if (!a.stable) {
-    std::string line = text("unstable at %.4g Hz, doubling every %.3g s", worst.imag() / turn,
-                            std::numbers::ln2 / std::max(worst.real(), 1e-300));
-    if (worst.real() == 0.0) line = "not stable: a root rests on the axis";
-    if (a.margins.delay_margin) {
-      const double change = *a.margins.delay_margin;
-      line += ", stable with " + milliseconds(std::abs(change)) + (change < 0.0 ? " less delay" : " more delay");
-    }
-    return line;
-  }
-  if (!a.margins.delay_margin) return "stable at any delay from here up to 1 s";
-  return "stable, " + milliseconds(*a.margins.delay_margin) + " of delay left";
 }
 
 void print_roots(const StabilityAnalysis& a) {
@@ -195,6 +181,10 @@ void examine_stability(const StabilityOptions& options) {
     map = stability::stability_map(family, axes->first, axes->second, 0, [&](double share) { progress.show(share); });
   }
 
+  if (options.report) {
+    const stability::StabilityFindings findings{description, analysis, swept, map};
+    write_file(*options.report, stability::stability_report(findings).html());
+  }
   const bool only_json = options.json && *options.json == "-";
   if (options.json) {
     if (!swept.empty()) json["sweeps"] = nlohmann::ordered_json::array();
@@ -212,7 +202,7 @@ void examine_stability(const StabilityOptions& options) {
     }
     write_file(*options.json, bytes);
   }
-  std::printf("%s: %s\n", options.rig.c_str(), verdict(analysis).c_str());
+  std::printf("%s: %s\n", options.rig.c_str(), stability::verdict(analysis).c_str());
   print_roots(analysis);
   print_border(analysis, description.rig.machine.virtual_damping);
   print_sampled(analysis);
@@ -239,6 +229,7 @@ void add_stability(CLI::App& app, StabilityOptions& options) {
       "--map", options.map,
       "Rightmost root over two variables, such as tau=0:0.03:200,virtual_damping=0:2000:200; a variable "
       "is tau, virtual_damping or a parameter path of the rig description");
+  command->add_option("--report", options.report, "Write everything as one HTML page with figures");
   command->add_flag("--responses", options.responses, "Bode and Nyquist data into the JSON");
   command->add_option("--right-of", options.line, "List the roots right of this line [1/s]")->capture_default_str();
   command->callback([&options] { examine_stability(options); });

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): not ours
 class App;
 }
 
@@ -15,6 +15,7 @@ namespace host_sim {
 struct StabilityOptions {
   std::filesystem::path rig;
   std::optional<std::filesystem::path> json;
+  std::optional<std::filesystem::path> report;
   std::vector<std::string> sweeps;  ///< "variable=from:to:count"
   std::optional<std::string> map;   ///< two of these, "x,y"
   bool responses = false;           ///< Bode and Nyquist data into the JSON

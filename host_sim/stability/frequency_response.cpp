@@ -164,11 +164,11 @@ NyquistData nyquist(const DelayEquation& equation, const std::vector<Complex>& c
     const Complex s(data.offset, omega);
     return equation.q()(s) / equation.p()(s) * equation.delayed(s);
   };
-  // Finer until neither L nor 1 + L turns by more than a sixteenth of a turn from point to point.
+  // Finer until neither L nor 1 + L turns by more than a hundredth of a turn from point to point: fit to be drawn.
   const auto add = [&](const auto& self, double low, Complex at_low, double high, Complex at_high, int depth) -> void {
     const double turned = std::max(std::abs(std::arg(times(at_high, std::conj(at_low)))),
                                    std::abs(std::arg(times(1.0 + at_high, std::conj(1.0 + at_low)))));
-    if (depth > 0 && turned > turn / 16.0) {
+    if (depth > 0 && turned > turn / 100.0) {
       const double middle = 0.5 * (low + high);
       const Complex at_middle = loop(middle);
       self(self, low, at_low, middle, at_middle, depth - 1);

@@ -1,0 +1,22 @@
+// The page that `rigtwin paper` writes, and the numbers behind it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_sim/paper/experiments.hpp"
+#include "host_sim/paper/statements.hpp"
+#include "host_sim/report/report.hpp"
+
+namespace host_sim::paper {
+
+/// The counterparts of the paper's Figs. 2, 3, 4 and 6, each with what agrees with its text and what does not.
+[[nodiscard]] report::Report paper_report(const Experiments& experiments, const std::vector<Statement>& statements);
+
+/// {"version", "agreeing", "statements": […], "kicks": […]} as JSON text.
+[[nodiscard]] std::string paper_json(const Experiments& experiments, const std::vector<Statement>& statements);
+
+/// "decays with 1.93 1/s", "grows with 2.51 1/s until the firmware stops it …"
+[[nodiscard]] std::string in_words(const KickedRun& run);
+
+}  // namespace host_sim::paper

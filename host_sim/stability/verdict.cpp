@@ -1,0 +1,41 @@
+#include "host_sim/stability/verdict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace host_sim::stability {
+namespace {
+
+constexpr double turn = 2.0 * std::numbers::pi;
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  std::array<char, 240> line{};
+  std::snprintf(line.data(), line.size(), format, values...);
+  return line.data();
+}
+
+std::string milliseconds(double seconds) { return text("%.4g ms", 1e3 * seconds); }
+
+}  // namespace
+
+std::string verdict(const StabilityAnalysis& a) {
+  const Complex worst = a.roots.rightmost();
+  if (!a.stable) {
+    std::string line = text("unstable at %.4g Hz, doubling every %.3g s", worst.imag() / turn,
+                            std::numbers::ln2 / std::max(worst.real(), 1e-300));
+    if (worst.real() == 0.0) line = "not stable: a root rests on the axis";
+    if (a.margins.delay_margin) {
+      const double change = *a.margins.delay_margin;
+      line += ", stable with " + milliseconds(std::abs(change)) + (change < 0.0 ? " less delay" : " more delay");
+    }
+    return line;
+  }
+  if (!a.margins.delay_margin) return "stable at any delay from here up to 1 s";
+  return "stable, " + milliseconds(*a.margins.delay_margin) + " of delay left";
+}
+
+}  // namespace host_sim::stability
