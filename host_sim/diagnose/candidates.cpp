@@ -44,7 +44,8 @@ Starts product(const Starts& first, const Starts& second) {
 std::optional<double> repeated_extreme(const std::vector<double>& data) {
   double highest = 0.0;
   for (const double v : data) highest = std::max(highest, std::abs(v));
-  const auto count = std::count_if(data.begin(), data.end(), [&](double v) { return std::abs(v) >= highest * (1.0 - 1e-9); });
+  const auto count =
+      std::count_if(data.begin(), data.end(), [&](double v) { return std::abs(v) >= highest * (1.0 - 1e-9); });
   if (count < 4 || highest == 0.0) return std::nullopt;
   return highest;
 }
@@ -96,7 +97,8 @@ Starts starts_of(const CatalogueEntry& entry, const Case& all, const Scales& s, 
   if (name == "progressive_tyre") {
     return times(s.tyre_force / std::pow(std::max(s.tyre_deflection, 1e-12), 3), {0.03, -0.03});
   }
-  if (name == "bump_stop") return product(times(s.deflection_peak, {0.3, 0.5, 0.7, 0.85}), times(stiffness, {0.3, 3.0}));
+  if (name == "bump_stop")
+    return product(times(s.deflection_peak, {0.3, 0.5, 0.7, 0.85}), times(stiffness, {0.3, 3.0}));
   if (name == "backlash") return times(s.deflection, {0.03, 0.1, 0.3, 1.0});
   if (name == "top_mount") return times(stiffness, {3.0, 10.0, 30.0, 100.0});
   if (name == "relaxation") return product(times(stiffness, {0.05, 0.3}), times(1e-3, {2.0, 10.0, 50.0, 250.0}));
@@ -139,7 +141,8 @@ Scales scales_of(const Case& all, const Hypothesis& hypothesis, const std::vecto
       enlarge(s.foot_acceleration, std::sqrt(squares / static_cast<double>(e.drive.size())));
     }
     std::vector<double> velocity(deflection.size());
-    for (std::size_t k = 1; k < deflection.size(); ++k) velocity[k] = (deflection[k] - deflection[k - 1]) / e.drive.period;
+    for (std::size_t k = 1; k < deflection.size(); ++k)
+      velocity[k] = (deflection[k] - deflection[k - 1]) / e.drive.period;
     const Size d = size_of(deflection), v = size_of(velocity);
     enlarge(s.deflection, d.rms);
     enlarge(s.deflection_peak, d.peak);

@@ -6,15 +6,17 @@
 
 #include "host_sim/diagnose/carried_noise.hpp"
 #include "host_sim/diagnose/rest.hpp"
+#include "host_sim/diagnose/virtual_car.hpp"
 #include "host_sim/input_error.hpp"
+#include "host_sim/spectrum.hpp"
 
 namespace host_sim::diagnose {
 namespace {
 
 using model::Channel;
 
-/// Odds below which two explanations count as not told apart. (A simpler effect that is a limit of its rival wins by the
-/// price of a parameter, e^5.)
+/// Odds below which two explanations count as not told apart. (A simpler effect that is a limit of its rival wins by
+/// the price of a parameter, e^5.)
 constexpr double too_close = 20.0;
 
 std::vector<CarriedNoise> carried_noises(const std::vector<Evidence>& evidence, const Hypothesis& hypothesis) {
@@ -118,7 +120,8 @@ double separation(const Case& all, const Hypothesis& one, const Hypothesis& othe
     for (const Channel channel : e.channels) {
       const auto c = index(channel);
       double squares = 0.0;
-      for (std::size_t k = e.fit.from; k < e.fit.to; ++k) squares += std::pow(responses[0][c][k] - responses[1][c][k], 2);
+      for (std::size_t k = e.fit.from; k < e.fit.to; ++k)
+        squares += std::pow(responses[0][c][k] - responses[1][c][k], 2);
       sum += squares / std::max(e.noise[c] * e.noise[c], 1e-30);
     }
   }
@@ -189,6 +192,93 @@ std::vector<Place> places(const Case& all, const Findings& findings) {
   return result;
 }
 
+std::vector<Overlay> overlays_of(const Case& all, const Hypothesis& given, const Hypothesis& refit,
+                                 const Hypothesis& after) {
+  const std::size_t r = all.judged.empty() ? all.fitted.front() : all.judged.front();
+  const Evidence& e = all.evidence[r];
+  const Window window = e.judge.size() > 0 ? e.judge : e.fit;
+  const auto respond_with = [&](const Hypothesis& h) {
+    return host_sim::respond(h.rig, e.drive, h.starts[r], window.to);
+  };
+  const Response before_response = respond_with(given), refit_response = respond_with(refit),
+                 after_response = respond_with(after);
+  const double rate = 1.0 / e.drive.period;
+  const auto segment = static_cast<std::size_t>(2.0 * rate), shown = static_cast<std::size_t>(1.5 * rate);
+  std::vector<Overlay> overlays;
+  for (const Channel channel : e.channels) {
+    const auto c = index(channel);
+    const auto& data = e.recording[channel];
+    Overlay overlay;
+    overlay.channel = channel;
+    const auto cut = [&](const std::vector<double>& values) {
+      return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(window.from),
+                                 values.begin() + static_cast<std::ptrdiff_t>(window.to));
+    };
+    const auto density = [&](std::vector<double> values) {
+      const PowerSpectrum spectrum = welch(values, rate, segment);
+      overlay.frequency = spectrum.frequency;
+      return spectrum.density;
+    };
+    const auto error = [&](const Response& response) {
+      std::vector<double> values = cut(data);
+      for (std::size_t k = 0; k < values.size(); ++k) values[k] -= response[c][window.from + k];
+      return density(std::move(values));
+    };
+    overlay.data = density(cut(data));
+    overlay.error_before = error(before_response);
+    overlay.error_refit = error(refit_response);
+    overlay.error_after = error(after_response);
+    std::size_t count = 0;
+    while (count < overlay.frequency.size() && overlay.frequency[count] <= Whitening::highest) ++count;
+    for (auto* values :
+         {&overlay.frequency, &overlay.data, &overlay.error_before, &overlay.error_refit, &overlay.error_after}) {
+      values->resize(count);
+      if (!values->empty()) values->erase(values->begin());  // no place for 0 Hz on a logarithmic axis
+    }
+    overlay.noise = 2.0 * e.noise[c] * e.noise[c] / rate;
+    const std::size_t from = window.from + (window.size() - std::min(shown, window.size())) / 2;
+    for (std::size_t k = from; k < std::min(from + shown, window.to); ++k) {
+      overlay.time.push_back(e.recording.time[k]);
+      overlay.measured.push_back(data[k]);
+      overlay.refit.push_back(refit_response[c][k]);
+      overlay.after.push_back(after_response[c][k]);
+    }
+    overlays.push_back(std::move(overlay));
+  }
+  return overlays;
+}
+
+/// What a reader of the verdict must know beside it.
+std::vector<std::string> remarks_of(const Case& all, const RigDescription& description) {
+  std::vector<std::string> remarks;
+  for (const Evidence& e : all.evidence) {
+    for (const Channel channel : e.channels) {
+      const auto c = index(channel);
+      if (!e.clipped[c].empty()) {
+        const auto count = std::count(e.clipped[c].begin(), e.clipped[c].end(), true);
+        remarks.push_back(e.recording.source + ": " + std::to_string(count) + " clipped samples of " +
+                          std::string(model::name(channel)) + " are left out");
+      }
+      if (!description.noise[c]) {
+        char text[160];
+        std::snprintf(text, sizeof text, "%s: noise of %s not given, estimated as %.3g %s rms",
+                      e.recording.source.c_str(), std::string(model::name(channel)).c_str(), e.noise[c],
+                      std::string(model::unit(channel)).c_str());
+        remarks.emplace_back(text);
+      }
+    }
+    if (e.disagreement > 0.0 && e.input_noise.acceleration == 0.0) {
+      remarks.push_back(e.recording.source +
+                        ": z_r and zdd_r do not tell of one motion; the foot point follows z_r alone");
+    }
+  }
+  if (description.rig.kind == model::RigKind::hil) {
+    remarks.emplace_back(
+        "hil: machine and component are judged on the recorded x_cmd; the car is a number of the program");
+  }
+  return remarks;
+}
+
 }  // namespace
 
 std::string_view name(Verdict verdict) {
@@ -251,6 +341,9 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     result.parameters[tolerated[i].path] =
         interval(fit.unknowns[i], fit.unknowns[i].get(fit.hypothesis), covariance(k, k), temper);
   }
+  for (const auto& [path, car] : virtual_car(description, all.evidence)) {
+    result.parameters[path] = {car.value, car.value - 1.96 * car.error, car.value + 1.96 * car.error};
+  }
   bool close = false;
   for (std::size_t i = 0; i < findings.best.effects.size(); ++i) {
     NamedEffect named{findings.best.effects[i], {}, 0.0, {}};
@@ -261,8 +354,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     }
     double against = 0.0;
     for (const Rival& rival : findings.rivals[i]) {
-      const double apart =
-          rival.cost - findings.best.cost(price) + 0.0;
+      const double apart = rival.cost - findings.best.cost(price) + 0.0;
       const double odds = std::exp(std::min(apart / (2.0 * temper), 300.0));
       against += 1.0 / odds;
       if (named.alternatives.size() == 5) continue;
@@ -294,6 +386,8 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
       result.gap[channel] = {error, refit.at(channel), after.at(channel), floors.at(channel)};
     }
   }
+  result.overlays = overlays_of(all, given, findings.nothing.fit.hypothesis, fit.hypothesis);
+  result.remarks = remarks_of(all, description);
   result.rig = description;
   for (const auto& [path, value] : result.parameters) {
     if (double* const parameter = find_parameter(result.rig.rig, path)) *parameter = value.value;

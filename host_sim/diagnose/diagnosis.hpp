@@ -49,6 +49,15 @@ struct Gap {
   double before, refit, after, noise_floor;
 };
 
+/// A channel of the first recording held out (else fitted), for figures.
+struct Overlay {
+  model::Channel channel;
+  std::vector<double> time, measured, refit, after;                  ///< some seconds in the middle
+  std::vector<double> frequency;                                     ///< [Hz]
+  std::vector<double> data, error_before, error_refit, error_after;  ///< densities [unit²/Hz]
+  double noise;                                                      ///< density of the sensor's noise [unit²/Hz]
+};
+
 struct Diagnosis {
   Verdict verdict;
   std::vector<Place> where;
@@ -56,8 +65,9 @@ struct Diagnosis {
   std::map<model::Channel, Gap> gap;
   std::map<std::string, Interval> parameters;  ///< tolerated, refitted
   bool unexplained = false;
-  std::string rest;          ///< what the unexplained rest looks like, in words; empty without one
-  RigDescription rig;        ///< with effects and refitted parameters
+  std::vector<Overlay> overlays;
+  std::string rest;    ///< what the unexplained rest looks like, in words; empty without one
+  RigDescription rig;  ///< with effects and refitted parameters
   double chi_squared_before = 0.0, chi_squared_refit = 0.0, chi_squared_after = 0.0;  ///< per residual: 1 is noise
   std::size_t simulations = 0;
   std::vector<std::string> remarks;  ///< clipped samples, channels left out, noise estimated

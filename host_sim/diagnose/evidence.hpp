@@ -31,14 +31,14 @@ struct InputNoise {
 struct Evidence {
   Recording recording;
   Drive drive;
-  bool at_rest = false;                     ///< begins at rest; else the state at the first sample is unknown
-  std::vector<model::Channel> channels;     ///< measured, to be explained
-  std::array<double, model::channel_count> noise{};              ///< rms [SI], given or estimated
+  bool at_rest = false;                              ///< begins at rest; else the state at the first sample is unknown
+  std::vector<model::Channel> channels;              ///< measured, to be explained
+  std::array<double, model::channel_count> noise{};  ///< rms [SI], given or estimated
   std::array<std::vector<bool>, model::channel_count> clipped{};  ///< samples not to be trusted; empty: none
   Window fit, judge;
   InputNoise input_noise;
-  /// Of z_r and zdd_r, per sample, about 1 where they tell of one motion; 0 where only one of them is recorded. Where they
-  /// agree the foot point moves on what both say together, else on z_r alone.
+  /// Of z_r and zdd_r, per sample, about 1 where they tell of one motion; 0 where only one of them is recorded. Where
+  /// they agree the foot point moves on what both say together, else on z_r alone.
   double disagreement = 0.0;
 
   [[nodiscard]] std::size_t size() const { return recording.size(); }

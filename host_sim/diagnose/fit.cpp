@@ -31,7 +31,8 @@ Eigen::VectorXd residuals(const Case& all, const std::vector<Response>& response
 Eigen::VectorXd residuals(const Case& all, const Hypothesis& hypothesis) {
   std::vector<Response> responses(all.evidence.size());
   for (const std::size_t r : all.fitted) {
-    responses[r] = host_sim::respond(hypothesis.rig, all.evidence[r].drive, hypothesis.starts[r], all.evidence[r].fit.to);
+    responses[r] =
+        host_sim::respond(hypothesis.rig, all.evidence[r].drive, hypothesis.starts[r], all.evidence[r].fit.to);
   }
   return residuals(all, responses, false);
 }
@@ -135,7 +136,8 @@ Eigen::MatrixXd Fit::covariance() const {
   return h.ldlt().solve(Eigen::MatrixXd::Identity(h.rows(), h.cols()));
 }
 
-Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int most, const Eigen::MatrixXd& known_slope) {
+Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int most,
+        const Eigen::MatrixXd& known_slope) {
   Fit result;
   result.hypothesis = std::move(start);
   result.unknowns = std::move(unknowns);

@@ -14,7 +14,7 @@ namespace host_sim::diagnose {
 /// The recordings and what their residuals are measured with.
 struct Case {
   std::vector<Evidence> evidence;
-  std::vector<Whitening> fit;    ///< by recording; a window of size 0 has none
+  std::vector<Whitening> fit;  ///< by recording; a window of size 0 has none
   std::vector<Whitening> judge;
   std::vector<std::size_t> fitted, judged;  ///< which recordings these belong to
 };

@@ -25,13 +25,13 @@ struct Hypothesis {
 ///   value = scale · e^u             effect parameters that are positive
 struct Unknown {
   enum class Role : unsigned char { tolerated, effect, start } role;
-  std::string path;          ///< of tolerated and effect parameters
-  std::size_t recording{};   ///< of start states
-  int state{};               ///< of start states: z_w, ż_w, z_b, ż_b, y, ẏ
+  std::string path;         ///< of tolerated and effect parameters
+  std::size_t recording{};  ///< of start states
+  int state{};              ///< of start states: z_w, ż_w, z_b, ż_b, y, ẏ
   double centre{}, scale{};
   bool logarithmic = false;
-  double lower{}, upper{};   ///< bounds of u
-  double step{};             ///< of u, for differences
+  double lower{}, upper{};  ///< bounds of u
+  double step{};            ///< of u, for differences
 
   [[nodiscard]] double value(double u) const;
   [[nodiscard]] double coordinate(double value) const;

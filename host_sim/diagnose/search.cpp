@@ -106,7 +106,8 @@ class Search {
         ++simulations;
         if (change.allFinite()) scanned[i].starts.emplace_back(known.gain(change), values);
       }
-      std::sort(scanned[i].starts.begin(), scanned[i].starts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+      std::sort(scanned[i].starts.begin(), scanned[i].starts.end(),
+                [](const auto& a, const auto& b) { return a.first > b.first; });
     });
     std::erase_if(scanned, [](const Scanned& s) { return s.starts.empty(); });
     std::sort(scanned.begin(), scanned.end(),
@@ -138,9 +139,8 @@ class Search {
     if (scanned.size() > tried) scanned.resize(tried);
     std::vector<Explanation> list(scanned.size());
     for_all(scanned.size(), [&](std::size_t i) { list[i] = refined(base, scanned[i]); });
-    std::sort(list.begin(), list.end(), [this](const Explanation& a, const Explanation& b) {
-      return a.cost(price_) < b.cost(price_);
-    });
+    std::sort(list.begin(), list.end(),
+              [this](const Explanation& a, const Explanation& b) { return a.cost(price_) < b.cost(price_); });
     if (list.size() > keep) list.resize(keep);
     return list;
   }
@@ -229,7 +229,8 @@ Findings search(const Case& all, const Hypothesis& given, const std::vector<Unkn
       }
       for (Explanation& e : search.extended(rest, scales, tried, tried)) {
         const PlacedEffect& other = e.effects.back();
-        if (other.entry == findings.best.effects[i].entry && other.channel == findings.best.effects[i].channel) continue;
+        if (other.entry == findings.best.effects[i].entry && other.channel == findings.best.effects[i].channel)
+          continue;
         if (e.cost(price) < findings.best.cost(price) - 1.0) {
           Explanation full = search.fitted(e.fit.hypothesis, e.effects, 6);
           if (full.cost(price) < findings.best.cost(price) - 1.0) {

@@ -12,9 +12,9 @@ namespace host_sim::diagnose {
 
 /// What an effect must gain to be believed, in χ² of whitened residuals.
 struct Price {
-  double effect = 30.0;           ///< for each effect
-  double parameter = 10.0;        ///< and each of its parameters
-  double first_share = 0.03;      ///< of what is left over beyond noise
+  double effect = 30.0;       ///< for each effect
+  double parameter = 10.0;    ///< and each of its parameters
+  double first_share = 0.03;  ///< of what is left over beyond noise
   double later_share = 0.30;
 };
 
@@ -29,12 +29,12 @@ struct Explanation {
 /// An effect that could stand in the place of one that was named.
 struct Rival {
   PlacedEffect effect;
-  double cost;             ///< of the explanation with it
-  Hypothesis hypothesis;   ///< that explanation
+  double cost;            ///< of the explanation with it
+  Hypothesis hypothesis;  ///< that explanation
 };
 
 struct Findings {
-  Explanation nothing;            ///< only the tolerated parameters refitted
+  Explanation nothing;  ///< only the tolerated parameters refitted
   Explanation best;
   std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
   std::size_t simulations = 0;

@@ -41,7 +41,8 @@ Whitening::Whitening(const Evidence& evidence, Window window, const std::vector<
   const auto ramp = std::min(length_ / 4, static_cast<std::size_t>(0.25 / period_) + 1);
   taper_.assign(length_, 1.0);
   for (std::size_t k = 0; k < ramp; ++k) {
-    const double w = 0.5 - 0.5 * std::cos(std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(ramp));
+    const double w =
+        0.5 - 0.5 * std::cos(std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(ramp));
     taper_[k] = taper_[length_ - 1 - k] = w;
   }
   double squares = 0.0;

@@ -23,8 +23,8 @@ namespace host_sim::diagnose {
 /// source (carried_noise.hpp); S_c: spectrum of the channel; ε: what the simulation itself is off.
 class Whitening {
  public:
-  static constexpr double band = 1.0;        ///< [Hz], in which Σ is taken to be one matrix
-  static constexpr double highest = 90.0;    ///< [Hz]
+  static constexpr double band = 1.0;      ///< [Hz], in which Σ is taken to be one matrix
+  static constexpr double highest = 90.0;  ///< [Hz]
   static constexpr double simulation_error = 2e-4;
 
   Whitening(const Evidence& evidence, Window window, const std::vector<Eigen::MatrixXcd>& input_noise = {});
@@ -51,7 +51,7 @@ class Whitening {
   std::vector<double> taper_;
   [[nodiscard]] std::size_t band_of(std::size_t bin) const;
 
-  std::vector<Eigen::MatrixXcd> factors_;   // Σ^{−½} by band
+  std::vector<Eigen::MatrixXcd> factors_;    // Σ^{−½} by band
   std::vector<Eigen::VectorXd> deviations_;  // √Σ_cc by band
 };
 
