@@ -17,17 +17,17 @@ template <class Slot>
 using EffectOf = std::remove_cvref_t<decltype(std::declval<Slot>().effect)>;
 
 template <class Effect>
-CatalogueEntry entry_of() {
+CatalogueEntry entry_of(bool of_channel) {
   const auto& card = Effect::card;
-  return {card.name, card.place, card.rigs, card.needs_fdva, card.parameters, card.equation, card.shows};
+  return {card.name, card.place, card.rigs, card.needs_fdva, card.parameters, card.equation, card.shows, of_channel};
 }
 
 std::vector<CatalogueEntry> all_entries() {
   std::vector<CatalogueEntry> entries;
   const Rig rig;
-  rig.effects.for_each([&](const auto& slot) { entries.push_back(entry_of<EffectOf<decltype(slot)>>()); });
+  rig.effects.for_each([&](const auto& slot) { entries.push_back(entry_of<EffectOf<decltype(slot)>>(false)); });
   rig.effects.for_each_sensor([&](const auto& slot, Channel channel) {
-    if (channel == model::channel_at(0)) entries.push_back(entry_of<EffectOf<decltype(slot)>>());
+    if (channel == model::channel_at(0)) entries.push_back(entry_of<EffectOf<decltype(slot)>>(true));
   });
   return entries;
 }
@@ -94,7 +94,7 @@ void remove_effect(Rig& rig, const CatalogueEntry& entry, std::optional<Channel>
 
 bool has_place(const Rig& rig, const CatalogueEntry& entry, std::optional<Channel> channel) {
   if (!entry.rigs.contains(rig.kind) || (entry.needs_fdva && !rig.has_fdva)) return false;
-  if (entry.of_sensor() != channel.has_value()) return false;
+  if (entry.of_channel != channel.has_value()) return false;
   return !channel || model::has_sensor(rig.kind, *channel);
 }
 

@@ -21,8 +21,7 @@ struct CatalogueEntry {
   std::span<const model::EffectParameter> parameters;
   std::string_view equation;
   std::string_view shows;
-
-  [[nodiscard]] bool of_sensor() const { return place == model::Place::sensor; }
+  bool of_channel;  ///< of a channel's sensor: names its channel
 };
 
 /// All of them, in the order of the one list.

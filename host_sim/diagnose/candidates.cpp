@@ -166,7 +166,7 @@ std::vector<Candidate> candidates(const Case& all, const Hypothesis& hypothesis,
   const Evidence& first = all.evidence.front();
   std::vector<Candidate> list;
   for (const CatalogueEntry& entry : catalogue()) {
-    if (entry.of_sensor()) {
+    if (entry.of_channel) {
       for (const Channel channel : first.channels) {
         if (!has_place(hypothesis.rig, entry, channel) || is_present(entry, channel)) continue;
         Starts starts = sensor_starts(entry.name, all, channel, scales);

@@ -22,7 +22,7 @@ std::vector<PlacedEffect> all_effects(const model::RigParameters<double>& rig) {
   std::vector<PlacedEffect> effects;
   for (const CatalogueEntry& entry : catalogue()) {
     std::vector<std::optional<Channel>> channels{std::nullopt};
-    if (entry.of_sensor()) {
+    if (entry.of_channel) {
       channels.clear();
       for (std::size_t c = 0; c < model::channel_count; ++c) channels.emplace_back(model::channel_at(c));
     }

@@ -62,6 +62,7 @@ Recording recorded(const ReferenceRig& rig, const RigDescription& description, s
 
 RigDescription car_description() {
   RigDescription d = support::rig("paper_rig_fdva");
+  remove_effect(d.rig, *find_effect("force_sensor_inertia"), std::nullopt);
   d.tolerance = {{"body.mass", 0.01}, {"tyre.stiffness", 0.03}, {"suspension.stiffness", 0.03}};
   for (const auto& [channel, rms] :
        {std::pair(Channel::z_r, 2e-5), std::pair(Channel::zdd_r, 0.05), std::pair(Channel::zdd_w, 0.05),
