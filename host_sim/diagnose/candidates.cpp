@@ -69,8 +69,7 @@ Starts sensor_starts(std::string_view name, const Case& all, Channel channel, co
       if (!e.recording.has(channel)) continue;
       if (const auto limit = repeated_extreme(e.recording[channel])) starts.push_back({*limit});
     }
-    for (const auto& s : times(scales.peak[c], {0.9, 0.7, 0.5, 0.3})) starts.push_back(s);
-    return starts;
+    return starts;  // a limit shows by an extreme that is repeated, or it is not there
   }
   Starts starts;
   for (const Evidence& e : all.evidence) {
