@@ -7,6 +7,7 @@
 #include <iostream>
 #include <new>
 
+#include "host_sim/diagnose_command.hpp"
 #include "host_sim/frf_command.hpp"
 #include "host_sim/input_error.hpp"
 #include "host_sim/paper_command.hpp"
@@ -114,6 +115,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_stability(app, stability_options);
   FrfOptions frf_options;
   add_frf(app, frf_options);
+  DiagnoseOptions diagnose_options;
+  add_diagnose(app, diagnose_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   try {

@@ -11,6 +11,10 @@ trap 'rm -rf "$folder"' EXIT
 "$rigtwin" stability --rig host_sim/rigs/paper_hil_fdva.toml --map tau=0:0.03:60,virtual_damping=0:2000:60 \
   --sweep virtual_damping=0:2000:41 --sweep tau=0:0.02:21 \
   --report "$folder/stability.html" >"$folder/stability.txt"
+sed '/^\[effects.coulomb_friction\]/,/^$/d' host_sim/rigs/paper_bench_fdva.toml >"$folder/bench.toml"
+"$rigtwin" simulate --rig host_sim/rigs/paper_bench_fdva.toml --duration 8 --out "$folder/bench.csv" >"$folder/bench.txt"
+"$rigtwin" diagnose --rig "$folder/bench.toml" --data "$folder/bench.csv" --out "$folder/diagnosis" >"$folder/diagnosis.txt"
+mv "$folder/diagnosis/report.html" "$folder/diagnosis.html"
 
 # browse PAGE WIDTH,HEIGHT OPTION… -- opens a page; what the browser prints is in out and err.
 browse() {
@@ -41,7 +45,7 @@ examine() {
   svgs=$(grep -o 'class="main-svg"' "$folder/out" | wc -l)
   echo "$1 at $2: $figures figures, $(attribute drawn) drawn, $(attribute traces) with something in them, $svgs drawings," \
     "$(attribute requests) requests, $(attribute errors) errors"
-  [ "${figures:-0}" -gt 5 ] || complain "  too few figures"
+  [ "${figures:-0}" -ge 5 ] || complain "  too few figures"
   [ "$(attribute drawn)" = "$figures" ] || complain "  not every figure is drawn"
   [ "$(attribute traces)" = "$figures" ] || complain "  a figure is empty"
   [ "$svgs" -ge "$figures" ] || complain "  fewer drawings than figures"
@@ -57,6 +61,7 @@ examine() {
 
 examine report.html 1366,768
 examine stability.html 390,844
+examine diagnosis.html 1366,768
 
 browse report.html 1366,768 --no-pdf-header-footer --print-to-pdf="$folder/paper.pdf"
 if grep 'CONSOLE' "$folder/err"; then complain "  ^ the browser's console while printing"; fi

@@ -1,0 +1,101 @@
+#include "host_sim/catalogue.hpp"
+
+#include <array>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "model/rig_model.hpp"
+
+namespace host_sim {
+namespace {
+
+using model::Channel;
+using Rig = model::RigParameters<double>;
+
+template <class Slot>
+using EffectOf = std::remove_cvref_t<decltype(std::declval<Slot>().effect)>;
+
+template <class Effect>
+CatalogueEntry entry_of(bool of_channel) {
+  const auto& card = Effect::card;
+  return {card.name, card.place, card.rigs, card.needs_fdva, card.parameters, card.equation, card.shows, of_channel};
+}
+
+std::vector<CatalogueEntry> all_entries() {
+  std::vector<CatalogueEntry> entries;
+  const Rig rig;
+  rig.effects.for_each([&](const auto& slot) { entries.push_back(entry_of<EffectOf<decltype(slot)>>(false)); });
+  rig.effects.for_each_sensor([&](const auto& slot, Channel channel) {
+    if (channel == model::channel_at(0)) entries.push_back(entry_of<EffectOf<decltype(slot)>>(true));
+  });
+  return entries;
+}
+
+/// visit(slot) of the effect of that name and channel.
+template <class AnyRig, class Visitor>
+void visit_slot(AnyRig& rig, std::string_view name, std::optional<Channel> channel, const Visitor& visit) {
+  if (channel) {
+    rig.effects.for_each_sensor([&](auto& slot, Channel of) {
+      if (of == *channel && EffectOf<decltype(slot)>::card.name == name) visit(slot);
+    });
+  } else {
+    rig.effects.for_each([&](auto& slot) {
+      if (EffectOf<decltype(slot)>::card.name == name) visit(slot);
+    });
+  }
+}
+
+template <class Slot>
+PlacedEffect placed(const Slot& slot, std::optional<Channel> channel) {
+  using Effect = EffectOf<Slot>;
+  PlacedEffect effect{find_effect(Effect::card.name), channel, {}};
+  for (const auto& value : Effect::values) effect.values.push_back(slot.effect.*value);
+  return effect;
+}
+
+}  // namespace
+
+std::span<const CatalogueEntry> catalogue() {
+  static const std::vector<CatalogueEntry> entries = all_entries();
+  return entries;
+}
+
+const CatalogueEntry* find_effect(std::string_view name) {
+  for (const CatalogueEntry& entry : catalogue()) {
+    if (entry.name == name) return &entry;
+  }
+  return nullptr;
+}
+
+std::vector<PlacedEffect> effects_of(const Rig& rig) {
+  std::vector<PlacedEffect> effects;
+  rig.effects.for_each([&](const auto& slot) {
+    if (slot.active) effects.push_back(placed(slot, std::nullopt));
+  });
+  rig.effects.for_each_sensor([&](const auto& slot, Channel channel) {
+    if (slot.active) effects.push_back(placed(slot, channel));
+  });
+  return effects;
+}
+
+void put_effect(Rig& rig, const PlacedEffect& effect) {
+  visit_slot(rig, effect.entry->name, effect.channel, [&](auto& slot) {
+    slot.active = true;
+    for (std::size_t i = 0; i < effect.values.size(); ++i) {
+      slot.effect.*EffectOf<decltype(slot)>::values[i] = effect.values[i];
+    }
+  });
+}
+
+void remove_effect(Rig& rig, const CatalogueEntry& entry, std::optional<Channel> channel) {
+  visit_slot(rig, entry.name, channel, [](auto& slot) { slot = {}; });
+}
+
+bool has_place(const Rig& rig, const CatalogueEntry& entry, std::optional<Channel> channel) {
+  if (!entry.rigs.contains(rig.kind) || (entry.needs_fdva && !rig.has_fdva)) return false;
+  if (entry.of_channel != channel.has_value()) return false;
+  return !channel || model::has_sensor(rig.kind, *channel);
+}
+
+}  // namespace host_sim

@@ -1,0 +1,84 @@
+// Where rig and model disagree, which effect is missing, and what is left when it is there.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_sim/diagnose/search.hpp"
+#include "host_sim/recording.hpp"
+#include "host_sim/rig_description.hpp"
+
+namespace host_sim::diagnose {
+
+enum class Verdict : unsigned char { no_discrepancy, named, ambiguous, unexplained };
+[[nodiscard]] std::string_view name(Verdict verdict);
+
+/// A value with the interval that holds the truth with 95 %.
+struct Interval {
+  double value, lower, upper;
+};
+
+/// An effect that could stand in another's place.
+struct Alternative {
+  PlacedEffect effect;
+  double odds_against;
+  std::string separate_by;  ///< the experiment, where the two are close
+};
+
+struct NamedEffect {
+  PlacedEffect effect;
+  std::vector<Interval> parameters;
+  double confidence;
+  std::vector<Alternative> alternatives;  ///< the nearest first
+};
+
+/// Where the power lies that refitted tolerances do not explain.
+struct Place {
+  model::Channel channel;
+  double lowest, highest;  ///< band [Hz]
+  std::string subsystem;
+  double share;
+};
+
+/// rms of the error ÷ rms of the channel, on data not used for choosing or fitting.
+struct Gap {
+  double before, refit, after, noise_floor;
+};
+
+/// A channel of the first recording held out (else fitted), for figures.
+struct Overlay {
+  model::Channel channel;
+  std::vector<double> time, measured, refit, after;                  ///< some seconds in the middle
+  std::vector<double> frequency;                                     ///< [Hz]
+  std::vector<double> data, error_before, error_refit, error_after;  ///< densities [unit²/Hz]
+  double noise;                                                      ///< density of the sensor's noise [unit²/Hz]
+};
+
+struct Diagnosis {
+  Verdict verdict;
+  std::vector<Place> where;
+  std::vector<NamedEffect> effects;
+  std::map<model::Channel, Gap> gap;
+  std::map<std::string, Interval> parameters;  ///< tolerated, refitted
+  bool unexplained = false;
+  std::vector<Overlay> overlays;
+  std::string rest;    ///< what the unexplained rest looks like, in words; empty without one
+  RigDescription rig;  ///< with effects and refitted parameters
+  double chi_squared_before = 0.0, chi_squared_refit = 0.0, chi_squared_after = 0.0;  ///< per residual: 1 is noise
+  std::size_t simulations = 0;
+  std::vector<std::string> remarks;  ///< clipped samples, channels left out, noise estimated
+};
+
+struct Record {
+  Recording recording;
+  Use use;
+};
+
+/// InputError where the recordings are unfit.
+[[nodiscard]] Diagnosis diagnose(const RigDescription& description, std::vector<Record> records, const Tell& tell = {});
+
+}  // namespace host_sim::diagnose

@@ -1,0 +1,102 @@
+#include "host_sim/diagnose/rest.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace host_sim::diagnose {
+namespace {
+
+constexpr std::array<double, 14> edges{0.0, 0.5, 1.0, 2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 18.0, 26.0, 40.0, 60.0, 90.0};
+constexpr std::size_t bands = edges.size() - 1;
+
+struct Power {
+  double squares = 0.0, count = 0.0;
+  [[nodiscard]] double excess() const { return squares - count; }
+  [[nodiscard]] double significance() const { return count > 0.0 ? excess() / std::sqrt(2.0 * count) : 0.0; }
+};
+using Table = std::vector<std::array<Power, bands>>;  // by channel
+
+Table table(const Case& all, const Hypothesis& hypothesis, bool held_out) {
+  const auto responses = respond(all, hypothesis);
+  const auto& whitenings = held_out ? all.judge : all.fit;
+  const auto& recordings = held_out ? all.judged : all.fitted;
+  const std::size_t channels = all.evidence.front().channels.size();
+  Table result(channels);
+  for (std::size_t i = 0; i < whitenings.size(); ++i) {
+    const Whitening& whitening = whitenings[i];
+    std::vector<double> values;
+    whitening.by_channel(all.evidence[recordings[i]], responses[recordings[i]], values);
+    for (std::size_t k = 0; k < whitening.bins(); ++k) {
+      const auto above = std::upper_bound(edges.begin(), edges.end(), whitening.frequency(k));
+      const auto b = std::min(bands - 1, static_cast<std::size_t>(above - edges.begin()) - 1);
+      for (std::size_t c = 0; c < channels; ++c) {
+        for (std::size_t part = 0; part < 2; ++part) {
+          const double v = values[2 * (k * channels + c) + part];
+          result[c][b].squares += v * v;
+          result[c][b].count += 1.0;
+        }
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<ChannelExcess> channel_excesses(const Case& all, const Hypothesis& hypothesis) {
+  const Table powers = table(all, hypothesis, false);
+  std::vector<ChannelExcess> result;
+  for (std::size_t c = 0; c < powers.size(); ++c) {
+    ChannelExcess e{all.evidence.front().channels[c], 0.0, 0.0, 0.0, edges.back()};
+    for (const Power& p : powers[c]) {
+      e.excess += std::max(p.excess(), 0.0);
+      e.significance = std::max(e.significance, p.significance());
+    }
+    double sum = 0.0;
+    bool begun = false;
+    for (std::size_t b = 0; b < bands && e.excess > 0.0; ++b) {
+      sum += std::max(powers[c][b].excess(), 0.0);
+      if (!begun && sum >= 0.1 * e.excess) {
+        e.lowest = edges[b];
+        begun = true;
+      }
+      if (sum >= 0.9 * e.excess) {
+        e.highest = edges[b + 1];
+        break;
+      }
+    }
+    result.push_back(e);
+  }
+  return result;
+}
+
+Rest rest_of(const Case& all, const Hypothesis& hypothesis) {
+  const Table fitted = table(all, hypothesis, false);
+  const Table judged = all.judged.empty() ? Table() : table(all, hypothesis, true);
+  Rest rest;
+  for (std::size_t c = 0; c < fitted.size(); ++c) {
+    for (std::size_t b = 0; b < bands; ++b) {
+      double z = fitted[c][b].significance();
+      double share = fitted[c][b].excess() / std::max(fitted[c][b].count, 1.0);
+      if (!judged.empty()) {
+        // The held-out quarter has half the significance.
+        z = std::min(z, 2.0 * judged[c][b].significance());
+        share = std::min(share, judged[c][b].excess() / std::max(judged[c][b].count, 1.0));
+      }
+      if (share < 0.15 || z <= rest.strongest) continue;
+      rest.strongest = z;
+      char words[160];
+      std::snprintf(words, sizeof words, "%s, %.3g to %.3g Hz: %.1f times the power of its noise",
+                    std::string(model::name(all.evidence.front().channels[c])).c_str(), edges[b], edges[b + 1],
+                    1.0 + share);
+      rest.words = words;
+    }
+  }
+  rest.significant = rest.strongest > significant;
+  if (!rest.significant) rest.words.clear();
+  return rest;
+}
+
+}  // namespace host_sim::diagnose

@@ -1,0 +1,31 @@
+// What is left over, and where.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_sim/diagnose/fit.hpp"
+
+namespace host_sim::diagnose {
+
+/// Standard deviations by which power must be above noise to count.
+inline constexpr double significant = 8.0;
+
+/// A channel's power beyond its noise in the fitted windows, in units of its noise.
+struct ChannelExcess {
+  model::Channel channel;
+  double excess;           ///< Σ (χ² − n) over the bands where it is positive
+  double significance;     ///< of the strongest band [standard deviations]
+  double lowest, highest;  ///< band that holds the middle 80 % of it [Hz]
+};
+[[nodiscard]] std::vector<ChannelExcess> channel_excesses(const Case& all, const Hypothesis& hypothesis);
+
+/// Whether something is left that is not noise: in one channel and band, on fitted and on held-out data.
+struct Rest {
+  bool significant = false;
+  double strongest = 0.0;  ///< [standard deviations]
+  std::string words;       ///< channel, band
+};
+[[nodiscard]] Rest rest_of(const Case& all, const Hypothesis& hypothesis);
+
+}  // namespace host_sim::diagnose

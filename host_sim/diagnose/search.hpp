@@ -1,0 +1,53 @@
+// Which effects, alone or together, explain what is left over.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host_sim/diagnose/candidates.hpp"
+#include "host_sim/diagnose/fit.hpp"
+
+namespace host_sim::diagnose {
+
+/// What an effect must gain to be believed, in χ² of whitened residuals.
+struct Price {
+  double effect = 30.0;       ///< for each effect
+  double parameter = 10.0;    ///< and each of its parameters
+  double first_share = 0.03;  ///< of what is left over beyond noise
+  double later_share = 0.30;
+};
+
+/// A set of effects, fitted.
+struct Explanation {
+  Fit fit;
+  std::vector<PlacedEffect> effects;  ///< those found, without those of the rig description
+
+  [[nodiscard]] double cost(const Price& price) const;
+};
+
+/// An effect that could stand in the place of one that was named.
+struct Rival {
+  PlacedEffect effect;
+  double cost;            ///< of the explanation with it
+  Hypothesis hypothesis;  ///< that explanation
+};
+
+struct Findings {
+  Explanation nothing;  ///< only the tolerated parameters refitted
+  Explanation best;
+  std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
+  std::size_t simulations = 0;
+};
+
+using Tell = std::function<void(double share, const std::string& what)>;
+
+/// Forward with a beam of two, then backward, then each effect against every other candidate.
+[[nodiscard]] Findings search(const Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
+                              const std::vector<Unknown>& starts, const Price& price, const Tell& tell);
+
+/// Findings under a new whitening: everything fitted again from where it was, the candidates kept.
+[[nodiscard]] Findings polish(const Case& all, const Findings& found, const std::vector<Unknown>& tolerated,
+                              const std::vector<Unknown>& starts, const Price& price);
+
+}  // namespace host_sim::diagnose

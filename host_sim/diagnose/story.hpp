@@ -1,0 +1,22 @@
+// A diagnosis told to a person.
+#pragma once
+
+#include <string>
+
+#include "host_sim/diagnose/diagnosis.hpp"
+
+namespace host_sim::diagnose {
+
+/// The verdict in one sentence.
+[[nodiscard]] std::string sentence(const Diagnosis& diagnosis);
+
+/// "sensor_lag of F", "coulomb_friction"
+[[nodiscard]] std::string words(const PlacedEffect& effect);
+
+/// report.html: the story, gaps, overlays in time and frequency, where, rivals, parameters, the rig description.
+[[nodiscard]] std::string report_html(const Diagnosis& diagnosis, const RigDescription& given);
+
+/// What an effect is, its equation, how it shows: for --explain.
+[[nodiscard]] std::string explanation(const CatalogueEntry& entry);
+
+}  // namespace host_sim::diagnose

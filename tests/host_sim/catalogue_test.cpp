@@ -1,0 +1,164 @@
+// The catalogue by name, and rig descriptions written and read back.
+#include "host_sim/catalogue.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "host_sim/response.hpp"
+#include "host_sim/rig_writer.hpp"
+#include "tests/support/rig_texts.hpp"
+
+namespace {
+
+using host_sim::catalogue;
+using host_sim::CatalogueEntry;
+using host_sim::PlacedEffect;
+using host_sim::RigDescription;
+using model::Channel;
+
+/// Each effect of the catalogue on a rig, with values inside its bounds that a rig can have.
+std::vector<PlacedEffect> all_effects(const model::RigParameters<double>& rig) {
+  std::vector<PlacedEffect> effects;
+  for (const CatalogueEntry& entry : catalogue()) {
+    std::vector<std::optional<Channel>> channels{std::nullopt};
+    if (entry.of_channel) {
+      channels.clear();
+      for (std::size_t c = 0; c < model::channel_count; ++c) channels.emplace_back(model::channel_at(c));
+    }
+    for (const auto channel : channels) {
+      if (!has_place(rig, entry, channel)) continue;
+      PlacedEffect effect{&entry, channel, {}};
+      for (const model::EffectParameter& p : entry.parameters) {
+        effect.values.push_back(p.unit == "s" ? 0.0123 : (p.unit == "Hz" ? 25.5 : (p.unit == "m" ? 0.0101 : 3000.7)));
+        if (p.name == "damping_ratio" || p.name == "mass" || p.name == "gain" || p.name == "velocity") {
+          effect.values.back() = 0.71;
+        }
+      }
+      effects.push_back(effect);
+    }
+  }
+  return effects;
+}
+
+const std::vector<std::string_view> texts{support::hil_text, support::quarter_car_text, support::bench_text};
+
+// The contract's catalogue, whole and each name once.
+TEST(Catalogue, HoldsTheEffectsOfTheContract) {
+  std::set<std::string_view> names;
+  for (const CatalogueEntry& entry : catalogue()) {
+    names.insert(entry.name);
+    EXPECT_EQ(host_sim::find_effect(entry.name), &entry);
+    EXPECT_FALSE(entry.equation.empty());
+    EXPECT_FALSE(entry.shows.empty());
+  }
+  EXPECT_EQ(names.size(), 26U);
+  EXPECT_EQ(catalogue().size(), 26U);
+  EXPECT_EQ(host_sim::find_effect("nothing"), nullptr);
+}
+
+// Law. What is put into a rig is what is read out of it, and only that.
+TEST(Catalogue, PutsAndRemovesEffects) {
+  const RigDescription description = host_sim::parse_rig(support::quarter_car_text, "rig");
+  for (const PlacedEffect& effect : all_effects(description.rig)) {
+    SCOPED_TRACE(effect.entry->name);
+    auto rig = description.rig;
+    put_effect(rig, effect);
+    const auto found = host_sim::effects_of(rig);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].entry, effect.entry);
+    EXPECT_EQ(found[0].channel, effect.channel);
+    EXPECT_EQ(found[0].values, effect.values);
+    remove_effect(rig, *effect.entry, effect.channel);
+    EXPECT_TRUE(host_sim::effects_of(rig).empty());
+  }
+}
+
+// Places: guides exist only in hardware, machines not beside a quarter car, a hil rig senses F and x_act alone.
+TEST(Catalogue, KnowsWhichRigHasAPlaceForAnEffect) {
+  const auto hil = host_sim::parse_rig(support::hil_text, "rig").rig;
+  const auto car = host_sim::parse_rig(support::quarter_car_text, "rig").rig;
+  const auto has = [](const auto& rig, const char* name, std::optional<Channel> channel = {}) {
+    return has_place(rig, *host_sim::find_effect(name), channel);
+  };
+  EXPECT_TRUE(has(car, "body_guide_friction"));
+  EXPECT_FALSE(has(hil, "body_guide_friction"));
+  EXPECT_TRUE(has(hil, "actuator_delay"));
+  EXPECT_FALSE(has(car, "actuator_delay"));
+  EXPECT_TRUE(has(hil, "sensor_lag", Channel::F));
+  EXPECT_FALSE(has(hil, "sensor_lag", Channel::F_w));
+  EXPECT_TRUE(has(car, "sensor_lag", Channel::F_w));
+  EXPECT_FALSE(has(car, "sensor_lag"));
+  EXPECT_TRUE(has(hil, "seal_friction"));
+  auto plain = hil;
+  plain.has_fdva = false;
+  EXPECT_FALSE(has(plain, "seal_friction"));
+}
+
+// Round trip of every effect on every kind of rig: written, read, the same bits, and a model can be made of it.
+TEST(RigWriter, WritesWhatReadsBackForEveryEffect) {
+  for (const std::string_view text : texts) {
+    const RigDescription plain = host_sim::parse_rig(text, "rig");
+    for (const PlacedEffect& effect : all_effects(plain.rig)) {
+      SCOPED_TRACE(std::string(name(plain.rig.kind)) + " " + std::string(effect.entry->name));
+      RigDescription description = plain;
+      put_effect(description.rig, effect);
+      const std::string written = format_rig(description);
+      const RigDescription again = host_sim::parse_rig(written, "again");
+      const auto found = host_sim::effects_of(again.rig);
+      ASSERT_EQ(found.size(), host_sim::effects_of(description.rig).size());
+      EXPECT_EQ(found.back().values, host_sim::effects_of(description.rig).back().values);
+      EXPECT_EQ(format_rig(again), written);
+      EXPECT_FALSE(host_sim::find_rig_fault(again.rig, again.period()));
+    }
+  }
+}
+
+// Everything that a description can say survives.
+TEST(RigWriter, KeepsTheWholeDescription) {
+  constexpr std::string_view more = R"(
+[tolerance]
+"body.mass" = 0.01
+[noise]
+F = 10.25
+x_act = 2e-05
+[range]
+F = [-10000.5, 9000.0]
+[channels]
+F = { column = "Force \"raw\"\\[kN]", scale = 1000.0, offset = -3.5 }
+[limits]
+stroke = 0.2
+speed = 0.6
+force = 20000.0
+ramp = 0.04
+[estimator]
+cross_over = 0.7
+[valves]
+safe = [2, 5]
+plan = [{ t = 1.5, open = 4 }, { t = 2.0, open = [1, 6] }]
+[delay_budget]
+sensor_age = 0.0005
+)";
+  std::string text(support::hil_text);
+  text.append(more);
+  const RigDescription d = host_sim::parse_rig(text, "rig");
+  const RigDescription e = host_sim::parse_rig(format_rig(d), "again");
+  EXPECT_EQ(e.tolerance, d.tolerance);
+  EXPECT_EQ(e.noise, d.noise);
+  EXPECT_EQ(e.range[index(Channel::F)]->lower, -10000.5);
+  EXPECT_EQ(e.channels.at("F").column, "Force \"raw\"\\[kN]");
+  EXPECT_EQ(e.channels.at("F").offset, -3.5);
+  EXPECT_EQ(e.controller.stroke, 0.2);
+  EXPECT_EQ(e.controller.speed, 0.6);
+  EXPECT_EQ(e.controller.force, 20000.0);
+  EXPECT_EQ(e.controller.ramp, 0.04);
+  EXPECT_EQ(e.controller.cross_over, 0.7);
+  EXPECT_EQ(e.controller.safe_ducts, d.controller.safe_ducts);
+  ASSERT_EQ(e.controller.valve_plan.size(), 2U);
+  EXPECT_EQ(e.controller.valve_plan[1].open, d.controller.valve_plan[1].open);
+  EXPECT_EQ(e.delay_budget.sensor_age, 0.0005);
+  EXPECT_EQ(e.rig.fdva.open_ducts, d.rig.fdva.open_ducts);
+  EXPECT_EQ(e.rig.machine.virtual_damping, d.rig.machine.virtual_damping);
+}
+
+}  // namespace

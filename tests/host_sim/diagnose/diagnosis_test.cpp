@@ -1,0 +1,170 @@
+// Whole diagnoses. The recordings come from tests/support/reference_rig, which shares no code with the model.
+#include "host_sim/diagnose/diagnosis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host_sim/diagnose/story.hpp"
+#include "host_sim/response.hpp"
+#include "tests/support/reference_rig.hpp"
+#include "tests/support/reference_road.hpp"
+#include "tests/support/report_page.hpp"
+#include "tests/support/rig_texts.hpp"
+
+namespace {
+
+using namespace host_sim;
+using diagnose::Diagnosis;
+using diagnose::Use;
+using diagnose::Verdict;
+using model::Channel;
+using support::ReferenceRig;
+
+constexpr double period = 1e-3, duration = 16.0;
+
+/// A recording of a reference rig on a class B road with the noise of the paper's sensors.
+Recording recorded(const ReferenceRig& rig, const RigDescription& description, std::uint64_t seed,
+                   double mass_beyond_sensor = 0.0) {
+  std::vector<support::ReferenceInput> input;
+  for (const auto& m : support::random_road(64e-6, period, duration, seed)) {
+    input.push_back({m.position, m.velocity, m.acceleration, 0.0});
+  }
+  const auto samples = support::run_reference(rig, period, input, 40);
+  support::NormalNoise noise(seed + 1000);
+  Recording r;
+  r.sample_period = period;
+  r.time = sample_times(samples.size(), 1.0 / period);
+  r.source = "reference, seed " + std::to_string(seed);
+  const auto put = [&](Channel channel, double value) {
+    r[channel].push_back(value + description.noise[index(channel)].value_or(0.0) * noise());
+  };
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto& s = samples[k];
+    put(Channel::z_r, input[k].position);
+    if (rig.kind == ReferenceRig::Kind::quarter_car) put(Channel::zdd_r, input[k].acceleration);
+    put(Channel::zdd_w, s.zdd_w);
+    put(Channel::zdd_b, s.zdd_b);
+    put(Channel::F_w, s.F_w + mass_beyond_sensor * input[k].acceleration);
+    if (rig.kind == ReferenceRig::Kind::quarter_car) {
+      put(Channel::dz_w, s.dz_w);
+      put(Channel::dz_b, s.dz_b);
+    } else {
+      put(Channel::z_w, s.z_w);
+      put(Channel::z_b, s.z_b);
+      put(Channel::x_cmd, s.x_cmd);
+      put(Channel::x_act, s.x_act);
+      put(Channel::F, s.F);
+    }
+  }
+  return r;
+}
+
+RigDescription car_description() {
+  RigDescription d = support::rig("paper_rig_fdva");
+  remove_effect(d.rig, *find_effect("force_sensor_inertia"), std::nullopt);
+  d.tolerance = {{"body.mass", 0.01}, {"tyre.stiffness", 0.03}, {"suspension.stiffness", 0.03}};
+  for (const auto& [channel, rms] :
+       {std::pair(Channel::z_r, 2e-5), std::pair(Channel::zdd_r, 0.05), std::pair(Channel::zdd_w, 0.05),
+        std::pair(Channel::zdd_b, 0.05), std::pair(Channel::F_w, 10.0), std::pair(Channel::dz_w, 5e-5),
+        std::pair(Channel::dz_b, 5e-5)}) {
+    d.noise[index(channel)] = rms;
+  }
+  return d;
+}
+
+ReferenceRig reference_of(const RigDescription& d) {
+  ReferenceRig rig;
+  rig.kind = d.rig.kind == model::RigKind::hil ? ReferenceRig::Kind::hil : ReferenceRig::Kind::quarter_car;
+  rig.m_b = d.rig.body.mass;
+  rig.m_w = d.rig.wheel.mass;
+  rig.k_t = d.rig.tyre.stiffness;
+  rig.b_t = d.rig.tyre.damping;
+  rig.k_b = d.rig.suspension.stiffness;
+  rig.b_b = d.rig.suspension.damping;
+  rig.virtual_damping = d.rig.machine.virtual_damping;
+  return rig;
+}
+
+/// Paper's first story: a hil rig whose machine is 10 ms late.
+TEST(Diagnosis, NamesTheDelayOfThePapersFirstRig) {
+  RigDescription d = support::rig("paper_hil_fdva");
+  remove_effect(d.rig, *find_effect("actuator_delay"), std::nullopt);
+  d.noise[index(Channel::F)] = 10.0;
+  d.noise[index(Channel::x_act)] = 2e-5;
+  d.tolerance = {{"suspension.stiffness", 0.03}, {"fdva.coupling_stiffness", 0.03}};
+  ReferenceRig truth = reference_of(d);
+  truth.delay = 0.010;
+  const Diagnosis found = diagnose::diagnose(d, {{recorded(truth, d, 21), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::named) << diagnose::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].effect.entry->name, "actuator_delay");
+  EXPECT_NEAR(found.effects[0].parameters[0].value, 0.010, 0.2e-3);  // the figure; noise alone leaves 1e-6
+  EXPECT_GT(found.effects[0].confidence, 0.9);
+  ASSERT_FALSE(found.where.empty());
+  EXPECT_EQ(found.where[0].subsystem, "machine");
+  const auto& gap = found.gap.at(Channel::x_act);
+  EXPECT_GT(gap.before, 10.0 * gap.after);
+  EXPECT_LT(gap.after, 1.15 * gap.noise_floor);
+  EXPECT_LT(found.gap.at(Channel::F).after, 1.15 * found.gap.at(Channel::F).noise_floor);
+  // What was found is a rig again, and its delay is what stability warns of.
+  EXPECT_NEAR(*find_parameter(const_cast<Diagnosis&>(found).rig.rig, "effects.actuator_delay.delay"), 0.010, 0.2e-3);
+}
+
+/// Paper's second story: a mass between force sensor and wheel spring.
+TEST(Diagnosis, NamesTheMassBeyondTheForceSensorOfThePapersSecondRig) {
+  const RigDescription d = car_description();
+  ReferenceRig truth = reference_of(d);
+  truth.k_b *= 1.02;
+  truth.k_t *= 0.99;
+  const Diagnosis found = diagnose::diagnose(d, {{recorded(truth, d, 22, 5.0), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::named) << diagnose::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].effect.entry->name, "force_sensor_inertia");
+  EXPECT_NEAR(found.effects[0].parameters[0].value / 5.0, 1.0, 0.03);
+  EXPECT_LT(found.gap.at(Channel::F_w).after, 1.15 * found.gap.at(Channel::F_w).noise_floor);
+  // Deviations inside the tolerances are no effects.
+  EXPECT_NEAR(found.parameters.at("suspension.stiffness").value / truth.k_b, 1.0, 2e-3);
+  EXPECT_NEAR(found.parameters.at("tyre.stiffness").value / truth.k_t, 1.0, 2e-3);
+
+  const std::string page = diagnose::report_html(found, d);
+  support::expect_sound(page, 1 + 2 * found.overlays.size());
+  EXPECT_NE(page.find("force_sensor_inertia"), std::string::npos);
+}
+
+// Nothing is there but deviations inside the tolerances and noise: no effect is dressed up.
+TEST(Diagnosis, FindsNothingWhereNothingIs) {
+  const RigDescription d = car_description();
+  ReferenceRig truth = reference_of(d);
+  truth.m_b *= 0.993;
+  truth.k_b *= 0.98;
+  const Diagnosis found = diagnose::diagnose(d, {{recorded(truth, d, 23), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << diagnose::sentence(found);
+  EXPECT_TRUE(found.effects.empty());
+  EXPECT_FALSE(found.unexplained);
+}
+
+// The samples that lie beside the project: verdict and effects.
+TEST(Diagnosis, NamesWhatIsHiddenInTheSamples) {
+  if (!std::filesystem::exists(support::shared / "samples")) GTEST_SKIP() << "../shared/samples is missing";
+  struct Answer {
+    const char* folder;
+    Verdict verdict;
+    std::vector<std::string> effects;
+  };
+  for (const Answer& answer :
+       {Answer{"sample_b", Verdict::named, {"sensor_lag"}}, Answer{"sample_e", Verdict::unexplained, {}}}) {
+    SCOPED_TRACE(answer.folder);
+    const auto folder = support::shared / "samples" / answer.folder;
+    const RigDescription d = read_rig(folder / "rig.toml");
+    const Diagnosis found =
+        diagnose::diagnose(d, {{read_recording(folder / "rec1.csv", d.channels, d.sample_rate), Use::shared}});
+    EXPECT_EQ(found.verdict, answer.verdict) << diagnose::sentence(found);
+    ASSERT_EQ(found.effects.size(), answer.effects.size());
+    for (std::size_t i = 0; i < answer.effects.size(); ++i) {
+      EXPECT_EQ(found.effects[i].effect.entry->name, answer.effects[i]);
+    }
+  }
+}
+
+}  // namespace
