@@ -120,7 +120,7 @@ void add_overlays(Report& page, const Diagnosis& diagnosis) {
     spectrum.title = "Error of " + channel + " by frequency";
     spectrum.x = {"frequency", "Hz", true};
     Panel densities;
-    densities.y = {"spectral density", unit + "²/Hz", true};
+    densities.y = {"spectral density", "(" + unit + ")²/Hz", true};
     densities.curves = {{"measured " + channel, overlay.frequency, overlay.data, 6, Dash::dotted},
                         {"error before", overlay.frequency, overlay.error_before, 1, Dash::dashed},
                         {"error, tolerances refitted", overlay.frequency, overlay.error_refit, 5, Dash::dash_dotted},
