@@ -30,8 +30,10 @@ double rounded(double value) {
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts{""};
   for (const char c : text) {
-    if (c == ':') parts.emplace_back();
-    else parts.back() += c;
+    if (c == ':')
+      parts.emplace_back();
+    else
+      parts.back() += c;
   }
   return parts;
 }
@@ -59,12 +61,18 @@ void put(Truth& truth, const std::vector<Hidden>& all, const std::map<std::strin
     std::map<std::string, double> p = hidden.drawn;
     const std::string& name = hidden.candidate.name;
     const double noise = noise_of(truth, hidden.channel);
-    if (name == "sensor_gain") p["gain"] = 1.0 + hidden.sign * p["gain"];
-    else if (name == "sensor_offset") p["offset"] *= hidden.sign * noise;
-    else if (name == "sensor_saturation") p["limit"] *= rms.contains(hidden.channel) ? rms.at(hidden.channel) : 1e9;
-    else if (name == "mains_hum") p["hum"] *= noise, p["hum_frequency"] = 50.0;
-    else if (name == "quantisation") p["rounding"] *= noise;
-    else if (name == "gain_drift") p["gain_drift"] /= truth.records.front().warm + truth.records.front().duration;
+    if (name == "sensor_gain")
+      p["gain"] = 1.0 + hidden.sign * p["gain"];
+    else if (name == "sensor_offset")
+      p["offset"] *= hidden.sign * noise;
+    else if (name == "sensor_saturation")
+      p["limit"] *= rms.contains(hidden.channel) ? rms.at(hidden.channel) : 1e9;
+    else if (name == "mains_hum")
+      p["hum"] *= noise, p["hum_frequency"] = 50.0;
+    else if (name == "quantisation")
+      p["rounding"] *= noise;
+    else if (name == "gain_drift")
+      p["gain_drift"] /= truth.records.front().warm + truth.records.front().duration;
     else if (name == "progressive_spring" || name == "progressive_tyre") {
       // A softening spring must not turn negative within its travel.
       p["cubic_stiffness"] *= hidden.sign < 0.0 ? (name == "progressive_tyre" ? -0.1 : -0.2) : 1.0;
@@ -89,7 +97,7 @@ void put(Truth& truth, const std::vector<Hidden>& all, const std::map<std::strin
 Record glance(Truth truth) {
   RecordPlan plan = truth.records.front();
   const double whole = plan.duration + plan.warm;
-  plan.duration = 5.0;
+  plan.duration = 4.0;
   plan.warm = 0.0;
   truth.records = {plan};
   // What changes through the record shall change as far within the glance.
@@ -180,7 +188,8 @@ void draw_rig(Truth& truth, Random& random, double tyre_level, const Wanted& wan
   for (const auto& [path, relative] : tolerance) truth.actual[path] *= 1.0 + relative * random.uniform(-0.95, 0.95);
 
   if (kind == Kind::quarter_car) {
-    truth.noise = {{"z_r", 2e-5}, {"zdd_r", 0.05}, {"zdd_w", 0.05}, {"zdd_b", 0.05}, {"F_w", 10.0}, {"dz_w", 5e-5}, {"dz_b", 5e-5}};
+    truth.noise = {{"z_r", 2e-5}, {"zdd_r", 0.05}, {"zdd_w", 0.05}, {"zdd_b", 0.05},
+                   {"F_w", 10.0}, {"dz_w", 5e-5},  {"dz_b", 5e-5}};
     truth.range = {{"F_w", {-1e4, 1e4}}, {"zdd_w", {-98.0, 98.0}}, {"zdd_b", {-98.0, 98.0}}};
     if (tyre_level > 0.0) truth.range.clear();
   } else {
@@ -227,7 +236,8 @@ bool go_together(const Hidden& a, const Hidden& b) {
   if (a.candidate.name == b.candidate.name && a.channel == b.channel) return false;
   if (!a.channel.empty() && a.channel == b.channel) return false;
   const auto both = [&](const char* one, const char* other) {
-    return (a.candidate.name == one && b.candidate.name == other) || (a.candidate.name == other && b.candidate.name == one);
+    return (a.candidate.name == one && b.candidate.name == other) ||
+           (a.candidate.name == other && b.candidate.name == one);
   };
   return !both("top_mount", "backlash") && !both("top_mount", "coulomb_friction");
 }
@@ -248,8 +258,8 @@ std::vector<std::pair<Candidate, std::string>> candidates_of(Kind kind, bool out
 }
 
 /// Scales one hidden thing until it is as large as wanted.
-void scale(Truth& truth, std::vector<Hidden>& all, std::size_t which, const std::map<std::string, double>& rms, const Wanted& wanted,
-           Random& random) {
+void scale(Truth& truth, std::vector<Hidden>& all, std::size_t which, const std::map<std::string, double>& rms,
+           const Wanted& wanted, Random& random) {
   const double samples = [&] {
     double sum = 0.0;
     for (const RecordPlan& plan : truth.records) sum += plan.duration * truth.sample_rate;
@@ -267,7 +277,7 @@ void scale(Truth& truth, std::vector<Hidden>& all, std::size_t which, const std:
     put(truth, all, rms);
     const Change change = change_between(truth, glance(truth), without);
     truth.size = change.largest;
-    if (c.strength.empty()) return;
+    if (c.strength.empty()) return;  // lift-off: the level of the road makes it
     double factor = 1.0;
     if (!change.bounded) {
       factor = 0.6;
@@ -317,7 +327,8 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   std::vector<std::string> parts = split(group);
   const std::string what = parts.front();
   parts.erase(parts.begin());
-  if (what != "single" && what != "pair" && what != "none" && what != "unknown") throw std::invalid_argument("no such group: " + group);
+  if (what != "single" && what != "pair" && what != "none" && what != "unknown")
+    throw std::invalid_argument("no such group: " + group);
 
   std::vector<Kind> possible(kinds.begin(), kinds.end());
   for (const Kind kind : kinds)
@@ -328,7 +339,8 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   const auto fitting = [&](Kind kind) {
     std::vector<std::pair<Candidate, std::string>> fit;
     for (const auto& [c, its_channel] : candidates_of(kind, what == "unknown"))
-      if ((name.empty() || c.name == name) && (channel.empty() || channel == its_channel)) fit.emplace_back(c, its_channel);
+      if ((name.empty() || c.name == name) && (channel.empty() || channel == its_channel))
+        fit.emplace_back(c, its_channel);
     return fit;
   };
   std::erase_if(possible, [&](Kind kind) { return what != "none" && fitting(kind).empty(); });
@@ -349,12 +361,13 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   while (static_cast<int>(chosen.size()) < count) {
     const auto& one = fit[static_cast<std::size_t>(random.below(static_cast<int>(fit.size())))];
     if (one.first.name == "seal_friction" && !truth.fdva) continue;
-    if (!chosen.empty() && !go_together({chosen[0].first, chosen[0].second, {}, 1.0}, {one.first, one.second, {}, 1.0})) continue;
+    if (!chosen.empty() && !go_together({chosen[0].first, chosen[0].second, {}, 1.0}, {one.first, one.second, {}, 1.0}))
+      continue;
     chosen.push_back(one);
   }
   double tyre_level = 0.0;
   for (const auto& [c, its_channel] : chosen)
-    if (c.name == "tyre_lift_off") tyre_level = random.uniform(2.6, 3.4);
+    if (c.name == "tyre_lift_off") tyre_level = random.uniform(2.9, 3.6) * (truth.kind == Kind::hil ? 1.25 : 1.0);
   draw_rig(truth, random, tyre_level, wanted);
 
   std::vector<Hidden> hidden;

@@ -49,7 +49,8 @@ Numbers numbers_of(const Truth& truth) {
     n.locked = open < 1.0;
     if (!n.locked) {
       n.inertance = density * length * piston * piston / (open * area);
-      n.laminar = 128.0 * density * value("fdva.oil_viscosity") * length / (pi * std::pow(diameter, 4)) * piston * piston / open;
+      n.laminar = 128.0 * density * value("fdva.oil_viscosity") * length / (pi * std::pow(diameter, 4)) * piston *
+                  piston / open;
       n.turbulent = density * value("fdva.minor_loss") / (2.0 * area * area) * std::pow(piston, 3) / (open * open);
     }
   }
@@ -60,27 +61,48 @@ Numbers numbers_of(const Truth& truth) {
       if (!exists) throw std::invalid_argument(effect.name + " does not exist on a " + name_of(n.kind));
     };
     const std::string& name = effect.name;
-    if (name == "actuator_delay") only(!car), n.machine_delay = p("delay");
-    else if (name == "actuator_lag") only(!car), n.machine_lag = p("time_constant");
-    else if (name == "actuator_resonance") only(!car), n.machine_turn = 2.0 * pi * p("frequency"), n.machine_ratio = p("damping_ratio");
-    else if (name == "actuator_rate_limit") only(!car), n.machine_velocity = p("velocity");
-    else if (name == "coulomb_friction") n.coulomb = p("force");
-    else if (name == "viscous_damping") n.damping += p("damping");
-    else if (name == "quadratic_damping") n.quadratic = p("coefficient");
-    else if (name == "progressive_spring") n.cubic_spring = p("cubic_stiffness");
-    else if (name == "bump_stop") n.clearance = p("clearance"), n.bump = p("stiffness");
-    else if (name == "backlash") n.gap = p("gap");
-    else if (name == "top_mount") n.mount = p("stiffness");
-    else if (name == "relaxation") n.maxwell = p("stiffness"), n.maxwell_time = p("time_constant");
-    else if (name == "seal_friction") only(n.fdva && !n.locked), n.seal = p("force");
-    else if (name == "body_guide_friction") only(car), n.body_friction = p("force");
-    else if (name == "wheel_guide_friction") only(car), n.wheel_friction = p("force");
-    else if (name == "body_guide_damping") only(car), n.body_damping = p("damping");
-    else if (name == "wheel_guide_damping") only(car), n.wheel_damping = p("damping");
-    else if (name == "tyre_lift_off") only(n.kind != Kind::component_bench), n.lift_off = true;
-    else if (name == "progressive_tyre") only(n.kind != Kind::component_bench), n.tyre_cubic = p("cubic_stiffness");
-    else if (name == "force_sensor_inertia") only(car), n.sensor_mass = p("mass");
-    else if (effect.channel.empty()) throw std::invalid_argument("no such effect: " + name);
+    if (name == "actuator_delay")
+      only(!car), n.machine_delay = p("delay");
+    else if (name == "actuator_lag")
+      only(!car), n.machine_lag = p("time_constant");
+    else if (name == "actuator_resonance")
+      only(!car), n.machine_turn = 2.0 * pi * p("frequency"), n.machine_ratio = p("damping_ratio");
+    else if (name == "actuator_rate_limit")
+      only(!car), n.machine_velocity = p("velocity");
+    else if (name == "coulomb_friction")
+      n.coulomb = p("force");
+    else if (name == "viscous_damping")
+      n.damping += p("damping");
+    else if (name == "quadratic_damping")
+      n.quadratic = p("coefficient");
+    else if (name == "progressive_spring")
+      n.cubic_spring = p("cubic_stiffness");
+    else if (name == "bump_stop")
+      n.clearance = p("clearance"), n.bump = p("stiffness");
+    else if (name == "backlash")
+      n.gap = p("gap");
+    else if (name == "top_mount")
+      n.mount = p("stiffness");
+    else if (name == "relaxation")
+      n.maxwell = p("stiffness"), n.maxwell_time = p("time_constant");
+    else if (name == "seal_friction")
+      only(n.fdva && !n.locked), n.seal = p("force");
+    else if (name == "body_guide_friction")
+      only(car), n.body_friction = p("force");
+    else if (name == "wheel_guide_friction")
+      only(car), n.wheel_friction = p("force");
+    else if (name == "body_guide_damping")
+      only(car), n.body_damping = p("damping");
+    else if (name == "wheel_guide_damping")
+      only(car), n.wheel_damping = p("damping");
+    else if (name == "tyre_lift_off")
+      only(n.kind != Kind::component_bench), n.lift_off = true;
+    else if (name == "progressive_tyre")
+      only(n.kind != Kind::component_bench), n.tyre_cubic = p("cubic_stiffness");
+    else if (name == "force_sensor_inertia")
+      only(car), n.sensor_mass = p("mass");
+    else if (effect.channel.empty())
+      throw std::invalid_argument("no such effect: " + name);
   }
   const auto outside = [&](const char* key, double otherwise = 0.0) {
     const auto found = truth.unknown_parameters.find(key);
@@ -110,35 +132,47 @@ Rig::Rig(const Numbers& numbers, const Signal& signal, double h, double duration
            n_.machine_velocity <= 0.0 && !force_sensor_->remembers() && !force_sensor_->lags();
   if (n_.kind == Kind::component_bench) {
     const Motion start = signal_.at(0.0);
-    s_[lag] = s_[res] = s_[d] = node_x_act_ = start.position;
+    s_[lag] = s_[res] = s_[d] = node_x_act_ = node_input_ = start.position;
   }
   remember();
 }
 
 bool Rig::has(std::size_t friction) const {
   switch (friction) {
-    case suspension: return n_.coulomb > 0.0 && n_.mount <= 0.0 && (n_.kind == Kind::quarter_car || ideal_);
-    case body_guide: return n_.body_friction > 0.0;
-    case wheel_guide: return n_.wheel_friction > 0.0;
-    default: return n_.seal > 0.0;
+    case suspension:
+      return n_.coulomb > 0.0 && n_.mount <= 0.0 && (n_.kind == Kind::quarter_car || ideal_);
+    case body_guide:
+      return n_.body_friction > 0.0;
+    case wheel_guide:
+      return n_.wheel_friction > 0.0;
+    default:
+      return n_.seal > 0.0;
   }
 }
 
 double Rig::slip_velocity(std::size_t friction, const State& s) const {
   switch (friction) {
-    case suspension: return s[vw] - s[vb];
-    case body_guide: return s[vb];
-    case wheel_guide: return s[vw];
-    default: return s[vy];
+    case suspension:
+      return s[vw] - s[vb];
+    case body_guide:
+      return s[vb];
+    case wheel_guide:
+      return s[vw];
+    default:
+      return s[vy];
   }
 }
 
 double Rig::largest(std::size_t friction) const {
   switch (friction) {
-    case suspension: return n_.coulomb + n_.static_friction;
-    case body_guide: return n_.body_friction;
-    case wheel_guide: return n_.wheel_friction;
-    default: return n_.seal;
+    case suspension:
+      return n_.coulomb + n_.static_friction;
+    case body_guide:
+      return n_.body_friction;
+    case wheel_guide:
+      return n_.wheel_friction;
+    default:
+      return n_.seal;
   }
 }
 
@@ -150,7 +184,8 @@ double Rig::strength(std::size_t friction, double velocity) const {
 
 bool Rig::located_play() const { return n_.gap > 0.0 && (n_.kind == Kind::quarter_car || ideal_); }
 
-void Rig::machine(const State& s, double t, double u, double uv, double* position, double* velocity, State* rate) const {
+void Rig::machine(const State& s, double t, double u, double uv, double* position, double* velocity,
+                  State* rate) const {
   if (n_.machine_delay > 0.0) {
     const double past = t - n_.machine_delay;
     if (n_.kind == Kind::component_bench) {
@@ -178,17 +213,29 @@ void Rig::machine(const State& s, double t, double u, double uv, double* positio
   }
   if (n_.machine_turn > 0.0) {
     (*rate)[res] = s[vres];
-    (*rate)[vres] = n_.machine_turn * n_.machine_turn * (u - s[res]) - 2.0 * n_.machine_ratio * n_.machine_turn * s[vres];
+    (*rate)[vres] =
+        n_.machine_turn * n_.machine_turn * (u - s[res]) - 2.0 * n_.machine_ratio * n_.machine_turn * s[vres];
     u = s[res];
     uv = s[vres];
   }
   if (n_.machine_velocity > 0.0) {
-    const double reach = n_.machine_velocity * std::max(0.0, t - static_cast<double>(node_) * h_);
-    if (u > node_x_act_ + reach) {
-      u = node_x_act_ + reach;
+    constexpr double rounding = 1e-11;  // [m] so that following is not taken for being late
+    const double late = node_input_ - node_x_act_;
+    const double since = std::max(0.0, t - static_cast<double>(node_) * h_);
+    double from = node_x_act_;
+    double reach = n_.machine_velocity * since;
+    if (std::abs(late) > rounding && (u - from) * sign(late) < reach) {
+      // Caught up within this step, and from there on free to turn.
+      const double begin = std::abs(late);
+      const double share = begin / (begin + reach - (u - from) * sign(late));
+      from += sign(late) * share * reach;
+      reach *= 1.0 - share;
+    }
+    if (u > from + reach + rounding) {
+      u = from + reach;
       uv = n_.machine_velocity;
-    } else if (u < node_x_act_ - reach) {
-      u = node_x_act_ - reach;
+    } else if (u < from - reach - rounding) {
+      u = from - reach;
       uv = -n_.machine_velocity;
     } else {
       uv = std::clamp(uv, -n_.machine_velocity, n_.machine_velocity);
@@ -253,8 +300,10 @@ Rig::Rates Rig::rates(const State& s, double t) const {
       ev = free ? 0.0 : ev;
     }
     force = elastic(e);
-    if (n_.asymmetry != 0.0) force += damping * ev * (1.0 + n_.asymmetry * sign(ev));
-    else force += damping * ev;
+    if (n_.asymmetry != 0.0)
+      force += damping * ev * (1.0 + n_.asymmetry * sign(ev));
+    else
+      force += damping * ev;
     force += n_.quadratic * ev * std::abs(ev) + n_.cubic_damping * ev * ev * ev;
     if (n_.wen > 0.0) {
       force += n_.wen * s[wen];
@@ -309,7 +358,7 @@ Rig::Rates Rig::rates(const State& s, double t) const {
     const double before = force_sensor_->before_noise(force, t);
     gain = force_sensor_->gain();
     if (force_sensor_->remembers()) {
-      felt = force_sensor_->limited(force_sensor_->newest(std::min(t / h_ - static_cast<double>(node_), 1.0)));
+      felt = force_sensor_->limited(force_sensor_->shown(t / h_));
     } else if (force_sensor_->lags()) {
       const double noise = force_sensor_->noise_at(node_);
       const bool taken = force_sensor_->lag_takes_noise();
@@ -330,10 +379,14 @@ Rig::Rates Rig::rates(const State& s, double t) const {
   if (has(wheel_guide) && !w_stuck) on_wheel -= m_.slip[wheel_guide] * n_.wheel_friction;
   if (friction_held) {
     double between = 0.0;  // on the body, off the wheel
-    if (b_stuck && w_stuck) between = 0.0;
-    else if (b_stuck) between = on_wheel;
-    else if (w_stuck) between = -on_body;
-    else between = (n_.body * on_wheel - n_.wheel * on_body) / (n_.body + n_.wheel);
+    if (b_stuck && w_stuck)
+      between = 0.0;
+    else if (b_stuck)
+      between = on_wheel;
+    else if (w_stuck)
+      between = -on_body;
+    else
+      between = (n_.body * on_wheel - n_.wheel * on_body) / (n_.body + n_.wheel);
     r.held[suspension] = between / gain;
     r.force += between / gain;
     on_body += between;
@@ -398,6 +451,10 @@ bool Rig::broken(const State& s, double t, bool repair) {
       const double needed = rates(s, t).held[f];
       if (std::abs(needed) > largest(f)) m_.slip[f] = needed > 0.0 ? 1 : -1;
       if (m_.slip[f] == before) m_.slip[f] = -before;  // it has crossed zero already
+    } else if (const double velocity = slip_velocity(f, s); std::abs(velocity) > 1e-8) {
+      any = true;  // a run that begins in motion
+      if (!repair) return true;
+      m_.slip[f] = velocity > 0.0 ? 1 : -1;
     } else {
       const double needed = rates(s, t).held[f];
       if (std::abs(needed) <= largest(f)) continue;
@@ -411,18 +468,22 @@ bool Rig::broken(const State& s, double t, bool repair) {
 
 void Rig::step() {
   double t = static_cast<double>(node_) * h_;
-  const double end = t + h_;
+  const double end = static_cast<double>(node_ + 1) * h_;
   bool events = located_play();
   for (std::size_t f = 0; f < friction_count; ++f) events = events || has(f);
 
   for (int tries = 0; tries < 40 && end - t > 1e-9 * h_; ++tries) {
-    const double whole = end - t;
+    const double renewal = force_sensor_ != nullptr ? force_sensor_->next_renewal() : 2.0 * end;
+    const bool renews = renewal > t && renewal < end;
+    const double whole = (renews ? renewal : end) - t;
     State next = runge_kutta(t, whole);
     if (!events || tries == 39 || !broken(next, t + whole, false)) {
       s_ = next;
-      t = end;
+      t = renews ? renewal : end;
       if (events && tries == 39) (void)broken(s_, t, true);
-      break;
+      if (renews)
+        force_sensor_->renew(force_sensor_->before_noise(rates(s_, t).force, t) + force_sensor_->noise_at(node_));
+      continue;
     }
     double low = 0.0;
     double high = whole;
@@ -448,8 +509,15 @@ void Rig::step() {
     const Motion input = signal_.at(end);
     double position = bench ? input.position : s_[zw] - s_[zb];
     double velocity = bench ? input.velocity : s_[vw] - s_[vb];
-    machine(s_, end, position, velocity, &position, &velocity, &unused);
-    node_x_act_ = position;
+    double limited = 0.0;
+    machine(s_, end, position, velocity, &limited, &velocity, &unused);
+    if (n_.machine_velocity > 0.0) {
+      const double velocity_limit = n_.machine_velocity;
+      n_.machine_velocity = 0.0;
+      machine(s_, end, position, velocity, &node_input_, &velocity, &unused);
+      n_.machine_velocity = velocity_limit;
+    }
+    node_x_act_ = limited;
   }
   ++node_;
   remember();

@@ -22,18 +22,19 @@ struct Numbers {
   bool lift_off = false;
   double tyre_cubic = 0, sensor_mass = 0;
   // outside the catalogue
-  double fade = 0, stiffening = 0;                              ///< relative, over the record
-  double wen = 0, wen_stiffness = 0;                            ///< Bouc–Wen: largest force, initial stiffness
-  double static_friction = 0, stribeck_velocity = 1;            ///< above `coulomb`, decaying with velocity
+  double fade = 0, stiffening = 0;                    ///< relative, over the record
+  double wen = 0, wen_stiffness = 0;                  ///< Bouc–Wen: largest force, initial stiffness
+  double static_friction = 0, stribeck_velocity = 1;  ///< above `coulomb`, decaying with velocity
   double cubic_damping = 0, asymmetry = 0;
   double parasite = 0, parasite_stiffness = 0, parasite_damping = 0;
 };
 
 [[nodiscard]] Numbers numbers_of(const Truth& truth);
 
-/// A rig in motion: Runge–Kutta of order 4 between events. Events are the start and the end of sticking of each friction and the
-/// ends of the free play, found by bisection; they are exact, so is the sign function. Corners without a jump of force (bump stop,
-/// lift-off, v|v|) are stepped over: their error is of order h² and found by halving the step.
+/// A rig in motion: Runge–Kutta of order 4 between events. Events are the start and the end of sticking of each
+/// friction and the ends of the free play, found by bisection; they are exact, so is the sign function. Corners without
+/// a jump of force (bump stop, lift-off, v|v|) are stepped over: their error is of order h² and found by halving the
+/// step.
 class Rig {
  public:
   enum Index : std::size_t { zw, vw, zb, vb, y, vy, d, x, lag, res, vres, lagged_force, up, vp, wen, state_count };
@@ -84,6 +85,7 @@ class Rig {
   State s_{};
   Modes m_;
   double node_x_act_ = 0.0;
+  double node_input_ = 0.0;       ///< what the rate limit follows, at the node
   std::vector<Motion> commands_;  ///< x_cmd at the nodes, for the machine's delay
 };
 

@@ -14,7 +14,8 @@ double of(const std::map<std::string, double>& values, const std::string& key) {
 
 }  // namespace
 
-Sensor::Sensor(const Truth& truth, const std::string& channel, std::vector<double> noise, double phase, int steps_per_sample)
+Sensor::Sensor(const Truth& truth, const std::string& channel, std::vector<double> noise, double phase,
+               int steps_per_sample)
     : steps_(static_cast<std::size_t>(steps_per_sample)),
       node_(1.0 / truth.sample_rate / steps_per_sample),
       lag_takes_noise_(truth.lag_takes_noise),
@@ -79,9 +80,9 @@ double Sensor::at(double place) const {
   return b + 0.5 * u * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a))) + noise;
 }
 
-double Sensor::newest(double ahead) const {
-  const double now = static_cast<double>(history_.size() - 1) + ahead;
+double Sensor::shown(double now) const {
   if (hold_ > 0.0) return held_;
+  if (history_.empty()) return 0.0;
   const double late = jitter_ > 0.0 ? 0.5 * delay_ * (1.0 + std::sin(jitter_turn_ * now * node_)) : delay_;
   return at(now - late / node_);
 }

@@ -8,12 +8,15 @@
 namespace truth {
 
 /// What lies between a true value and the recording, for one channel:
-///   gain, offset (and drift, hum, slow parts outside the catalogue) → noise → lag → delay → hold → saturation → rounding
+///   gain, offset (and drift, hum, slow parts outside the catalogue) → noise → lag → delay → hold → saturation →
+///   rounding
 ///
-/// Fed at every node of the fine grid. Noise is drawn once a sample and held for it: signal plus noise is known at all times.
+/// Fed at every node of the fine grid. Noise is drawn once a sample and held for it: signal plus noise is known at all
+/// times.
 class Sensor {
  public:
-  /// Effects of `channel` in the truth; `phase` in 0 … 1 of the hold's period; `noise` one value per sample from the run's begin.
+  /// Effects of `channel` in the truth; `phase` in 0 … 1 of the hold's period; `noise` one value per sample from the
+  /// run's begin.
   Sensor(const Truth& truth, const std::string& channel, std::vector<double> noise, double phase, int steps_per_sample);
 
   /// Gain, offset, drift, hum: what acts before the noise. `time` since the run's begin [s].
@@ -31,8 +34,19 @@ class Sensor {
 
   /// The next node: a value after before_noise.
   void push(double value);
-  /// What the recording shows at the newest node, or with remembers() at `ahead` nodes (< 1) after it.
-  [[nodiscard]] double newest(double ahead = 0.0) const;
+  /// What the recording shows at the newest node, before `limited`.
+  [[nodiscard]] double newest() const { return shown(static_cast<double>(history_.size() - 1)); }
+  /// The same at a time counted in nodes, which with a delay may be later than the newest node.
+  [[nodiscard]] double shown(double now) const;
+  /// When a hold that has neither lag nor delay before it takes its next value [s]; else never.
+  [[nodiscard]] double next_renewal() const {
+    return hold_ > 0.0 && lag_ <= 0.0 && delay_ <= 0.0 ? next_renewal_ : 1e300;
+  }
+  /// Takes it now: `value` is signal plus noise.
+  void renew(double value) {
+    held_ = value;
+    next_renewal_ += hold_;
+  }
   /// Saturation and rounding.
   [[nodiscard]] double limited(double value) const;
 

@@ -26,7 +26,8 @@ void inverse_transform(std::vector<Complex>& x) {
     if (i < j) std::swap(x[i], x[j]);
   }
   std::vector<Complex> turn(n / 2);
-  for (std::size_t k = 0; k < n / 2; ++k) turn[k] = std::polar(1.0, 2.0 * pi * static_cast<double>(k) / static_cast<double>(n));
+  for (std::size_t k = 0; k < n / 2; ++k)
+    turn[k] = std::polar(1.0, 2.0 * pi * static_cast<double>(k) / static_cast<double>(n));
   for (std::size_t length = 2; length <= n; length <<= 1U) {
     const std::size_t half = length / 2;
     for (std::size_t start = 0; start < n; start += length) {
@@ -83,7 +84,8 @@ Signal::Signal(const RecordPlan& plan, bool bench) {
   }
   const double scale = bench ? plan.level / std::sqrt(power) : plan.level;
 
-  // Position and velocity are the real and imaginary part of one transform: Z + i·(iωZ) of real signals, made so by mirroring.
+  // Position and velocity are the real and imaginary part of one transform: Z + i·(iωZ) of real signals, made so by
+  // mirroring.
   std::vector<Complex> both(n);
   std::vector<Complex> curvature(n);
   for (std::size_t k = 1; k < n / 2; ++k) {

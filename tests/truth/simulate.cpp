@@ -88,9 +88,12 @@ Record run(const Truth& truth, const Numbers& numbers, const RecordPlan& plan, c
         }
         if (!at_sample || row < warm) continue;
         double shown = 0.0;
-        if (remembers) shown = column.sensor->newest();
-        else if (column.fed_by_rig) shown = column.sensor->before_noise(values.force, t) + column.sensor->noise_at(node);
-        else shown = before + column.sensor->noise_at(node);
+        if (remembers)
+          shown = column.sensor->newest();
+        else if (column.fed_by_rig)
+          shown = column.sensor->before_noise(values.force, t) + column.sensor->noise_at(node);
+        else
+          shown = before + column.sensor->noise_at(node);
         column.values->push_back(column.sensor->limited(shown));
       }
     }

@@ -106,8 +106,11 @@ std::string truth_json(const Truth& truth) {
   out["files"] = nlohmann::ordered_json::array();
   int number = 0;
   for (const RecordPlan& plan : truth.records) {
-    nlohmann::ordered_json one{{"dur", plan.duration},         {"warm", plan.warm}, {"road_seed", plan.road_seed},
-                               {"noise_seed", plan.noise_seed}, {"t0", plan.start}};
+    nlohmann::ordered_json one{{"dur", plan.duration},
+                               {"warm", plan.warm},
+                               {"road_seed", plan.road_seed},
+                               {"noise_seed", plan.noise_seed},
+                               {"t0", plan.start}};
     if (truth.kind == Kind::component_bench) {
       one["bench_rms"] = plan.level;
       one["mod_depth"] = plan.modulation_depth;

@@ -22,15 +22,15 @@ struct Effect {
 
 /// One run on the rig.
 struct RecordPlan {
-  double duration = 30.0;            ///< [s]
-  double level = 1.0;                ///< factor on the road, or rms of x_cmd [m] on a bench
-  std::uint64_t road_seed = 1;       ///< road or command
-  std::uint64_t noise_seed = 2;      ///< noise, phases of holds
-  double warm = 0.0;                 ///< [s] run before the first sample; 0: from rest, with a ramp of 1 s
-  double start = 0.0;                ///< t of the first sample [s]
-  double modulation_depth = 0.0;     ///< bench only: amplitude 1 + depth sin(2π t / period + phase)
-  double modulation_period = 15.0;   ///< [s]
-  double modulation_phase = 0.0;     ///< [rad]
+  double duration = 30.0;           ///< [s]
+  double level = 1.0;               ///< factor on the road, or rms of x_cmd [m] on a bench
+  std::uint64_t road_seed = 1;      ///< road or command
+  std::uint64_t noise_seed = 2;     ///< noise, phases of holds
+  double warm = 0.0;                ///< [s] run before the first sample; 0: from rest, with a ramp of 1 s
+  double start = 0.0;               ///< t of the first sample [s]
+  double modulation_depth = 0.0;    ///< bench only: amplitude 1 + depth sin(2π t / period + phase)
+  double modulation_period = 15.0;  ///< [s]
+  double modulation_phase = 0.0;    ///< [rad]
 };
 
 /// A rig, what its description says, and what hides in it.
@@ -38,20 +38,20 @@ struct Truth {
   std::string id;
   std::string group;
   Kind kind = Kind::quarter_car;
-  bool fdva = false;                                           ///< an FDVA beside the spring-damper
-  double sample_rate = 1000.0;                                 ///< [Hz]; no other is supported
-  std::map<std::string, double> nominal;                       ///< by path, "body.mass"; what rig.toml says
-  std::map<std::string, double> actual;                        ///< by path; inside the tolerances
-  std::map<std::string, double> tolerance;                     ///< by path, relative
-  std::map<std::string, double> noise;                         ///< rms by channel
-  std::map<std::string, std::pair<double, double>> range;      ///< by channel
-  std::vector<Effect> effects;                                 ///< 0 … 3
-  std::string unknown;                                         ///< words for what is outside the catalogue; or empty
-  std::map<std::string, double> unknown_parameters;            ///< what `unknown` is made of
-  std::string unknown_channel;                                 ///< where it acts, if in a sensor
-  double size = 0.0;                 ///< largest rms change of a channel ÷ its noise, found when drawing; see draw
-  bool lag_takes_noise = false;      ///< sensor_lag filters signal plus noise (contract) or the signal alone (sample_b)
-  bool units_in_header = false;      ///< style of the file: "z_r [m]"
+  bool fdva = false;                                       ///< an FDVA beside the spring-damper
+  double sample_rate = 1000.0;                             ///< [Hz]; no other is supported
+  std::map<std::string, double> nominal;                   ///< by path, "body.mass"; what rig.toml says
+  std::map<std::string, double> actual;                    ///< by path; inside the tolerances
+  std::map<std::string, double> tolerance;                 ///< by path, relative
+  std::map<std::string, double> noise;                     ///< rms by channel
+  std::map<std::string, std::pair<double, double>> range;  ///< by channel
+  std::vector<Effect> effects;                             ///< 0 … 3
+  std::string unknown;                                     ///< words for what is outside the catalogue; or empty
+  std::map<std::string, double> unknown_parameters;        ///< what `unknown` is made of
+  std::string unknown_channel;                             ///< where it acts, if in a sensor
+  double size = 0.0;             ///< largest rms change of a channel ÷ its noise, found when drawing; see draw
+  bool lag_takes_noise = false;  ///< sensor_lag filters signal plus noise (contract) or the signal alone (sample_b)
+  bool units_in_header = false;  ///< style of the file: "z_r [m]"
   std::vector<RecordPlan> records;
 };
 
@@ -84,9 +84,10 @@ struct Wanted {
 
 /// Draws a rig with what the group asks for. Same group, seed and wish: same truth, to the bit.
 ///
-/// The first size of an effect comes from a range; it is then scaled, within limits a rig can have, until leaving the effect out changes some channel by 3 … 300
-/// times its noise (rms over 6 s of the first record, same road, no noise). Weak: until the changes of all channels over all records sum up to 30 … 100 σ.
-/// `group` may also be "single:<effect>[:<channel>]", "pair", "none", "unknown": the kind is drawn too.
+/// The first size of an effect comes from a range; it is then scaled, within limits a rig can have, until leaving the
+/// effect out changes some channel by 3 … 300 times its noise (rms over 4 s of the first record, same road, no noise).
+/// Weak: until the changes of all channels over all records sum up to 30 … 100 σ. `group` may also be
+/// "single:<effect>[:<channel>]", "pair", "none", "unknown": the kind is drawn too.
 /// @throws std::invalid_argument for a group there is not
 [[nodiscard]] Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted = {});
 
