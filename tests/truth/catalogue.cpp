@@ -19,7 +19,7 @@ const std::vector<Candidate>& rig_effects() {
       {"coulomb_friction", "qhb", {{"force", 20, 80}}, "force", 1, 10, 250, false, ""},
       {"viscous_damping", "qhb", {{"damping", 80, 250}}, "damping", 1, 40, 600, false, ""},
       {"quadratic_damping", "qhb", {{"coefficient", 150, 800}}, "coefficient", 1, 50, 4000, false, ""},
-      {"progressive_spring", "qhb", {{"cubic_stiffness", 5e6, 2e7}}, "cubic_stiffness", 1, 1e6, 1e8, true, ""},
+      {"progressive_spring", "qhb", {{"cubic_stiffness", 5e6, 2e7}}, "cubic_stiffness", 1, 1e6, 2e8, true, ""},
       {"bump_stop",
        "qhb",
        {{"clearance", 5e-3, 12e-3}, {"stiffness", 3e4, 1.5e5}},

@@ -294,7 +294,12 @@ void scale(Truth& truth, std::vector<Hidden>& all, std::size_t which, const std:
     const double widen = wanted.weak ? 30.0 : 1.0;
     value *= c.exponent > 0 ? factor : 1.0 / factor;
     value = std::clamp(value, c.exponent > 0 ? c.least / widen : c.least, c.exponent > 0 ? c.most : c.most * widen);
-    if (value == before) return;
+    if (value != before) continue;
+    if (change.bounded && change.largest < 3.0 && hidden.sign < 0.0 && !wanted.weak) {
+      hidden.sign = 1.0;  // softening by as much as a spring can bear is too little
+    } else {
+      return;
+    }
   }
   put(truth, all, rms);
 }

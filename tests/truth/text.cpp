@@ -1,9 +1,9 @@
 #include <array>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "nlohmann/json.hpp"
 #include "tests/truth/truth.hpp"
 
 namespace truth {
