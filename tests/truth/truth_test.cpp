@@ -183,6 +183,98 @@ TEST(TruthRig, MovesWheelAndBodyAsOneWhileTheSuspensionSticks) {
   EXPECT_GT(std::abs(v.zdd_b), 1e-3);
 }
 
+// Point. The reference FDVA with two open ducts has the constants its source states: b, c, c₂ of equations (8), (9).
+TEST(TruthNumbers, HaveTheStatedConstantsOfTheReferenceFdva) {
+  Truth t;
+  t.fdva = true;
+  t.actual = {{"fdva.piston_area", 30e-4},       {"fdva.duct_diameter", 12e-3}, {"fdva.duct_length", 0.6361571127},
+              {"fdva.oil_density", 860.0},       {"fdva.oil_viscosity", 32e-6}, {"fdva.minor_loss", 1.5},
+              {"fdva.coupling_stiffness", 55e3}, {"fdva.open_ducts", 2.0}};
+  const Numbers n = truth::numbers_of(t);
+  EXPECT_NEAR(n.inertance, 21.768, 5e-4);
+  EXPECT_NEAR(n.laminar, 154.80, 5e-3);
+  EXPECT_NEAR(n.turbulent, 340.38, 5e-3);
+}
+
+// Law. On a bench each linear part has its closed form in a steady sine: a resonant machine, a relaxing branch, a mount
+// in series with all of it.
+TEST(TruthRig, AnswersASineOnTheBenchWithTheClosedForm) {
+  const double omega = 2.0 * pi * 10.0;
+  const Complex s{0.0, omega};
+  const auto response = [&](const Numbers& n) {
+    const Signal signal = sine(1e-3, omega, 4.0);
+    Rig rig(n, signal, fine, 4.0, nullptr);
+    Complex force;
+    for (int node = 0; node < 80000; ++node) {
+      if (node >= 60000) force += std::polar(2.0 / 20.0, -omega * node * fine) * Complex{0.0, 1.0} * rig.values().force;
+      rig.step();
+    }
+    return force;
+  };
+  Numbers n = paper_car();
+  n.kind = Kind::component_bench;
+  const Complex plain = n.spring + n.damping * s;
+
+  Numbers resonant = n;
+  resonant.machine_turn = 2.0 * pi * 25.0;
+  resonant.machine_ratio = 0.4;
+  const double turn = resonant.machine_turn;
+  EXPECT_LT(std::abs(response(resonant) / (plain * turn * turn / (s * s + 0.8 * turn * s + turn * turn)) - 1.0), 1e-6);
+
+  Numbers relaxing = n;
+  relaxing.maxwell = 8000.0;
+  relaxing.maxwell_time = 0.03;
+  const Complex relaxed = plain + 8000.0 * 0.03 * s / (1.0 + 0.03 * s);
+  EXPECT_LT(std::abs(response(relaxing) / relaxed - 1.0), 1e-6);
+
+  relaxing.mount = 2e5;
+  EXPECT_LT(std::abs(response(relaxing) / (relaxed * 2e5 / (2e5 + relaxed)) - 1.0), 1e-6);
+
+  Numbers undamped = n;  // where the mount's deflection follows at once
+  undamped.damping = 0.0;
+  undamped.mount = 2e5;
+  EXPECT_LT(std::abs(response(undamped) / (31500.0 * 2e5 / (2e5 + 31500.0)) - 1.0), 1e-6);
+}
+
+// Point. The seal stops a free piston after b v²/2F, where it stays.
+TEST(TruthRig, StopsThePistonWhereTheWorkOfItsSealSays) {
+  Numbers n;
+  n.kind = Kind::component_bench;
+  n.fdva = true;
+  n.inertance = 20.0;
+  n.seal = 30.0;
+  const Signal still = silence();
+  Rig rig(n, still, fine, 1.0, nullptr);
+  rig.state()[Rig::vy] = 0.3;
+  for (int i = 0; i < 20000; ++i) rig.step();
+  EXPECT_NEAR(rig.state()[Rig::y], 20.0 * 0.3 * 0.3 / 60.0, 1e-11);
+}
+
+// Point. The wheel that leaves the road carries nothing: F_w stops at minus the static load, (m_b + m_w) g, and reaches
+// it.
+TEST(TruthSimulation, NeverPullsTheWheelToTheRoad) {
+  Truth t = truth::draw("single:quarter_car:tyre_lift_off", 1);
+  t.records.resize(1);
+  t.records[0].duration = 5.0;
+  const std::vector<double> load = truth::simulate(t, {20, false})[0].channels["F_w"];
+  EXPECT_DOUBLE_EQ(*std::min_element(load.begin(), load.end()),
+                   -(t.actual["body.mass"] + t.actual["wheel.mass"]) * 9.81);
+}
+
+// Point. The mass between force sensor and wheel spring adds itself times z̈_r to F_w and changes nothing else.
+TEST(TruthSimulation, AddsTheInertiaOfTheForceSensor) {
+  Truth t = truth::draw("none:quarter_car", 1);
+  t.records.resize(1);
+  t.records[0].duration = 2.0;
+  t.records[0].warm = 0.0;
+  truth::Record without = truth::simulate(t, {20, false})[0];
+  t.effects = {{"force_sensor_inertia", "", {{"mass", 3.0}}}};
+  truth::Record with = truth::simulate(t, {20, false})[0];
+  for (std::size_t i = 0; i < with.time.size(); ++i)
+    ASSERT_NEAR(with.channels["F_w"][i], without.channels["F_w"][i] + 3.0 * without.channels["zdd_r"][i], 1e-9);
+  EXPECT_EQ(with.channels["zdd_w"], without.channels["zdd_w"]);
+}
+
 // Point. A delay in machine or sensor is that of the continuous motion: x_act is x_cmd at an instant between samples.
 TEST(TruthSimulation, DelaysTheContinuousMotion) {
   const double delay = 7.3e-3;
