@@ -32,4 +32,5 @@ forbid 'the roles of hal know no back-end' '"hal/[a-z_0-9]+/' $hal_roles
 forbid 'the firmware meets the world through the roles of hal; only its main picks back-ends' \
   '"(hal/[a-z_0-9]+|host_sim|tests)/' $firmware
 forbid 'tests are not part of the product' '"tests/' $(in_room host_sim/)
+forbid 'the truth generator shares nothing with what it judges' '"(model|hal|firmware|host_sim)/' $(in_room tests/truth/)
 exit $status

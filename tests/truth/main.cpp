@@ -1,0 +1,35 @@
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "tests/truth/truth.hpp"
+
+/// rigtwin_truth GROUP SEED OUTDIR [--weak] | --groups
+int main(int argc, char** argv) {
+  try {
+    if (argc == 2 && std::string(argv[1]) == "--groups") {
+      for (const std::string& group : truth::groups()) std::puts(group.c_str());
+      return 0;
+    }
+    if (argc < 4) {
+      std::fputs("rigtwin_truth GROUP SEED OUTDIR [--weak] | rigtwin_truth --groups\n", stderr);
+      return 2;
+    }
+    truth::Wanted wanted;
+    wanted.weak = argc > 4 && std::string(argv[4]) == "--weak";
+    const truth::Truth drawn = truth::draw(argv[1], std::stoull(argv[2]), wanted);
+    const std::filesystem::path folder(argv[3]);
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "rig.toml") << truth::rig_toml(drawn);
+    std::ofstream(folder / "truth.json") << truth::truth_json(drawn);
+    int number = 0;
+    for (const truth::Record& record : truth::simulate(drawn))
+      std::ofstream(folder / ("rec" + std::to_string(++number) + ".csv")) << truth::csv(drawn, record);
+    return 0;
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "rigtwin_truth: %s\n", problem.what());
+    return 2;
+  }
+}

@@ -1,0 +1,551 @@
+#include "tests/truth/rig.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace truth {
+namespace {
+
+constexpr double gravity = 9.81;
+constexpr double pi = std::numbers::pi;
+
+double sign(double v) { return v > 0.0 ? 1.0 : (v < 0.0 ? -1.0 : 0.0); }
+
+/// v with c₁ v + c₂ v|v| + friction·sgn v = r.
+double velocity_under(double r, double c1, double c2, double friction) {
+  const double rest = std::abs(r) - friction;
+  if (rest <= 0.0) return 0.0;
+  // The root of c₂ v² + c₁ v − rest without cancellation.
+  return sign(r) * 2.0 * rest / (c1 + std::sqrt(c1 * c1 + 4.0 * c2 * rest));
+}
+
+}  // namespace
+
+Numbers numbers_of(const Truth& truth) {
+  Numbers n;
+  n.kind = truth.kind;
+  const auto value = [&](const char* path) {
+    const auto found = truth.actual.find(path);
+    return found == truth.actual.end() ? 0.0 : found->second;
+  };
+  n.body = value("body.mass");
+  n.wheel = value("wheel.mass");
+  n.tyre = value("tyre.stiffness");
+  n.tyre_damping = value("tyre.damping");
+  n.spring = value("suspension.stiffness");
+  n.damping = value("suspension.damping");
+  n.virtual_damping = value("machine.virtual_damping");
+  n.fdva = truth.fdva;
+  if (n.fdva) {
+    const double diameter = value("fdva.duct_diameter");
+    const double area = pi * diameter * diameter / 4.0;
+    const double piston = value("fdva.piston_area");
+    const double density = value("fdva.oil_density");
+    const double length = value("fdva.duct_length");
+    const double open = value("fdva.open_ducts");
+    n.coupling = value("fdva.coupling_stiffness");
+    n.locked = open < 1.0;
+    if (!n.locked) {
+      n.inertance = density * length * piston * piston / (open * area);
+      n.laminar = 128.0 * density * value("fdva.oil_viscosity") * length / (pi * std::pow(diameter, 4)) * piston *
+                  piston / open;
+      n.turbulent = density * value("fdva.minor_loss") / (2.0 * area * area) * std::pow(piston, 3) / (open * open);
+    }
+  }
+  const bool car = n.kind == Kind::quarter_car;
+  for (const Effect& effect : truth.effects) {
+    const auto p = [&](const char* key) { return effect.parameters.at(key); };
+    const auto only = [&](bool exists) {
+      if (!exists) throw std::invalid_argument(effect.name + " does not exist on a " + name_of(n.kind));
+    };
+    const std::string& name = effect.name;
+    if (name == "actuator_delay")
+      only(!car), n.machine_delay = p("delay");
+    else if (name == "actuator_lag")
+      only(!car), n.machine_lag = p("time_constant");
+    else if (name == "actuator_resonance")
+      only(!car), n.machine_turn = 2.0 * pi * p("frequency"), n.machine_ratio = p("damping_ratio");
+    else if (name == "actuator_rate_limit")
+      only(!car), n.machine_velocity = p("velocity");
+    else if (name == "coulomb_friction")
+      n.coulomb = p("force");
+    else if (name == "viscous_damping")
+      n.damping += p("damping");
+    else if (name == "quadratic_damping")
+      n.quadratic = p("coefficient");
+    else if (name == "progressive_spring")
+      n.cubic_spring = p("cubic_stiffness");
+    else if (name == "bump_stop")
+      n.clearance = p("clearance"), n.bump = p("stiffness");
+    else if (name == "backlash")
+      n.gap = p("gap");
+    else if (name == "top_mount")
+      n.mount = p("stiffness");
+    else if (name == "relaxation")
+      n.maxwell = p("stiffness"), n.maxwell_time = p("time_constant");
+    else if (name == "seal_friction")
+      only(n.fdva && !n.locked), n.seal = p("force");
+    else if (name == "body_guide_friction")
+      only(car), n.body_friction = p("force");
+    else if (name == "wheel_guide_friction")
+      only(car), n.wheel_friction = p("force");
+    else if (name == "body_guide_damping")
+      only(car), n.body_damping = p("damping");
+    else if (name == "wheel_guide_damping")
+      only(car), n.wheel_damping = p("damping");
+    else if (name == "tyre_lift_off")
+      only(n.kind != Kind::component_bench), n.lift_off = true;
+    else if (name == "progressive_tyre")
+      only(n.kind != Kind::component_bench), n.tyre_cubic = p("cubic_stiffness");
+    else if (name == "force_sensor_inertia")
+      only(car), n.sensor_mass = p("mass");
+    else if (effect.channel.empty())
+      throw std::invalid_argument("no such effect: " + name);
+  }
+  const auto outside = [&](const char* key, double otherwise = 0.0) {
+    const auto found = truth.unknown_parameters.find(key);
+    return found == truth.unknown_parameters.end() ? otherwise : found->second;
+  };
+  n.fade = outside("fade");
+  n.stiffening = outside("stiffening");
+  n.wen = outside("wen_force");
+  n.wen_stiffness = outside("wen_stiffness");
+  n.coulomb += outside("stribeck_force");
+  n.static_friction = outside("stribeck_excess");
+  n.stribeck_velocity = outside("stribeck_velocity", 1.0);
+  n.cubic_damping = outside("cubic_damping");
+  n.asymmetry = outside("asymmetry");
+  n.parasite = outside("parasitic_mass");
+  n.parasite_stiffness = outside("parasitic_stiffness");
+  n.parasite_damping = outside("parasitic_damping");
+  if (n.mount > 0.0 && n.gap > 0.0) throw std::invalid_argument("top_mount with backlash is not simulated");
+  if (n.mount > 0.0 && n.coulomb > 0.0 && n.damping + n.quadratic <= 0.0)
+    throw std::invalid_argument("top_mount with coulomb_friction needs some damping");
+  return n;
+}
+
+Rig::Rig(const Numbers& numbers, const Signal& signal, double h, double duration, Sensor* force_sensor)
+    : n_(numbers), signal_(signal), h_(h), duration_(duration), force_sensor_(force_sensor) {
+  ideal_ = n_.kind == Kind::hil && n_.machine_delay <= 0.0 && n_.machine_lag <= 0.0 && n_.machine_turn <= 0.0 &&
+           n_.machine_velocity <= 0.0 && !force_sensor_->remembers() && !force_sensor_->lags();
+  if (n_.kind == Kind::component_bench) {
+    const Motion start = signal_.at(0.0);
+    s_[lag] = s_[res] = s_[d] = node_x_act_ = node_input_ = start.position;
+  }
+  remember();
+}
+
+bool Rig::has(std::size_t friction) const {
+  switch (friction) {
+    case suspension:
+      return n_.coulomb > 0.0 && n_.mount <= 0.0 && (n_.kind == Kind::quarter_car || ideal_);
+    case body_guide:
+      return n_.body_friction > 0.0;
+    case wheel_guide:
+      return n_.wheel_friction > 0.0;
+    default:
+      return n_.seal > 0.0;
+  }
+}
+
+double Rig::slip_velocity(std::size_t friction, const State& s) const {
+  switch (friction) {
+    case suspension:
+      return s[vw] - s[vb];
+    case body_guide:
+      return s[vb];
+    case wheel_guide:
+      return s[vw];
+    default:
+      return s[vy];
+  }
+}
+
+double Rig::largest(std::size_t friction) const {
+  switch (friction) {
+    case suspension:
+      return n_.coulomb + n_.static_friction;
+    case body_guide:
+      return n_.body_friction;
+    case wheel_guide:
+      return n_.wheel_friction;
+    default:
+      return n_.seal;
+  }
+}
+
+double Rig::strength(std::size_t friction, double velocity) const {
+  if (friction != suspension) return largest(friction);
+  const double ratio = velocity / n_.stribeck_velocity;
+  return n_.coulomb + (n_.static_friction > 0.0 ? n_.static_friction * std::exp(-ratio * ratio) : 0.0);
+}
+
+bool Rig::located_play() const { return n_.gap > 0.0 && (n_.kind == Kind::quarter_car || ideal_); }
+
+void Rig::machine(const State& s, double t, double u, double uv, double* position, double* velocity,
+                  State* rate) const {
+  if (n_.machine_delay > 0.0) {
+    const double past = t - n_.machine_delay;
+    if (n_.kind == Kind::component_bench) {
+      const Motion m = signal_.at(past);
+      u = m.position;
+      uv = past < 0.0 ? 0.0 : m.velocity;
+    } else {
+      const double place = std::clamp(past / h_, 0.0, static_cast<double>(commands_.size() - 1));
+      const std::size_t i = std::min(static_cast<std::size_t>(place), commands_.size() < 2 ? 0 : commands_.size() - 2);
+      const Motion& p = commands_[i];
+      const Motion& q = commands_[std::min(i + 1, commands_.size() - 1)];
+      const double w = place - static_cast<double>(i);
+      // Cubic through position and velocity at both nodes.
+      const double rise = q.position - p.position;
+      const double c2 = 3.0 * rise - (2.0 * p.velocity + q.velocity) * h_;
+      const double c3 = -2.0 * rise + (p.velocity + q.velocity) * h_;
+      u = p.position + w * (p.velocity * h_ + w * (c2 + w * c3));
+      uv = p.velocity + w * (2.0 * c2 + w * 3.0 * c3) / h_;
+    }
+  }
+  if (n_.machine_lag > 0.0) {
+    uv = (u - s[lag]) / n_.machine_lag;
+    (*rate)[lag] = uv;
+    u = s[lag];
+  }
+  if (n_.machine_turn > 0.0) {
+    (*rate)[res] = s[vres];
+    (*rate)[vres] =
+        n_.machine_turn * n_.machine_turn * (u - s[res]) - 2.0 * n_.machine_ratio * n_.machine_turn * s[vres];
+    u = s[res];
+    uv = s[vres];
+  }
+  if (n_.machine_velocity > 0.0) {
+    constexpr double rounding = 1e-11;  // [m] so that following is not taken for being late
+    const double late = node_input_ - node_x_act_;
+    const double since = std::max(0.0, t - static_cast<double>(node_) * h_);
+    double from = node_x_act_;
+    double reach = n_.machine_velocity * since;
+    if (std::abs(late) > rounding && (u - from) * sign(late) < reach) {
+      // Caught up within this step, and from there on free to turn.
+      const double begin = std::abs(late);
+      const double share = begin / (begin + reach - (u - from) * sign(late));
+      from += sign(late) * share * reach;
+      reach *= 1.0 - share;
+    }
+    if (u > from + reach + rounding) {
+      u = from + reach;
+      uv = n_.machine_velocity;
+    } else if (u < from - reach - rounding) {
+      u = from - reach;
+      uv = -n_.machine_velocity;
+    } else {
+      uv = std::clamp(uv, -n_.machine_velocity, n_.machine_velocity);
+    }
+  }
+  *position = u;
+  *velocity = uv;
+}
+
+Rig::Rates Rig::rates(const State& s, double t) const {
+  Rates r;
+  const bool bench = n_.kind == Kind::component_bench;
+  const Motion input = signal_.at(t);
+
+  // What deflects the component.
+  double deflection = bench ? input.position : s[zw] - s[zb];
+  double velocity = bench ? input.velocity : s[vw] - s[vb];
+  if (n_.kind != Kind::quarter_car) machine(s, t, deflection, velocity, &deflection, &velocity, &r.rate);
+  r.x_act = deflection;
+
+  const double spring = n_.spring * (1.0 + n_.stiffening * t / duration_);
+  const double damping = n_.damping * (1.0 - n_.fade * t / duration_);
+  const double branch = n_.fdva ? n_.coupling : 0.0;
+
+  // The forces that depend on deflection alone.
+  const auto elastic = [&](double e) {
+    double force = spring * e + branch * (e - s[y]);
+    if (n_.cubic_spring != 0.0) force += n_.cubic_spring * e * e * e;
+    if (n_.bump > 0.0) force += n_.bump * std::max(0.0, std::abs(e) - n_.clearance) * sign(e);
+    if (n_.maxwell > 0.0) force += n_.maxwell * (e - s[x]);
+    return force;
+  };
+
+  double e = deflection;
+  double ev = velocity;
+  double force = 0.0;
+  bool friction_held = false;
+  if (n_.mount > 0.0) {
+    if (damping + n_.quadratic > 0.0) {
+      e = s[d];
+      force = n_.mount * (deflection - e);
+      ev = velocity_under(force - elastic(e), damping, n_.quadratic, n_.coulomb);
+      r.rate[d] = ev;
+    } else {
+      // No damping: the deflection follows at once. Newton; the sum of the springs is monotone.
+      e = s[d];
+      for (int i = 0; i < 30; ++i) {
+        const double rest = n_.mount * (deflection - e) - elastic(e);
+        double stiffness = n_.mount + spring + branch + n_.maxwell + std::max(0.0, 3.0 * n_.cubic_spring * e * e);
+        if (n_.bump > 0.0 && std::abs(e) > n_.clearance) stiffness += n_.bump;
+        e += rest / stiffness;
+        if (std::abs(rest) < 1e-10) break;
+      }
+      force = n_.mount * (deflection - e);
+    }
+  } else {
+    bool free = false;
+    if (n_.gap > 0.0) {
+      const int side = located_play() ? m_.play : (std::abs(e) < 0.5 * n_.gap ? 0 : static_cast<int>(sign(e)));
+      free = side == 0;
+      e = free ? 0.0 : e - side * 0.5 * n_.gap;
+      ev = free ? 0.0 : ev;
+    }
+    force = elastic(e);
+    if (n_.asymmetry != 0.0)
+      force += damping * ev * (1.0 + n_.asymmetry * sign(ev));
+    else
+      force += damping * ev;
+    force += n_.quadratic * ev * std::abs(ev) + n_.cubic_damping * ev * ev * ev;
+    if (n_.wen > 0.0) {
+      force += n_.wen * s[wen];
+      // ż = (k/F) (v − ½|v| z − ½ v |z|): z stays within ± 1.
+      r.rate[wen] = n_.wen_stiffness / n_.wen * (ev - 0.5 * std::abs(ev) * s[wen] - 0.5 * ev * std::abs(s[wen]));
+    }
+    if (n_.parasite > 0.0) {
+      const double pull = n_.parasite_stiffness * (e - s[up]) + n_.parasite_damping * (ev - s[vp]);
+      force += pull;
+      r.rate[up] = s[vp];
+      r.rate[vp] = pull / n_.parasite;
+    }
+    if (n_.coulomb > 0.0 && !free) {
+      if (has(suspension)) {
+        friction_held = m_.slip[suspension] == 0;
+        if (!friction_held) force += m_.slip[suspension] * strength(suspension, ev);
+      } else {
+        force += sign(ev) * strength(suspension, ev);
+      }
+    }
+  }
+  if (n_.maxwell > 0.0) r.rate[x] = (e - s[x]) / n_.maxwell_time;
+
+  // Oil and piston.
+  if (n_.fdva && !n_.locked) {
+    double net = n_.coupling * (e - s[y]) - n_.laminar * s[vy] - n_.turbulent * s[vy] * std::abs(s[vy]);
+    r.rate[y] = s[vy];
+    if (n_.seal > 0.0) {
+      if (m_.slip[piston] == 0) {
+        r.held[piston] = net;
+        net = 0.0;
+        r.rate[y] = 0.0;
+      } else {
+        net -= m_.slip[piston] * n_.seal;
+      }
+    }
+    r.rate[vy] = net / n_.inertance;
+  }
+  r.force = force;
+  if (bench) return r;
+
+  // The tyre.
+  const double tyre = input.position - s[zw];
+  double load = n_.tyre * tyre + n_.tyre_damping * (input.velocity - s[vw]) + n_.tyre_cubic * tyre * tyre * tyre;
+  if (n_.lift_off) load = std::max(load, -(n_.body + n_.wheel) * gravity);
+  r.wheel_load = load;
+
+  // What the car feels of the component.
+  double felt = force;
+  double gain = 1.0;
+  if (n_.kind == Kind::hil) {
+    const double before = force_sensor_->before_noise(force, t);
+    gain = force_sensor_->gain();
+    if (force_sensor_->remembers()) {
+      felt = force_sensor_->limited(force_sensor_->shown(t / h_));
+    } else if (force_sensor_->lags()) {
+      const double noise = force_sensor_->noise_at(node_);
+      const bool taken = force_sensor_->lag_takes_noise();
+      r.rate[lagged_force] = (before + (taken ? noise : 0.0) - s[lagged_force]) / force_sensor_->lag();
+      felt = force_sensor_->limited(s[lagged_force] + (taken ? 0.0 : noise));
+    } else {
+      felt = force_sensor_->limited(before + force_sensor_->noise_at(node_));
+    }
+  }
+  const double dash = n_.virtual_damping * (s[vw] - s[vb]);
+  double on_body = felt + dash - n_.body_damping * s[vb];
+  double on_wheel = load - felt - dash - n_.wheel_damping * s[vw];
+
+  // Friction: sliding ones are known, stuck ones are what keeps the slip velocity at zero.
+  const bool b_stuck = has(body_guide) && m_.slip[body_guide] == 0;
+  const bool w_stuck = has(wheel_guide) && m_.slip[wheel_guide] == 0;
+  if (has(body_guide) && !b_stuck) on_body -= m_.slip[body_guide] * n_.body_friction;
+  if (has(wheel_guide) && !w_stuck) on_wheel -= m_.slip[wheel_guide] * n_.wheel_friction;
+  if (friction_held) {
+    double between = 0.0;  // on the body, off the wheel
+    if (b_stuck && w_stuck)
+      between = 0.0;
+    else if (b_stuck)
+      between = on_wheel;
+    else if (w_stuck)
+      between = -on_body;
+    else
+      between = (n_.body * on_wheel - n_.wheel * on_body) / (n_.body + n_.wheel);
+    r.held[suspension] = between / gain;
+    r.force += between / gain;
+    on_body += between;
+    on_wheel -= between;
+  }
+  if (b_stuck) {
+    r.held[body_guide] = on_body;
+    on_body = 0.0;
+  }
+  if (w_stuck) {
+    r.held[wheel_guide] = on_wheel;
+    on_wheel = 0.0;
+  }
+  r.zdd_b = on_body / n_.body;
+  r.zdd_w = on_wheel / n_.wheel;
+  r.rate[zb] = s[vb];
+  r.rate[vb] = r.zdd_b;
+  r.rate[zw] = s[vw];
+  r.rate[vw] = r.zdd_w;
+  return r;
+}
+
+Rig::State Rig::runge_kutta(double t, double h) const {
+  const auto along = [&](const State& rate, double by) {
+    State s = s_;
+    for (std::size_t i = 0; i < state_count; ++i) s[i] += by * rate[i];
+    return s;
+  };
+  const State k1 = rates(s_, t).rate;
+  const State k2 = rates(along(k1, 0.5 * h), t + 0.5 * h).rate;
+  const State k3 = rates(along(k2, 0.5 * h), t + 0.5 * h).rate;
+  const State k4 = rates(along(k3, h), t + h).rate;
+  State s = s_;
+  for (std::size_t i = 0; i < state_count; ++i) s[i] += h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
+  return s;
+}
+
+bool Rig::broken(const State& s, double t, bool repair) {
+  bool any = false;
+  if (located_play()) {
+    const double deflection = s[zw] - s[zb];
+    const double edge = 0.5 * n_.gap;
+    const int side = deflection > edge ? 1 : (deflection < -edge ? -1 : 0);
+    if (side != m_.play) {
+      any = true;
+      if (repair) {
+        m_.play = side;
+        m_.slip[suspension] = static_cast<int>(sign(s[vw] - s[vb]));
+      }
+    }
+  }
+  for (std::size_t f = 0; f < friction_count; ++f) {
+    if (!has(f)) continue;
+    if (f == suspension && located_play() && m_.play == 0) continue;
+    if (m_.slip[f] != 0) {
+      if (slip_velocity(f, s) * m_.slip[f] >= 0.0) continue;
+      any = true;
+      if (!repair) return true;
+      // At rest: does it stick?
+      const int before = m_.slip[f];
+      m_.slip[f] = 0;
+      const double needed = rates(s, t).held[f];
+      if (std::abs(needed) > largest(f)) m_.slip[f] = needed > 0.0 ? 1 : -1;
+      if (m_.slip[f] == before) m_.slip[f] = -before;  // it has crossed zero already
+    } else if (const double velocity = slip_velocity(f, s); std::abs(velocity) > 1e-8) {
+      any = true;  // a run that begins in motion
+      if (!repair) return true;
+      m_.slip[f] = velocity > 0.0 ? 1 : -1;
+    } else {
+      const double needed = rates(s, t).held[f];
+      if (std::abs(needed) <= largest(f)) continue;
+      any = true;
+      if (!repair) return true;
+      m_.slip[f] = needed > 0.0 ? 1 : -1;
+    }
+  }
+  return any;
+}
+
+void Rig::step() {
+  double t = static_cast<double>(node_) * h_;
+  const double end = static_cast<double>(node_ + 1) * h_;
+  bool events = located_play();
+  for (std::size_t f = 0; f < friction_count; ++f) events = events || has(f);
+
+  for (int tries = 0; tries < 40 && end - t > 1e-9 * h_; ++tries) {
+    const double renewal = force_sensor_ != nullptr ? force_sensor_->next_renewal() : 2.0 * end;
+    const bool renews = renewal > t && renewal < end;
+    const double whole = (renews ? renewal : end) - t;
+    State next = runge_kutta(t, whole);
+    if (!events || tries == 39 || !broken(next, t + whole, false)) {
+      s_ = next;
+      t = renews ? renewal : end;
+      if (events && tries == 39) (void)broken(s_, t, true);
+      if (renews)
+        force_sensor_->renew(force_sensor_->before_noise(rates(s_, t).force, t) + force_sensor_->noise_at(node_));
+      continue;
+    }
+    double low = 0.0;
+    double high = whole;
+    for (int i = 0; i < 26; ++i) {
+      const double middle = 0.5 * (low + high);
+      const State trial = runge_kutta(t, middle);
+      if (broken(trial, t + middle, false)) {
+        high = middle;
+        next = trial;
+      } else {
+        low = middle;
+      }
+    }
+    s_ = next;
+    t += high;
+    (void)broken(s_, t, true);
+  }
+
+  // The algebraic and the limited parts, at the node.
+  State unused{};
+  if (n_.kind != Kind::quarter_car) {
+    const bool bench = n_.kind == Kind::component_bench;
+    const Motion input = signal_.at(end);
+    double position = bench ? input.position : s_[zw] - s_[zb];
+    double velocity = bench ? input.velocity : s_[vw] - s_[vb];
+    double limited = 0.0;
+    machine(s_, end, position, velocity, &limited, &velocity, &unused);
+    if (n_.machine_velocity > 0.0) {
+      const double velocity_limit = n_.machine_velocity;
+      n_.machine_velocity = 0.0;
+      machine(s_, end, position, velocity, &node_input_, &velocity, &unused);
+      n_.machine_velocity = velocity_limit;
+    }
+    node_x_act_ = limited;
+  }
+  ++node_;
+  remember();
+}
+
+void Rig::remember() {
+  if (n_.kind == Kind::hil && n_.machine_delay > 0.0) commands_.push_back({s_[zw] - s_[zb], s_[vw] - s_[vb], 0.0});
+  if (n_.kind == Kind::hil && (force_sensor_->remembers() || force_sensor_->lags())) {
+    const double t = static_cast<double>(node_) * h_;
+    force_sensor_->push(force_sensor_->before_noise(rates(s_, t).force, t));
+    if (node_ == 0) s_[lagged_force] = force_sensor_->before_noise(rates(s_, t).force, t);
+  }
+}
+
+Rig::Values Rig::values() const {
+  const double t = static_cast<double>(node_) * h_;
+  const Rates r = rates(s_, t);
+  const Motion input = signal_.at(t);
+  Values v;
+  v.z_r = input.position;
+  v.zdd_r = input.acceleration;
+  v.zdd_w = r.zdd_w;
+  v.zdd_b = r.zdd_b;
+  v.wheel_load = r.wheel_load;
+  v.x_cmd = n_.kind == Kind::component_bench ? input.position : s_[zw] - s_[zb];
+  v.x_act = r.x_act;
+  v.force = r.force;
+  return v;
+}
+
+}  // namespace truth

@@ -1,0 +1,92 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "tests/truth/sensor.hpp"
+#include "tests/truth/signal.hpp"
+#include "tests/truth/truth.hpp"
+
+namespace truth {
+
+/// Everything a run needs as plain numbers; 0 is "not there".
+struct Numbers {
+  Kind kind = Kind::quarter_car;
+  double body = 0, wheel = 0, tyre = 0, tyre_damping = 0, spring = 0, damping = 0, virtual_damping = 0;
+  bool fdva = false, locked = false;
+  double coupling = 0, inertance = 0, laminar = 0, turbulent = 0;  ///< k_c, b, c, c₂ of n equal ducts
+  double machine_delay = 0, machine_lag = 0, machine_turn = 0, machine_ratio = 0, machine_velocity = 0;
+  double coulomb = 0, quadratic = 0, cubic_spring = 0, clearance = 0, bump = 0, gap = 0, mount = 0;
+  double maxwell = 0, maxwell_time = 1, seal = 0;
+  double body_friction = 0, wheel_friction = 0, body_damping = 0, wheel_damping = 0;
+  bool lift_off = false;
+  double tyre_cubic = 0, sensor_mass = 0;
+  // outside the catalogue
+  double fade = 0, stiffening = 0;                    ///< relative, over the record
+  double wen = 0, wen_stiffness = 0;                  ///< Bouc–Wen: largest force, initial stiffness
+  double static_friction = 0, stribeck_velocity = 1;  ///< above `coulomb`, decaying with velocity
+  double cubic_damping = 0, asymmetry = 0;
+  double parasite = 0, parasite_stiffness = 0, parasite_damping = 0;
+};
+
+[[nodiscard]] Numbers numbers_of(const Truth& truth);
+
+/// A rig in motion: Runge–Kutta of order 4 between events. Events are the start and the end of sticking of each
+/// friction and the ends of the free play, found by bisection; they are exact, so is the sign function. Corners without
+/// a jump of force (bump stop, lift-off, v|v|) are stepped over: their error is of order h² and found by halving the
+/// step.
+class Rig {
+ public:
+  enum Index : std::size_t { zw, vw, zb, vb, y, vy, d, x, lag, res, vres, lagged_force, up, vp, wen, state_count };
+  using State = std::array<double, state_count>;
+
+  /// `force_sensor` is F's in a hil rig, where what it says goes back into the car; else nullptr.
+  Rig(const Numbers& numbers, const Signal& signal, double h, double duration, Sensor* force_sensor);
+
+  void step();  ///< one node on
+  [[nodiscard]] State& state() { return s_; }
+
+  /// All true values at the present node.
+  struct Values {
+    double z_r = 0, zdd_r = 0, zdd_w = 0, zdd_b = 0, wheel_load = 0, x_cmd = 0, x_act = 0, force = 0;
+  };
+  [[nodiscard]] Values values() const;
+
+ private:
+  enum Friction : std::size_t { suspension, body_guide, wheel_guide, piston, friction_count };
+  struct Modes {
+    std::array<int, friction_count> slip{};  ///< −1, 0 stuck, +1
+    int play = 0;                            ///< −1, 0 free, +1
+  };
+  struct Rates {
+    State rate{};
+    std::array<double, friction_count> held{};  ///< friction force, of a stuck one what holding takes
+    double wheel_load = 0, force = 0, x_act = 0, zdd_b = 0, zdd_w = 0;
+  };
+
+  [[nodiscard]] Rates rates(const State& s, double t) const;
+  [[nodiscard]] State runge_kutta(double t, double h) const;
+  [[nodiscard]] bool broken(const State& s, double t, bool repair);  ///< does the mode still fit? repair: change it
+  [[nodiscard]] bool has(std::size_t friction) const;
+  [[nodiscard]] double slip_velocity(std::size_t friction, const State& s) const;
+  [[nodiscard]] double strength(std::size_t friction, double velocity) const;
+  [[nodiscard]] double largest(std::size_t friction) const;
+  void machine(const State& s, double t, double u, double uv, double* position, double* velocity, State* rate) const;
+  [[nodiscard]] bool located_play() const;
+  void remember();
+
+  Numbers n_;
+  const Signal& signal_;
+  double h_;
+  double duration_;
+  Sensor* force_sensor_;
+  std::size_t node_ = 0;
+  bool ideal_ = false;  ///< x_act and F go through nothing that remembers: friction may stick in a hil rig
+  State s_{};
+  Modes m_;
+  double node_x_act_ = 0.0;
+  double node_input_ = 0.0;       ///< what the rate limit follows, at the node
+  std::vector<Motion> commands_;  ///< x_cmd at the nodes, for the machine's delay
+};
+
+}  // namespace truth

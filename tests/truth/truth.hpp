@@ -1,0 +1,106 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+/// Recordings with a known answer, made without the product: nothing here includes or links a file of model/.
+///
+///   draw a group and a seed → Truth (what hides in the rig)  →  simulate → Record  →  csv, rig_toml, truth_json
+///
+/// Equations, signs, units and order of effects: the contract's catalogue. Everything SI.
+namespace truth {
+
+enum class Kind { quarter_car, hil, component_bench };
+
+/// One entry of the contract's catalogue; `channel` only for sensor effects.
+struct Effect {
+  std::string name;
+  std::string channel;
+  std::map<std::string, double> parameters;
+};
+
+/// One run on the rig.
+struct RecordPlan {
+  double duration = 30.0;           ///< [s]
+  double level = 1.0;               ///< factor on the road, or rms of x_cmd [m] on a bench
+  std::uint64_t road_seed = 1;      ///< road or command
+  std::uint64_t noise_seed = 2;     ///< noise, phases of holds
+  double warm = 0.0;                ///< [s] run before the first sample; 0: from rest, with a ramp of 1 s
+  double start = 0.0;               ///< t of the first sample [s]
+  double modulation_depth = 0.0;    ///< bench only: amplitude 1 + depth sin(2π t / period + phase)
+  double modulation_period = 15.0;  ///< [s]
+  double modulation_phase = 0.0;    ///< [rad]
+};
+
+/// A rig, what its description says, and what hides in it.
+struct Truth {
+  std::string id;
+  std::string group;
+  Kind kind = Kind::quarter_car;
+  bool fdva = false;                                       ///< an FDVA beside the spring-damper
+  double sample_rate = 1000.0;                             ///< [Hz]; no other is supported
+  std::map<std::string, double> nominal;                   ///< by path, "body.mass"; what rig.toml says
+  std::map<std::string, double> actual;                    ///< by path; inside the tolerances
+  std::map<std::string, double> tolerance;                 ///< by path, relative
+  std::map<std::string, double> noise;                     ///< rms by channel
+  std::map<std::string, std::pair<double, double>> range;  ///< by channel
+  std::vector<Effect> effects;                             ///< 0 … 3
+  std::string unknown;                                     ///< words for what is outside the catalogue; or empty
+  std::map<std::string, double> unknown_parameters;        ///< what `unknown` is made of
+  std::string unknown_channel;                             ///< where it acts, if in a sensor
+  double size = 0.0;             ///< largest rms change of a channel ÷ its noise, found when drawing; see draw
+  bool lag_takes_noise = false;  ///< sensor_lag filters signal plus noise (contract) or the signal alone (sample_b)
+  bool units_in_header = false;  ///< style of the file: "z_r [m]"
+  std::vector<RecordPlan> records;
+};
+
+/// Columns by name, all of one length; `time` in s.
+struct Record {
+  std::vector<double> time;
+  std::map<std::string, std::vector<double>> channels;
+};
+
+/// How fine simulate works; the tests halve the step.
+struct Fineness {
+  int steps_per_sample = 20;  ///< ≥ 1
+  bool noise = true;          ///< false: noise left out, sensor effects kept
+};
+
+/// How large the drawn effect is.
+struct Wanted {
+  bool weak = false;       ///< 30 … 100 σ in all instead of 3 … 300 times the noise of a channel
+  double duration = 30.0;  ///< [s] of a single record; of two, each has two thirds
+};
+
+/// "quarter_car", "hil", "component_bench".
+[[nodiscard]] std::string name_of(Kind kind);
+
+/// Channels of a recording in the order of its columns.
+[[nodiscard]] const std::vector<std::string>& channels_of(Kind kind);
+
+/// Every group draw knows: "single:<kind>:<effect>[:<channel>]", "pair:<kind>", "none:<kind>", "unknown:<kind>:<what>".
+[[nodiscard]] std::vector<std::string> groups();
+
+/// Draws a rig with what the group asks for. Same group, seed and wish: same truth, to the bit.
+///
+/// The first size of an effect comes from a range; it is then scaled, within limits a rig can have, until leaving the
+/// effect out changes some channel by 3 … 300 times its noise (rms over 4 s of the first record, same road, no noise).
+/// Weak: until the changes of all channels over all records sum up to 30 … 100 σ. `group` may also be
+/// "single:<effect>[:<channel>]", "pair", "none", "unknown": the kind is drawn too.
+/// @throws std::invalid_argument for a group there is not
+[[nodiscard]] Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted = {});
+
+/// The measured channels of every record. @throws std::invalid_argument if an effect does not exist on this kind of rig
+[[nodiscard]] std::vector<Record> simulate(const Truth& truth, const Fineness& fineness = {});
+
+/// The rig description `rigtwin` gets: nominal values, tolerances, noise, ranges, no effect.
+[[nodiscard]] std::string rig_toml(const Truth& truth);
+
+/// One record as a recording's text: 9 digits, as the samples have.
+[[nodiscard]] std::string csv(const Truth& truth, const Record& record);
+
+/// What is hidden, in the form of the samples' truth.json.
+[[nodiscard]] std::string truth_json(const Truth& truth);
+
+}  // namespace truth
