@@ -1,26 +1,13 @@
 #include "host_sim/paper/transfer_estimate.hpp"
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
-#include "host_sim/spectrum.hpp"
+#include "host_sim/frf/cross_spectra.hpp"
+#include "host_sim/frf/estimators.hpp"
 
 namespace host_sim::paper {
-namespace {
-
-using Complex = std::complex<double>;
-
-/// The windowed segment, its mean removed.
-std::vector<double> segment_of(std::span<const double> signal, const std::vector<double>& window) {
-  double mean = 0.0;
-  for (const double v : signal) mean += v;
-  mean /= static_cast<double>(signal.size());
-  std::vector<double> result(signal.size());
-  for (std::size_t i = 0; i < signal.size(); ++i) result[i] = window[i] * (signal[i] - mean);
-  return result;
-}
-
-}  // namespace
 
 TransferEstimate transfer_estimate(std::span<const double> input, std::span<const double> output, double sample_rate,
                                    std::size_t segment, double from, double to, std::size_t count) {
@@ -28,31 +15,20 @@ TransferEstimate transfer_estimate(std::span<const double> input, std::span<cons
   if (input.size() != output.size() || input.size() < length) {
     throw std::invalid_argument("two signals of one length, at least a segment long, are needed");
   }
-  RealTransform transform(length);
-  const std::vector<double> window = hann_window(length);
-  std::vector<double> power_in(transform.bins()), power_out(transform.bins());
-  std::vector<Complex> cross(transform.bins());
+  frf::CrossSpectra spectra(sample_rate, {length, length / 2, WindowShape::hann, Detrend::mean}, 2, 1);
+  spectra.add(std::array{frf::ShiftedSignal{input}, frf::ShiftedSignal{output}});
   TransferEstimate result;
-  for (std::size_t start = 0; start + length <= input.size(); start += length / 2) {
-    const auto x = transform(segment_of(input.subspan(start, length), window));
-    const std::vector<Complex> at_input(x.begin(), x.end());
-    const auto y = transform(segment_of(output.subspan(start, length), window));
-    for (std::size_t k = 0; k < cross.size(); ++k) {
-      power_in[k] += std::norm(at_input[k]);
-      power_out[k] += std::norm(y[k]);
-      cross[k] += std::conj(at_input[k]) * y[k];
-    }
-    ++result.averages;
-  }
+  result.averages = spectra.averages();
   std::size_t last = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double wanted = from * std::pow(to / from, static_cast<double>(i) / static_cast<double>(count - 1));
     const auto k = static_cast<std::size_t>(std::lround(wanted * static_cast<double>(length) / sample_rate));
-    if (k <= last || k + 1 >= cross.size()) continue;
+    if (k <= last || k + 1 >= spectra.lines()) continue;
     last = k;
-    result.frequency.push_back(static_cast<double>(k) * sample_rate / static_cast<double>(length));
-    result.response.push_back(cross[k] / power_in[k]);
-    result.coherence.push_back(std::norm(cross[k]) / (power_in[k] * power_out[k]));
+    const auto cross = spectra.cross(0, 1, k);
+    result.frequency.push_back(spectra.frequency(k));
+    result.response.push_back(cross / spectra.power(0, k));
+    result.coherence.push_back(frf::coherence(spectra.power(0, k), spectra.power(1, k), cross));
   }
   return result;
 }
