@@ -52,7 +52,7 @@ void print(const diagnose::Diagnosis& diagnosis, const fs::path& folder) {
     for (std::size_t p = 0; p < named.parameters.size(); ++p) {
       const auto& card = named.effect.entry->parameters[p];
       std::printf("   %s = %.5g %s (%.5g … %.5g)", std::string(card.name).c_str(), named.parameters[p].value,
-                  std::string(card.unit).c_str(), named.parameters[p].lower, named.parameters[p].upper);
+                  diagnose::unit_of(named.effect, p).c_str(), named.parameters[p].lower, named.parameters[p].upper);
     }
     std::printf("   confidence %.3f\n", named.confidence);
     for (std::size_t a = 0; a < std::min<std::size_t>(2, named.alternatives.size()); ++a) {

@@ -61,8 +61,8 @@ Starts sensor_starts(std::string_view name, const Case& all, Channel channel, co
   const auto c = index(channel);
   const double size = scales.rms[c];
   if (name == "sensor_lag" || name == "sensor_delay") return times(1e-3, {0.3, 1.0, 3.0, 10.0, 30.0});
-  if (name == "sensor_gain") return {{1.02}};
-  if (name == "sensor_offset") return {{0.05 * size}};
+  if (name == "sensor_gain") return {{1.02}, {0.98}};
+  if (name == "sensor_offset") return {{0.05 * size}, {-0.05 * size}};
   if (name == "sensor_saturation") {
     Starts starts;
     for (const Evidence& e : all.evidence) {

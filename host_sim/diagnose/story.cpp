@@ -25,8 +25,8 @@ std::string joined(const std::vector<std::string>& list) {
   return text;
 }
 
-std::string with_interval(const Interval& v, std::string_view unit) {
-  return figure_text(v.value, 5) + " " + std::string(unit) + " (" + figure_text(v.lower, 5) + " … " +
+std::string with_interval(const Interval& v, const std::string& unit) {
+  return figure_text(v.value, 5) + (unit.empty() ? "" : " " + unit) + " (" + figure_text(v.lower, 5) + " … " +
          figure_text(v.upper, 5) + ")";
 }
 
@@ -81,7 +81,8 @@ void add_effects(Report& page, const Diagnosis& diagnosis) {
     std::string values;
     for (std::size_t p = 0; p < named.parameters.size(); ++p) {
       const auto& card = named.effect.entry->parameters[p];
-      values += (p > 0 ? "; " : "") + std::string(card.name) + " " + with_interval(named.parameters[p], card.unit);
+      values += (p > 0 ? "; " : "") + std::string(card.name) + " " +
+                with_interval(named.parameters[p], unit_of(named.effect, p));
     }
     found.rows.push_back({words(named.effect), values, figure_text(named.confidence, 3)});
     for (const Alternative& other : named.alternatives) {
@@ -151,13 +152,19 @@ std::string words(const PlacedEffect& effect) {
   return text;
 }
 
+std::string unit_of(const PlacedEffect& effect, std::size_t parameter) {
+  const std::string_view unit = effect.entry->parameters[parameter].unit;
+  if (unit == "of the channel" && effect.channel) return std::string(model::unit(*effect.channel));
+  return unit == "1" ? std::string() : std::string(unit);
+}
+
 std::string sentence(const Diagnosis& diagnosis) {
   std::vector<std::string> names;
   for (const NamedEffect& named : diagnosis.effects) {
     std::string text = words(named.effect);
     if (!named.parameters.empty()) {
-      text += " (" + figure_text(named.parameters.front().value, 4) + " " +
-              std::string(named.effect.entry->parameters.front().unit) + ")";
+      const std::string unit = unit_of(named.effect, 0);
+      text += " (" + figure_text(named.parameters.front().value, 4) + (unit.empty() ? "" : " " + unit) + ")";
     }
     names.push_back(text);
   }

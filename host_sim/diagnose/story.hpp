@@ -13,6 +13,9 @@ namespace host_sim::diagnose {
 /// "sensor_lag of F", "coulomb_friction"
 [[nodiscard]] std::string words(const PlacedEffect& effect);
 
+/// The unit of an effect's parameter, that of its channel filled in; nothing for a pure number.
+[[nodiscard]] std::string unit_of(const PlacedEffect& effect, std::size_t parameter);
+
 /// report.html: the story, gaps, overlays in time and frequency, where, rivals, parameters, the rig description.
 [[nodiscard]] std::string report_html(const Diagnosis& diagnosis, const RigDescription& given);
 

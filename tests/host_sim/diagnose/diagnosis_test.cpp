@@ -144,6 +144,30 @@ TEST(Diagnosis, FindsNothingWhereNothingIs) {
   EXPECT_FALSE(found.unexplained);
 }
 
+// Sensors that read too little: signed parameters are found on either side.
+TEST(Diagnosis, FindsANegativeOffsetAndAGainBelowOne) {
+  RigDescription d = support::rig("paper_hil_fdva");
+  remove_effect(d.rig, *find_effect("actuator_delay"), std::nullopt);
+  d.noise[index(Channel::F)] = 10.0;
+  d.noise[index(Channel::x_act)] = 2e-5;
+  Recording r = recorded(reference_of(d), d, 24);
+  for (double& F : r[Channel::F]) F -= 120.0;
+  for (double& x : r[Channel::x_act]) x *= 0.97;
+  const Diagnosis found = diagnose::diagnose(d, {{std::move(r), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::named) << diagnose::sentence(found);
+  ASSERT_EQ(found.effects.size(), 2U);
+  for (const auto& named : found.effects) {
+    const auto& value = named.parameters[0];
+    if (named.effect.channel == Channel::F) {
+      EXPECT_EQ(named.effect.entry->name, "sensor_offset");
+      EXPECT_NEAR(value.value, -120.0, 1.0);  // 10 N of noise over 12 000 samples: 0.1 N
+    } else {
+      EXPECT_EQ(named.effect.entry->name, "sensor_gain");
+      EXPECT_NEAR(value.value, 0.97, 5e-4);
+    }
+  }
+}
+
 // The samples that lie beside the project: verdict and effects.
 TEST(Diagnosis, NamesWhatIsHiddenInTheSamples) {
   if (!std::filesystem::exists(support::shared / "samples")) GTEST_SKIP() << "../shared/samples is missing";
