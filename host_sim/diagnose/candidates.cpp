@@ -80,7 +80,7 @@ Starts sensor_starts(std::string_view name, const Case& all, Channel channel, co
   return starts;  // a hold shows by repeated values, or it is not there
 }
 
-Starts starts_of(const CatalogueEntry& entry, const Case& all, const Scales& s, const Hypothesis& hypothesis) {
+Starts starts_of(const CatalogueEntry& entry, const Scales& s) {
   const std::string_view name = entry.name;
   const double stiffness = s.force / std::max(s.deflection, 1e-12), damping = s.force / std::max(s.velocity, 1e-12);
   const auto forces = [&] { return times(s.force, {0.01, 0.03, 0.1, 0.3}); };
@@ -110,8 +110,6 @@ Starts starts_of(const CatalogueEntry& entry, const Case& all, const Scales& s, 
   for (const model::EffectParameter& p : entry.parameters) {
     middle.push_back(p.lower > 0.0 ? std::sqrt(p.lower * p.upper) : 1e-3 * p.upper);
   }
-  static_cast<void>(all);
-  static_cast<void>(hypothesis);
   return {middle};
 }
 
@@ -175,7 +173,7 @@ std::vector<Candidate> candidates(const Case& all, const Hypothesis& hypothesis,
     }
     if (!has_place(hypothesis.rig, entry, std::nullopt) || is_present(entry, std::nullopt)) continue;
     if (entry.place == model::Place::machine && first.drive.deflection_reached) continue;
-    list.push_back({&entry, std::nullopt, starts_of(entry, all, scales, hypothesis)});
+    list.push_back({&entry, std::nullopt, starts_of(entry, scales)});
   }
   return list;
 }

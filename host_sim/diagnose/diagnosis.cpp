@@ -354,7 +354,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     }
     double against = 0.0;
     for (const Rival& rival : findings.rivals[i]) {
-      const double apart = rival.cost - findings.best.cost(price) + 0.0;
+      const double apart = rival.cost - findings.best.cost(price);
       const double odds = std::exp(std::min(apart / (2.0 * temper), 300.0));
       against += 1.0 / odds;
       if (named.alternatives.size() == 5) continue;
