@@ -1,6 +1,7 @@
 #include "host_sim/diagnose_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -107,7 +108,15 @@ void run_diagnosis(const DiagnoseOptions& options) {
   prepare_folder(options.out);
   std::optional<Progress> progress(std::in_place, "diagnose");
   const diagnose::Diagnosis diagnosis = diagnose::diagnose(
-      description, std::move(records), [&](double share, const std::string& what) { progress->show(share, what); });
+      description, std::move(records),
+      [&, begun = std::chrono::steady_clock::now()](double share, const std::string& what, std::size_t simulations,
+                                                    std::size_t candidates) {
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
+        const double rate = static_cast<double>(simulations) / std::max(taken.count(), 1e-3);
+        char tried[96];
+        std::snprintf(tried, sizeof tried, " (%zu candidates, %zu simulations, %.0f/s)", candidates, simulations, rate);
+        progress->show(share, what + tried);
+      });
   progress.reset();
 
   // All three or none: written beside their names first.

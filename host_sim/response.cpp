@@ -21,6 +21,15 @@ Rig without_machine(Rig rig) {
   return rig;
 }
 
+/// On the cubic Hermite polynomial from one sample to the next; its z̈ is the measured one, straight between.
+model::Motion<double> between(const model::Motion<double>& from, const model::Motion<double>& to, double share,
+                              double period) {
+  const double s = share, c = 1.0 - share, rise = to.position - from.position;
+  const double a = from.velocity * period - rise, b = rise - to.velocity * period;
+  return {c * from.position + s * to.position + s * c * (a * c + b * s),
+          (rise + (c - s) * (a * c + b * s) + s * c * (b - a)) / period, c * from.acceleration + s * to.acceleration};
+}
+
 double rms(const std::vector<double>& values) {
   double squares = 0.0;
   for (const double v : values) squares += v * v;
@@ -100,9 +109,9 @@ InitialState resting(const Rig& rig, const Drive& drive) {
   return start;
 }
 
-Response respond(const Rig& rig, const Drive& drive, const InitialState& start, std::size_t samples) {
+Response respond(const Rig& rig, const Drive& drive, const InitialState& start, std::size_t samples, int parts) {
   const bool bench = rig.kind == RigKind::component_bench;
-  const model::RigModel<> model(drive.deflection_reached ? without_machine(rig) : rig, drive.period);
+  const model::RigModel<> model(drive.deflection_reached ? without_machine(rig) : rig, drive.period / parts);
   const std::size_t count = samples == 0 ? drive.size() : std::min(samples, drive.size());
   const std::vector<Channel> channels = response_channels(rig.kind, drive);
   Response response;
@@ -124,9 +133,15 @@ Response respond(const Rig& rig, const Drive& drive, const InitialState& start, 
     if (k + 1 == count) return response;
     if (!drive.ducts.empty() && drive.ducts[k] != x.ducts.open()) model.open_ducts(x, drive.ducts[k]);
     const auto& next = drive.motion[k + 1];
-    model.step(x, {.foot_point = next,
-                   .command = {next.position, next.velocity},
-                   .actuator_force = drive.actuator_force.empty() ? 0.0 : drive.actuator_force[k + 1]});
+    const double actuator_force = drive.actuator_force.empty() ? 0.0 : drive.actuator_force[k + 1];
+    for (int part = 1; part < parts; ++part) {
+      const double share = static_cast<double>(part) / parts;
+      const model::Motion<double> inside = between(drive.motion[k], next, share, drive.period);
+      model.step(x, {.foot_point = inside,
+                     .command = {inside.position, inside.velocity},
+                     .actuator_force = x.actuator_force + (actuator_force - x.actuator_force) / (parts - part + 1)});
+    }
+    model.step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
   }
 }
 

@@ -43,10 +43,12 @@ using InitialState = model::Column<double, 6>;
 /// At rest above the first sample of the input.
 [[nodiscard]] InitialState resting(const model::RigParameters<double>& rig, const Drive& drive);
 
-/// Simulated channels, by model::Channel; those that the rig does not have stay empty. `samples`: 0 for all.
+/// Simulated channels, by model::Channel; those that the rig does not have stay empty. `samples`: 0 for all. `parts`:
+/// steps a sample, with the input between samples as the model has it: laws with corners act at their own instant then,
+/// not at the next sample; 1 is what a controller runs.
 using Response = std::array<std::vector<double>, model::channel_count>;
 [[nodiscard]] Response respond(const model::RigParameters<double>& rig, const Drive& drive, const InitialState& start,
-                               std::size_t samples = 0);
+                               std::size_t samples = 0, int parts = 1);
 
 /// Whether the recording begins quietly: its first samples stay within 5 % of each channel's rms of where a resting rig
 /// would be.

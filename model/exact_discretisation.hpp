@@ -116,6 +116,18 @@ class ExactDiscretisation {
     return columns;
   }
 
+  /// Columns for an input that moves on the cubic through its samples at the end of the period, its beginning and the
+  /// two before; the newest comes first.
+  [[nodiscard]] Block<S, N, 4> through_newest(const Vector& b) const {
+    const Vector c0 = monomial(b, 0), c1 = monomial(b, 1), c2 = monomial(b, 2), c3 = monomial(b, 3);
+    Block<S, N, 4> columns;
+    columns.col(0) = c1 * S(1.0 / 3.0) + c2 * S(0.5) + c3 * S(1.0 / 6.0);
+    columns.col(1) = c0 + c1 * S(0.5) - c2 - c3 * S(0.5);
+    columns.col(2) = c2 * S(0.5) + c3 * S(0.5) - c1;
+    columns.col(3) = (c1 - c3) * S(1.0 / 6.0);
+    return columns;
+  }
+
   /// Columns for an input known only up to now: the polynomial through its newest samples, three or four, continued
   /// over the period (exponential Adams–Bashforth of that order). The oldest comes first: the newest is known last.
   template <int Order>

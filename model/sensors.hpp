@@ -22,7 +22,7 @@ inline constexpr std::size_t sensor_delay_capacity = 256;
 /// One channel's sensor:
 ///
 ///   (1)  u = g · true + o + noise                     gain, offset
-///   (2)  T ẏ₁ + y₁ = u                                lag, exact for u straight between samples
+///   (2)  T ẏ₁ + y₁ = u                                lag, exact for u on the cubic through its newest samples
 ///   (3)  y₂(t) = y₁(t − τ)                            delay
 ///   (4)  y₃ = clamp(y₂, ± l)                          limit
 ///   (5)  y(t) = y₃(t_r)                               hold: renewed at the first sample and then every period
@@ -34,10 +34,10 @@ class Sensors {
   using Line = DelayLine<S, sensor_delay_capacity, S>;
 
   struct ChannelState {
-    S input{};   ///< u of the last sample
-    S lagged{};  ///< y₁
-    S held{};    ///< y
-    S age{};     ///< since the renewal [s]
+    std::array<S, 3> input{};  ///< u of the last three samples, the newest first
+    S lagged{};                ///< y₁
+    S held{};                  ///< y
+    S age{};                   ///< since the renewal [s]
   };
   struct State {
     std::array<ChannelState, channel_count> channels{};
@@ -54,8 +54,8 @@ class Sensors {
       }
       if (p.lag > S(0)) {
         const ExactDiscretisation<S, 1> exact(Block<S, 1, 1>(S(-1) / p.lag), period);
-        const Block<S, 1, 2> input = exact.straight(Column<S, 1>(S(1) / p.lag));
-        lag_[c] = {exact.transition()(0), input(0), input(1)};
+        const Block<S, 1, 4> input = exact.through_newest(Column<S, 1>(S(1) / p.lag));
+        lag_[c] = {exact.transition()(0), input(0), input(1), input(2), input(3)};
       }
       if (p.delay > S(0)) line_[c] = lines_++;
     }
@@ -68,7 +68,8 @@ class Sensors {
     for (std::size_t i = 0; i < count_; ++i) {
       const std::size_t c = list_[i];
       ChannelState& s = x.channels[c];
-      s.input = s.lagged = input(c, truth[c], noise);
+      s.lagged = input(c, truth[c], noise);
+      s.input.fill(s.lagged);
       if (paths_[c].delay > S(0)) x.lines[line_[c]].start(s.lagged, paths_[c].delay / period_);
       s.held = limited(c, s.lagged);
       s.age = S(0);
@@ -82,8 +83,8 @@ class Sensors {
       const SensorPath<S>& p = paths_[c];
       ChannelState& s = x.channels[c];
       const S u = input(c, truth[c], noise);
-      s.lagged = p.lag > S(0) ? lag_[c][0] * s.lagged + lag_[c][1] * s.input + lag_[c][2] * u : u;
-      s.input = u;
+      s.lagged = p.lag > S(0) ? follow(lag_[c], s, u) : u;
+      s.input = {u, s.input[0], s.input[1]};
       S value = s.lagged;
       if (p.delay > S(0)) {
         Line& line = x.lines[line_[c]];
@@ -108,7 +109,7 @@ class Sensors {
   void flush(State& x, S least) const {
     for (std::size_t i = 0; i < count_; ++i) {
       ChannelState& s = x.channels[list_[i]];
-      for (S* value : {&s.input, &s.lagged, &s.held}) {
+      for (S* value : {&s.input[0], &s.input[1], &s.input[2], &s.lagged, &s.held}) {
         if (*value<least&& * value> - least) *value = S(0);
       }
     }
@@ -120,6 +121,10 @@ class Sensors {
   }
 
  private:
+  using Lag = std::array<S, 5>;  ///< of y₁, u and the three u before
+  [[nodiscard]] static S follow(const Lag& lag, const ChannelState& s, S u) {
+    return lag[0] * s.lagged + lag[1] * u + lag[2] * s.input[0] + lag[3] * s.input[1] + lag[4] * s.input[2];
+  }
   [[nodiscard]] S input(std::size_t c, S truth, const Signals<S>* noise) const {
     const S u = paths_[c].gain * truth + paths_[c].offset;
     return noise != nullptr ? u + (*noise)[c] : u;
@@ -132,7 +137,7 @@ class Sensors {
 
   std::array<SensorPath<S>, channel_count> paths_{};
   S period_{1};
-  std::array<std::array<S, 3>, channel_count> lag_{};
+  std::array<Lag, channel_count> lag_{};
   std::array<std::size_t, channel_count> line_{};
   std::array<std::size_t, channel_count> list_{};
   std::array<bool, channel_count> listed_{};

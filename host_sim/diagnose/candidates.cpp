@@ -7,7 +7,7 @@ namespace host_sim::diagnose {
 namespace {
 
 using model::Channel;
-using Starts = std::vector<std::vector<double>>;
+using Starts = std::vector<Start>;
 
 struct Size {
   double rms = 0.0, peak = 0.0;
@@ -28,14 +28,14 @@ Size size_of(const std::vector<double>& values) {
 
 Starts times(double unit, std::initializer_list<double> factors) {
   Starts starts;
-  for (const double factor : factors) starts.push_back({factor * unit});
+  for (const double factor : factors) starts.push_back({{factor * unit}});
   return starts;
 }
 
 Starts product(const Starts& first, const Starts& second) {
   Starts starts;
   for (const auto& a : first) {
-    for (const auto& b : second) starts.push_back({a[0], b[0]});
+    for (const auto& b : second) starts.push_back({{a.values[0], b.values[0]}});
   }
   return starts;
 }
@@ -50,32 +50,36 @@ std::optional<double> repeated_extreme(const std::vector<double>& data) {
   return highest;
 }
 
-/// The time for which a channel repeats itself exactly, typically [samples]; 1: it does not.
-double repeats(const std::vector<double>& data) {
-  std::size_t renewals = 0;
-  for (std::size_t k = 1; k < data.size(); ++k) renewals += data[k] != data[k - 1] ? 1 : 0;
-  return renewals == 0 ? 1.0 : static_cast<double>(data.size() - 1) / static_cast<double>(renewals);
-}
-
 Starts sensor_starts(std::string_view name, const Case& all, Channel channel, const Scales& scales) {
   const auto c = index(channel);
   const double size = scales.rms[c];
   if (name == "sensor_lag" || name == "sensor_delay") return times(1e-3, {0.3, 1.0, 3.0, 10.0, 30.0});
-  if (name == "sensor_gain") return {{1.02}, {0.98}};
-  if (name == "sensor_offset") return {{0.05 * size}, {-0.05 * size}};
+  if (name == "sensor_gain") return {{{1.02}}, {{0.98}}};
+  if (name == "sensor_offset") return {{{0.05 * size}}, {{-0.05 * size}}};
   if (name == "sensor_saturation") {
     Starts starts;
     for (const Evidence& e : all.evidence) {
       if (!e.recording.has(channel)) continue;
-      if (const auto limit = repeated_extreme(e.recording[channel])) starts.push_back({*limit});
+      if (const auto limit = repeated_extreme(e.recording[channel])) starts.push_back({{*limit}});
     }
     return starts;  // a limit shows by an extreme that is repeated, or it is not there
   }
   Starts starts;
-  for (const Evidence& e : all.evidence) {
-    if (!e.recording.has(channel)) continue;
-    const double held = repeats(e.recording[channel]);
-    if (held > 1.5) starts.push_back({held * e.drive.period});
+  if (const auto held = hold_period(all.evidence, channel)) {
+    starts.push_back({{held->value}});
+    double slack = 0.0;
+    bool regular = true;
+    for (const Evidence& e : all.evidence) {
+      if (const auto& renewals = e.renewals[index(channel)]) {
+        slack = std::max(slack, renewals->slack);
+        regular = regular && renewals->regular;
+      }
+    }
+    // Instants that are known to a tenth of a sample are known; else some are tried.
+    if (regular) starts.push_back({{held->value}, {true, 0.0}});
+    for (const double place : {-0.8, -0.4, 0.4, 0.8}) {
+      if (regular && slack > 0.1) starts.push_back({{held->value}, {true, place}});
+    }
   }
   return starts;  // a hold shows by repeated values, or it is not there
 }
@@ -104,13 +108,13 @@ Starts starts_of(const CatalogueEntry& entry, const Scales& s) {
   if (name == "force_sensor_inertia") {
     return times(s.tyre_force / std::max(s.foot_acceleration, 1e-12), {0.01, 0.1});
   }
-  if (name == "tyre_lift_off") return {{}};
+  if (name == "tyre_lift_off") return {{{}}};
   // An effect that is new in the catalogue: the middle of its bounds.
   std::vector<double> middle;
   for (const model::EffectParameter& p : entry.parameters) {
     middle.push_back(p.lower > 0.0 ? std::sqrt(p.lower * p.upper) : 1e-3 * p.upper);
   }
-  return {middle};
+  return {{middle}};
 }
 
 }  // namespace

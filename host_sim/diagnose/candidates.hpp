@@ -21,11 +21,17 @@ struct Scales {
 
 [[nodiscard]] Scales scales_of(const Case& all, const Hypothesis& hypothesis, const std::vector<Response>& responses);
 
+/// Where a fit may begin.
+struct Start {
+  std::vector<double> values;  ///< of the effect's parameters
+  HoldClock clock{};           ///< of a hold
+};
+
 /// An effect of the catalogue that has a place on this rig and whose parameters can be seen, with values to start from.
 struct Candidate {
   const CatalogueEntry* entry;
   std::optional<model::Channel> channel;
-  std::vector<std::vector<double>> starts;
+  std::vector<Start> starts;
 };
 
 /// All candidates for a rig, those already in `hypothesis` left out.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 #include "host_sim/diagnose/foot_point.hpp"
+#include "host_sim/diagnose/readings.hpp"
 #include "host_sim/diagnose/whitening.hpp"
 #include "host_sim/gaussian.hpp"
 #include "host_sim/spectrum.hpp"
@@ -19,17 +21,26 @@ CarriedNoise carried_noise(const Evidence& evidence, const Hypothesis& hypothesi
   const std::size_t n = evidence.size();
   const double period = evidence.drive.period;
   const auto m = static_cast<Eigen::Index>(evidence.channels.size());
-  const Response clean = host_sim::respond(hypothesis.rig, evidence.drive, start, window.to);
+  const Response clean = read_channels(hypothesis, evidence, evidence.drive, start, window.to);
 
-  const std::size_t length = window.size() - window.size() % 2;
-  RealTransform transform(good_fft_size(length));
-  const double resolution = 1.0 / (period * static_cast<double>(transform.length()));
+  const std::size_t length = good_fft_size_at_most(window.size());
+  RealTransform transform(length);
+  const double resolution = 1.0 / (period * static_cast<double>(length));
   const auto bands = static_cast<std::size_t>(std::min(Whitening::highest, 0.45 / period) / Whitening::band) + 1;
-  std::vector<Eigen::MatrixXcd> sums(bands, Eigen::MatrixXcd::Zero(m, m));
-  std::vector<double> counts(bands, 0.0);
   const std::vector<double> taper = hann_window(length);
-  double squares = 0.0;
-  for (const double w : taper) squares += w * w;
+  struct Sums {
+    Eigen::MatrixXcd outputs;  // Σ D Dᴴ
+    Eigen::VectorXcd across;   // Σ D P*
+    double input = 0.0;        // Σ |P|²
+    double count = 0.0;
+  };
+  std::vector<Sums> sums(bands, {Eigen::MatrixXcd::Zero(m, m), Eigen::VectorXcd::Zero(m)});
+  const auto spectrum_of = [&](const auto& value_at) {
+    std::vector<double> tapered(length);
+    for (std::size_t k = 0; k < length; ++k) tapered[k] = taper[k] * value_at(window.from + k);
+    const auto bins = transform(tapered);
+    return Spectrum(bins.begin(), bins.end());
+  };
 
   constexpr int times = 3;
   for (int time = 0; time < times; ++time) {
@@ -41,42 +52,58 @@ CarriedNoise carried_noise(const Evidence& evidence, const Hypothesis& hypothesi
       position = fused_displacement(position, acceleration, noise.position, noise.acceleration, period);
     }
     Drive noisy = evidence.drive;
-    const FootPointMotion motion = through_samples(position, 1.0 / period);
+    FootPointMotion motion = through_samples(position, 1.0 / period);
+    if (evidence.acceleration_known > 0.0) {
+      smooth_acceleration(motion, acceleration_edge * evidence.acceleration_known, period);
+    }
     for (std::size_t k = 0; k < n; ++k) {
       noisy.motion[k].position += motion[k].position;
       noisy.motion[k].velocity += motion[k].velocity;
       noisy.motion[k].acceleration += motion[k].acceleration;
     }
-    const Response disturbed = host_sim::respond(hypothesis.rig, noisy, start, window.to);
-    std::vector<std::vector<std::complex<double>>> spectra;
-    std::vector<double> difference(length);
+    const Response disturbed = read_channels(hypothesis, evidence, noisy, start, window.to);
+    const Spectrum input = spectrum_of([&](std::size_t k) { return position[k]; });
+    Spectra outputs;
     for (const model::Channel channel : evidence.channels) {
       const auto c = index(channel);
-      double& variance = carried.variance[c];
       for (std::size_t k = window.from; k < window.to; ++k) {
-        variance += std::pow(disturbed[c][k] - clean[c][k], 2) / static_cast<double>(times * window.size());
+        carried.variance[c] += std::pow(disturbed[c][k] - clean[c][k], 2) / static_cast<double>(times * window.size());
       }
-      for (std::size_t k = 0; k < length; ++k) {
-        difference[k] = taper[k] * (disturbed[c][window.from + k] - clean[c][window.from + k]);
-      }
-      const auto bins = transform(difference);
-      spectra.emplace_back(bins.begin(), bins.end());
+      outputs.push_back(spectrum_of([&](std::size_t k) { return disturbed[c][k] - clean[c][k]; }));
     }
-    for (std::size_t k = 0; k < spectra.front().size(); ++k) {
+    Eigen::VectorXcd difference(m);
+    for (std::size_t k = 0; k < input.size(); ++k) {
       const auto b = static_cast<std::size_t>(static_cast<double>(k) * resolution / Whitening::band);
       if (b >= bands) break;
-      counts[b] += squares;
-      for (Eigen::Index i = 0; i < m; ++i) {
-        for (Eigen::Index j = 0; j < m; ++j) {
-          sums[b](i, j) += spectra[static_cast<std::size_t>(i)][k] * std::conj(spectra[static_cast<std::size_t>(j)][k]);
-        }
-      }
+      for (Eigen::Index i = 0; i < m; ++i) difference(i) = outputs[static_cast<std::size_t>(i)][k];
+      sums[b].outputs += difference * difference.adjoint();
+      sums[b].across += difference * std::conj(input[k]);
+      sums[b].input += std::norm(input[k]);
+      sums[b].count += 1.0;
     }
   }
+
+  // The coherent part g gᴴ S with the input's own density S, which is known; what is left is of events that begin
+  // earlier or later, and of a gain that changes inside the band.
+  double squares = 0.0;
+  for (const double w : taper) squares += w * w;
   for (std::size_t b = 0; b < bands; ++b) {
-    if (counts[b] > 0.0) sums[b] /= counts[b];
+    const Sums& sum = sums[b];
+    Eigen::MatrixXcd matrix = Eigen::MatrixXcd::Zero(m, m);
+    if (sum.input > 0.0 && sum.count > 1.0) {
+      const double f = (static_cast<double>(b) + 0.5) * Whitening::band;
+      const double curvature = std::pow(2.0 * std::sin(std::numbers::pi * f * period) / period, 2);
+      double density = noise.position * noise.position;
+      if (noise.acceleration > 0.0) {
+        density = 1.0 / (1.0 / density + std::pow(curvature / noise.acceleration, 2));
+      }
+      const Eigen::VectorXcd gain = sum.across / sum.input;
+      matrix = gain * gain.adjoint() * density;
+      matrix += (sum.outputs - gain * sum.across.adjoint()) / ((sum.count - 1.0) * squares);
+      matrix = (0.5 * (matrix + matrix.adjoint())).eval();
+    }
+    carried.spectrum.push_back(std::move(matrix));
   }
-  carried.spectrum = std::move(sums);
   return carried;
 }
 

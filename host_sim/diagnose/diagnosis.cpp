@@ -5,6 +5,8 @@
 #include <cstdio>
 
 #include "host_sim/diagnose/carried_noise.hpp"
+#include "host_sim/diagnose/parallel.hpp"
+#include "host_sim/diagnose/readings.hpp"
 #include "host_sim/diagnose/rest.hpp"
 #include "host_sim/diagnose/virtual_car.hpp"
 #include "host_sim/input_error.hpp"
@@ -20,11 +22,11 @@ using model::Channel;
 constexpr double too_close = 20.0;
 
 std::vector<CarriedNoise> carried_noises(const std::vector<Evidence>& evidence, const Hypothesis& hypothesis) {
-  std::vector<CarriedNoise> noises;
-  for (std::size_t r = 0; r < evidence.size(); ++r) {
+  std::vector<CarriedNoise> noises(evidence.size());
+  for_all(evidence.size(), [&](std::size_t r) {
     const Evidence& e = evidence[r];
-    noises.push_back(carried_noise(e, hypothesis, hypothesis.starts[r], e.fit.size() > 0 ? e.fit : e.judge));
-  }
+    noises[r] = carried_noise(e, hypothesis, hypothesis.starts[r], e.fit.size() > 0 ? e.fit : e.judge);
+  });
   return noises;
 }
 
@@ -36,14 +38,44 @@ void whiten(Case& all, const std::vector<CarriedNoise>& noises) {
   for (std::size_t r = 0; r < all.evidence.size(); ++r) {
     const Evidence& e = all.evidence[r];
     if (e.fit.size() > 0) {
-      all.fit.emplace_back(e, e.fit, noises[r].spectrum);
+      all.fit.emplace_back(e, e.fit, noises[r].spectrum, all.model_error);
       all.fitted.push_back(r);
     }
     if (e.judge.size() > 0) {
-      all.judge.emplace_back(e, e.judge, noises[r].spectrum);
+      all.judge.emplace_back(e, e.judge, noises[r].spectrum, all.model_error);
       all.judged.push_back(r);
     }
   }
+}
+
+/// rms of the error ÷ rms of the channel over the fitted windows, root mean square over channels and recordings.
+double pooled_error(const Case& all, const Hypothesis& hypothesis) {
+  double sum = 0.0, terms = 0.0;
+  for (const std::size_t r : all.fitted) {
+    const Evidence& e = all.evidence[r];
+    const Response response = read_channels(hypothesis, e, e.drive, hypothesis.starts[r], e.fit.to);
+    for (const Channel channel : e.channels) {
+      const auto c = index(channel);
+      double error = 0.0, data = 0.0;
+      for (std::size_t k = e.fit.from; k < e.fit.to; ++k) {
+        if (!e.clipped[c].empty() && e.clipped[c][k]) continue;
+        const double measured = e.recording[channel][k];
+        error += std::pow(response[c][k] - measured, 2);
+        data += measured * measured;
+      }
+      if (!(data > 0.0)) continue;
+      sum += error / data;
+      terms += 1.0;
+    }
+  }
+  return terms > 0.0 ? std::sqrt(sum / terms) : 0.0;
+}
+
+/// The share of what was left over beyond noise that effects explain.
+double explained_share(const Findings& findings) {
+  const auto count = static_cast<double>(findings.best.fit.residual.size());
+  const double first = std::max(findings.nothing.fit.chi_squared - count, 1.0);
+  return 1.0 - std::max(findings.best.fit.chi_squared - count, 0.0) / first;
 }
 
 /// rms of the error over the held-out windows, by channel, relative to the rms of the channel.
@@ -110,12 +142,13 @@ double separation(const Case& all, const Hypothesis& one, const Hypothesis& othe
     std::array<Response, 2> responses;
     const std::array<const Hypothesis*, 2> hypotheses{&one, &other};
     for (std::size_t h = 0; h < 2; ++h) {
-      auto rig = hypotheses[h]->rig;
+      Hypothesis tried = *hypotheses[h];
+      auto& rig = tried.rig;
       if (experiment.open_ducts) {
         rig.fdva.open_ducts = *experiment.open_ducts;
         drive.ducts.clear();
       }
-      responses[h] = host_sim::respond(rig, drive, resting(rig, drive), e.fit.to);
+      responses[h] = read_channels(tried, e, drive, resting(rig, drive), e.fit.to);
     }
     for (const Channel channel : e.channels) {
       const auto c = index(channel);
@@ -197,9 +230,7 @@ std::vector<Overlay> overlays_of(const Case& all, const Hypothesis& given, const
   const std::size_t r = all.judged.empty() ? all.fitted.front() : all.judged.front();
   const Evidence& e = all.evidence[r];
   const Window window = e.judge.size() > 0 ? e.judge : e.fit;
-  const auto respond_with = [&](const Hypothesis& h) {
-    return host_sim::respond(h.rig, e.drive, h.starts[r], window.to);
-  };
+  const auto respond_with = [&](const Hypothesis& h) { return read_channels(h, e, e.drive, h.starts[r], window.to); };
   const Response before_response = respond_with(given), refit_response = respond_with(refit),
                  after_response = respond_with(after);
   const double rate = 1.0 / e.drive.period;
@@ -267,7 +298,7 @@ std::vector<std::string> remarks_of(const Case& all, const RigDescription& descr
         remarks.emplace_back(text);
       }
     }
-    if (e.disagreement > 0.0 && e.input_noise.acceleration == 0.0) {
+    if (e.inputs_disagree) {
       remarks.push_back(e.recording.source +
                         ": z_r and zdd_r do not tell of one motion; the foot point follows z_r alone");
     }
@@ -308,30 +339,48 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   std::vector<CarriedNoise> noises = carried_noises(all.evidence, given);
   whiten(all, noises);
   if (all.fit.empty()) throw InputError(description.source, 0, "every recording is held out", "one to be explained");
-  if (tell) tell(0.02, "refit of tolerated parameters");
 
   const Price price;
-  Findings findings = search(all, given, tolerated, starts, price, tell);
-  // What noise of the input makes of the channels depends on the effects; a second look with what was found.
-  if (!findings.best.effects.empty() && !noises.front().spectrum.empty()) {
-    if (tell) tell(0.9, "noise of the input, with what was found");
-    noises = carried_noises(all.evidence, findings.best.fit.hypothesis);
+  const auto rewhiten = [&](const Hypothesis& hypothesis) {
+    if (noises.front().spectrum.empty()) return false;
+    noises = carried_noises(all.evidence, hypothesis);
     whiten(all, noises);
-    findings = polish(all, findings, tolerated, starts, price);
-  }
+    return true;
+  };
+  Findings findings = search(all, given, tolerated, starts, price, rewhiten, tell);
   result.simulations = findings.simulations;
+  result.candidates = findings.tried;
+  // A rig that is not all in the catalogue: in units of noise, details of what cannot be explained outweigh the effects
+  // that matter. A second look with an error of the model that is some of what is left, and with smaller steps.
+  const double all_but_noise = 0.97;
+  if (rest_of(all, findings.best.fit.hypothesis).significant && explained_share(findings) < all_but_noise) {
+    const double left = pooled_error(all, findings.best.fit.hypothesis);
+    all.model_error = std::clamp(0.3 * left, 0.01, 0.3);
+    whiten(all, noises);
+    Price smaller = price;
+    smaller.later_share = 0.1;
+    Findings second = search(all, given, tolerated, starts, smaller, rewhiten, tell);
+    result.simulations += second.simulations;
+    result.candidates += second.tried;
+    if (pooled_error(all, second.best.fit.hypothesis) < 0.98 * left) findings = std::move(second);
+    all.model_error = Whitening::simulation_error;
+    whiten(all, noises);
+  }
 
   const Fit& fit = findings.best.fit;
   const auto count = static_cast<double>(fit.residual.size());
-  result.chi_squared_before = residuals(all, given).squaredNorm() / count;
-  result.chi_squared_refit = findings.nothing.fit.chi_squared / count;
-  result.chi_squared_after = fit.chi_squared / count;
+  const auto power_left = [&](const Hypothesis& hypothesis) {
+    return residuals(all, predict(all, hypothesis)).squaredNorm() / count;
+  };
+  result.chi_squared_before = power_left(given);
+  result.chi_squared_refit = power_left(findings.nothing.fit.hypothesis);
+  result.chi_squared_after = power_left(fit.hypothesis);
 
   const Rest rest = rest_of(all, fit.hypothesis);
   result.unexplained = rest.significant;
   result.rest = rest.words;
-  const double left_at_first = std::max(findings.nothing.fit.chi_squared - count, 1.0);
-  const double explained = 1.0 - std::max(fit.chi_squared - count, 0.0) / left_at_first;
+  const double explained =
+      1.0 - std::max(result.chi_squared_after - 1.0, 0.0) / std::max(result.chi_squared_refit - 1.0, 1.0 / count);
   const double temper = std::max(1.0, fit.chi_squared / count);
 
   const Eigen::MatrixXd covariance = fit.covariance();
@@ -341,16 +390,22 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     result.parameters[tolerated[i].path] =
         interval(fit.unknowns[i], fit.unknowns[i].get(fit.hypothesis), covariance(k, k), temper);
   }
-  for (const auto& [path, car] : virtual_car(description, all.evidence)) {
+  const VirtualCar car_of_program = virtual_car(description, all.evidence);
+  for (const auto& [path, car] : car_of_program.parameters) {
     result.parameters[path] = {car.value, car.value - 1.96 * car.error, car.value + 1.96 * car.error};
   }
   bool close = false;
   for (std::size_t i = 0; i < findings.best.effects.size(); ++i) {
     NamedEffect named{findings.best.effects[i], {}, 0.0, {}};
-    for (std::size_t p = 0; p < named.effect.values.size(); ++p, ++at) {
+    const std::size_t unknown = effect_unknowns(named.effect).size();
+    for (std::size_t p = 0; p < unknown; ++p, ++at) {
       const auto k = static_cast<Eigen::Index>(at);
       named.parameters.push_back(
           interval(fit.unknowns[at], fit.unknowns[at].get(fit.hypothesis), covariance(k, k), temper));
+    }
+    if (unknown == 0 && !named.effect.values.empty()) {
+      const HoldPeriod period = hold_period(all.evidence, *named.effect.channel).value();
+      named.parameters.push_back({period.value, period.value - period.half_width, period.value + period.half_width});
     }
     double against = 0.0;
     for (const Rival& rival : findings.rivals[i]) {
@@ -370,15 +425,31 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     if (result.unexplained) named.confidence *= std::clamp((explained - 0.97) / 0.03, 0.0, 1.0);
     result.effects.push_back(std::move(named));
   }
-  if (findings.best.effects.empty()) {
+  // What the program itself computes is known without noise.
+  for (const TyreEffect& tyre : car_of_program.effects) {
+    NamedEffect named{tyre.effect, {}, 0.999, {}};
+    for (const Estimate& e : tyre.parameters) {
+      named.parameters.push_back({e.value, e.value - 1.96 * e.error, e.value + 1.96 * e.error});
+    }
+    result.effects.push_back(std::move(named));
+    const double left = car_of_program.effects.back().after;
+    result.gap[Channel::F_w] = {car_of_program.effects.front().before, car_of_program.effects.front().before, left,
+                                left};
+  }
+  if (result.effects.empty()) {
     result.verdict = result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
-  } else if (result.unexplained && explained < 0.97) {
+  } else if (result.unexplained && explained < all_but_noise) {
     result.verdict = Verdict::unexplained;
   } else {
     result.verdict = close ? Verdict::ambiguous : Verdict::named;
   }
 
   result.where = places(all, findings);
+  if (!car_of_program.effects.empty()) {
+    const double other = result.where.empty() ? 0.0 : 0.5;
+    for (Place& place : result.where) place.share *= other;
+    result.where.push_back({Channel::F_w, 0.0, 0.5 / all.evidence.front().drive.period, "tyre", 1.0 - other});
+  }
   if (!all.judged.empty()) {
     const auto before = errors(all, given), refit = errors(all, findings.nothing.fit.hypothesis),
                after = errors(all, fit.hypothesis), floors = noise_floors(all, noises);
@@ -392,7 +463,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   for (const auto& [path, value] : result.parameters) {
     if (double* const parameter = find_parameter(result.rig.rig, path)) *parameter = value.value;
   }
-  for (const PlacedEffect& effect : findings.best.effects) put_effect(result.rig.rig, effect);
+  for (const NamedEffect& named : result.effects) put_effect(result.rig.rig, named.effect);
   return result;
 }
 

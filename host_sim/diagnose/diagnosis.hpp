@@ -69,7 +69,7 @@ struct Diagnosis {
   std::string rest;    ///< what the unexplained rest looks like, in words; empty without one
   RigDescription rig;  ///< with effects and refitted parameters
   double chi_squared_before = 0.0, chi_squared_refit = 0.0, chi_squared_after = 0.0;  ///< per residual: 1 is noise
-  std::size_t simulations = 0;
+  std::size_t simulations = 0, candidates = 0;                                        ///< tried
   std::vector<std::string> remarks;  ///< clipped samples, channels left out, noise estimated
 };
 

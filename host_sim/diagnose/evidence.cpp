@@ -42,9 +42,6 @@ model::RigParameters<double> explained_part(const model::RigParameters<double>& 
 
 namespace {
 
-/// Two sensors of one motion disagree beyond this: 60 000 samples of noise alone stay within 1 ± 0.03.
-constexpr double most_disagreement = 1.15;
-
 void prepare_input(Evidence& evidence, const RigDescription& description, const Recording& recording) {
   const Channel input = evidence.drive.channel;
   if (input == Channel::x_cmd) return;  // a number
@@ -59,17 +56,104 @@ void prepare_input(Evidence& evidence, const RigDescription& description, const 
   if (const auto& range = description.range[index(Channel::zdd_r)]) {
     for (double& a : acceleration) a = range->holds(a) ? a : std::nan("");
   }
-  const auto fused = fused_displacement(recording[Channel::z_r], acceleration, sz, sa, h);
-  evidence.disagreement = disagreement(fused, recording[Channel::z_r], acceleration, sz, sa, h);
-  if (evidence.disagreement > most_disagreement) {
+  evidence.inputs_disagree = disagree(recording[Channel::z_r], acceleration, sz, sa, h);
+  if (evidence.inputs_disagree) {
     evidence.drive.motion = through_samples(recording[Channel::z_r], 1.0 / h);
+    // Filtered a little above what is known, so that its edge is not.
+    evidence.acceleration_known = known_up_to(recording[Channel::z_r], sz, h);
+    smooth_acceleration(evidence.drive.motion, acceleration_edge * evidence.acceleration_known, h);
     return;
   }
-  evidence.drive.motion = through_samples(fused, 1.0 / h);
+  evidence.drive.motion =
+      through_samples(fused_displacement(recording[Channel::z_r], acceleration, sz, sa, h), 1.0 / h);
   evidence.input_noise.acceleration = sa;
 }
 
 }  // namespace
+
+std::optional<Renewals> renewals_of(const std::vector<double>& samples) {
+  constexpr double held = 1.5;  // samples a value, to be a hold and not a chance
+  Renewals r;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    if (samples[k] != samples[k - 1]) r.at.push_back(k);
+  }
+  if (r.at.size() < 3 || static_cast<double>(samples.size()) < held * static_cast<double>(r.at.size())) {
+    return std::nullopt;
+  }
+  std::vector<std::size_t> gaps;
+  for (std::size_t i = 1; i < r.at.size(); ++i) gaps.push_back(r.at[i] - r.at[i - 1]);
+  std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+  r.period = static_cast<double>(gaps[gaps.size() / 2]);
+  const auto span = static_cast<double>(r.at.back() - r.at.front());
+  for (int round = 0; round < 2; ++round) {
+    r.turn.assign(1, 0.0);
+    for (std::size_t i = 1; i < r.at.size(); ++i) {
+      r.turn.push_back(r.turn.back() +
+                       std::max(1.0, std::round(static_cast<double>(r.at[i] - r.at[i - 1]) / r.period)));
+    }
+    r.period = span / r.turn.back();
+  }
+  // Room for t_0 at a period: concave in it.
+  const auto room = [&r](double period) {
+    double lowest = -INFINITY, highest = INFINITY;
+    for (std::size_t i = 0; i < r.at.size(); ++i) {
+      const double start = static_cast<double>(r.at[i]) - r.turn[i] * period;
+      lowest = std::max(lowest, start - 1.0);
+      highest = std::min(highest, start);
+    }
+    return std::pair{lowest, highest};
+  };
+  const auto width = [&](double period) {
+    const auto [lowest, highest] = room(period);
+    return highest - lowest;
+  };
+  const double reach = 1.5 / r.turn.back();
+  double a = r.period - reach, b = r.period + reach;
+  constexpr double golden = 0.6180339887498949;
+  for (int i = 0; i < 60; ++i) {
+    const double left = b - golden * (b - a), right = a + golden * (b - a);
+    if (width(left) < width(right)) {
+      a = left;
+    } else {
+      b = right;
+    }
+  }
+  const double widest = 0.5 * (a + b);
+  if (width(widest) > 0.0) {
+    r.regular = true;
+    const auto border = [&](double outside) {
+      double inside = widest;
+      for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (inside + outside);
+        (width(middle) > 0.0 ? inside : outside) = middle;
+      }
+      return inside;
+    };
+    const double low = border(widest - 2.0 * reach), high = border(widest + 2.0 * reach);
+    r.period = 0.5 * (low + high);
+    r.period_slack = 0.5 * (high - low);
+  } else {
+    r.period_slack = 1.0 / r.turn.back();
+  }
+  const auto [lowest, highest] = room(r.period);
+  r.first = 0.5 * (lowest + highest);
+  r.slack = std::max(0.5 * (highest - lowest), 0.0);
+  return r;
+}
+
+std::optional<HoldPeriod> hold_period(const std::vector<Evidence>& evidence, Channel channel) {
+  double sum = 0.0, weights = 0.0, slack = INFINITY;
+  for (const Evidence& e : evidence) {
+    const auto& r = e.renewals[index(channel)];
+    if (!r) continue;
+    const double weight = r->turn.back();
+    sum += weight * r->period * e.drive.period;
+    weights += weight;
+    slack = std::min(slack, r->period_slack * e.drive.period);
+  }
+  if (!(weights > 0.0)) return std::nullopt;
+  return HoldPeriod{sum / weights, slack};
+}
 
 Evidence evidence_of(const RigDescription& description, Recording recording, Use use) {
   const model::RigParameters<double> rig = explained_part(description.rig);
@@ -82,12 +166,19 @@ Evidence evidence_of(const RigDescription& description, Recording recording, Use
   evidence.drive = drive_of(rig, recording);
   prepare_input(evidence, description, recording);
   evidence.at_rest = begins_at_rest(rig, evidence.drive, recording);
-  for (const Channel channel : response_channels(rig.kind, evidence.drive)) {
+  std::vector<Channel> answered = response_channels(rig.kind, evidence.drive);
+  if (evidence.inputs_disagree) answered.push_back(Channel::zdd_r);
+  for (const Channel channel : answered) {
     if (!recording.has(channel)) continue;
     const auto c = index(channel);
     const auto& data = recording[channel];
     evidence.channels.push_back(channel);
-    evidence.noise[c] = description.noise[c].value_or(estimated_noise(data));
+    evidence.renewals[c] = renewals_of(data);
+    std::vector<double> renewed;
+    if (const auto& renewals = evidence.renewals[c]) {
+      for (const std::size_t k : renewals->at) renewed.push_back(data[k]);
+    }
+    evidence.noise[c] = description.noise[c].value_or(estimated_noise(renewed.empty() ? data : renewed));
     if (const auto& range = description.range[c]) {
       std::vector<bool> clipped(data.size());
       std::transform(data.begin(), data.end(), clipped.begin(), [&](double v) { return !range->holds(v); });

@@ -5,36 +5,63 @@
 #include <cmath>
 #include <limits>
 
+#include "host_sim/diagnose/parallel.hpp"
+#include "host_sim/diagnose/readings.hpp"
+
 namespace host_sim::diagnose {
 
-std::vector<Response> respond(const Case& all, const Hypothesis& hypothesis) {
-  std::vector<Response> responses;
-  for (std::size_t r = 0; r < all.evidence.size(); ++r) {
-    responses.push_back(host_sim::respond(hypothesis.rig, all.evidence[r].drive, hypothesis.starts[r]));
+Prediction predict(const Case& all, const Hypothesis& hypothesis) {
+  Prediction prediction;
+  for (std::size_t i = 0; i < all.fitted.size(); ++i) {
+    const std::size_t r = all.fitted[i];
+    const Evidence& e = all.evidence[r];
+    const Whitening& whitening = all.fit[i];
+    auto truth = std::make_shared<const Response>(
+        true_channels(hypothesis.rig, e, e.drive, hypothesis.starts[r], whitening.window().to));
+    Spectra seen;
+    for (std::size_t c = 0; c < e.channels.size(); ++c) {
+      const auto& values = (*truth)[index(e.channels[c])];
+      const bool affected = has_sensor_effect(hypothesis.rig, e.channels[c]);
+      seen.push_back(whitening.spectrum(e, c, affected ? readings(hypothesis, e, e.channels[c], values) : values));
+    }
+    prediction.truth.push_back(std::move(truth));
+    prediction.seen.push_back(std::move(seen));
   }
-  return responses;
+  return prediction;
 }
 
-Eigen::VectorXd residuals(const Case& all, const std::vector<Response>& responses, bool held_out) {
-  const auto& whitenings = held_out ? all.judge : all.fit;
-  const auto& recordings = held_out ? all.judged : all.fitted;
+Prediction predict_sensor(const Case& all, const Hypothesis& hypothesis, const Prediction& base,
+                          model::Channel channel) {
+  Prediction prediction = base;
+  for (std::size_t i = 0; i < all.fitted.size(); ++i) {
+    const Evidence& e = all.evidence[all.fitted[i]];
+    for (std::size_t c = 0; c < e.channels.size(); ++c) {
+      if (e.channels[c] != channel) continue;
+      prediction.seen[i][c] =
+          all.fit[i].spectrum(e, c, readings(hypothesis, e, channel, (*base.truth[i])[index(channel)]));
+    }
+  }
+  return prediction;
+}
+
+Eigen::VectorXd residuals(const Case& all, const Prediction& prediction) {
   std::size_t count = 0;
-  for (const Whitening& w : whitenings) count += w.count();
-  std::vector<double> values;
-  values.reserve(count);
-  for (std::size_t i = 0; i < whitenings.size(); ++i) {
-    whitenings[i](all.evidence[recordings[i]], responses[recordings[i]], values);
+  for (const Whitening& w : all.fit) count += w.count();
+  Eigen::VectorXd values(static_cast<Eigen::Index>(count));
+  double* out = values.data();
+  for (std::size_t i = 0; i < all.fit.size(); ++i) {
+    all.fit[i].whiten(prediction.seen[i], out);
+    out += all.fit[i].count();
   }
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  return values;
 }
 
-Eigen::VectorXd residuals(const Case& all, const Hypothesis& hypothesis) {
+std::vector<Response> respond(const Case& all, const Hypothesis& hypothesis) {
   std::vector<Response> responses(all.evidence.size());
-  for (const std::size_t r : all.fitted) {
-    responses[r] =
-        host_sim::respond(hypothesis.rig, all.evidence[r].drive, hypothesis.starts[r], all.evidence[r].fit.to);
-  }
-  return residuals(all, responses, false);
+  for_all(all.evidence.size(), [&](std::size_t r) {
+    responses[r] = read_channels(hypothesis, all.evidence[r], all.evidence[r].drive, hypothesis.starts[r]);
+  });
+  return responses;
 }
 
 Eigen::VectorXd bounded_step(const Eigen::MatrixXd& h, const Eigen::VectorXd& g, const Eigen::VectorXd& lower,
@@ -107,31 +134,43 @@ Hypothesis moved(const Hypothesis& from, const Unknown& unknown, double u) {
   return hypothesis;
 }
 
-Eigen::VectorXd slope_of(const Case& all, const Hypothesis& hypothesis, const Unknown& unknown,
-                         const Eigen::VectorXd& r) {
-  const double u = unknown.get(hypothesis);
+/// Column of J by a one-sided difference.
+Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Unknown& unknown) {
+  const double u = unknown.get(at.hypothesis);
   const double step = u + unknown.step > unknown.upper ? -unknown.step : unknown.step;
-  return (residuals(all, moved(hypothesis, unknown, u + step)) - r) / step;
+  const Hypothesis other = moved(at.hypothesis, unknown, u + step);
+  const Prediction prediction =
+      unknown.sensor ? predict_sensor(all, other, at.prediction, *unknown.sensor) : predict(all, other);
+  return (residuals(all, prediction) - at.residual) / step;
+}
+
+/// Columns of J from `first` on.
+void find_slopes(const Case& all, Fit& at, Eigen::Index first) {
+  for_all(at.unknowns.size() - static_cast<std::size_t>(first), [&](std::size_t i) {
+    const std::size_t column = i + static_cast<std::size_t>(first);
+    at.slope.col(static_cast<Eigen::Index>(column)) = slope_of(all, at, at.unknowns[column]);
+  });
+  for (auto i = static_cast<std::size_t>(first); i < at.unknowns.size(); ++i) {
+    at.simulations += at.unknowns[i].sensor ? 0 : 1;
+  }
 }
 
 }  // namespace
 
-Eigen::MatrixXd jacobian(const Case& all, const Hypothesis& hypothesis, const std::vector<Unknown>& unknowns,
-                         const Eigen::VectorXd& r) {
-  Eigen::MatrixXd slope(r.size(), static_cast<Eigen::Index>(unknowns.size()));
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    slope.col(static_cast<Eigen::Index>(i)) = slope_of(all, hypothesis, unknowns[i], r);
-  }
-  return slope;
+void refresh_slope(const Case& all, Fit& fit) {
+  fit.slope.resize(fit.residual.size(), static_cast<Eigen::Index>(fit.unknowns.size()));
+  find_slopes(all, fit, 0);
 }
 
 Eigen::MatrixXd Fit::covariance() const {
   Eigen::MatrixXd h = slope.transpose() * slope;
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    const double u = unknowns[i].get(hypothesis);
     h(k, k) += 1e-12 * h(k, k) + 1e-30;
-    if (u <= unknowns[i].lower + 1e-9 || u >= unknowns[i].upper - 1e-9) h(k, k) += 1e12 * (h(k, k) + 1.0);
+    // Inside of its tolerance a parameter is anywhere: the variance of that, where the data say less.
+    const double width = unknowns[i].upper - unknowns[i].lower;
+    if (unknowns[i].role == Unknown::Role::tolerated) h(k, k) += 12.0 / (width * width);
+    if (unknowns[i].at_bound(hypothesis)) h(k, k) += 1e12 * (h(k, k) + 1.0);
   }
   return h.ldlt().solve(Eigen::MatrixXd::Identity(h.rows(), h.cols()));
 }
@@ -142,19 +181,22 @@ Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int mo
   result.hypothesis = std::move(start);
   result.unknowns = std::move(unknowns);
   const auto n = static_cast<Eigen::Index>(result.unknowns.size());
-  result.residual = residuals(all, result.hypothesis);
+  result.prediction = predict(all, result.hypothesis);
+  result.residual = residuals(all, result.prediction);
+  ++result.simulations;
   result.chi_squared = result.residual.squaredNorm();
   result.slope.resize(result.residual.size(), n);
   const Eigen::Index known = known_slope.cols();
   if (known > 0) result.slope.leftCols(known) = known_slope;
 
   double trust = 1.0;  // of the logarithmic coordinates: a factor of e in one step at most
+  int age = -1;        // steps for which the slopes have been kept; −1: they are to be found
   for (int step = 0; step < most && n > 0; ++step) {
-    for (Eigen::Index i = known; i < n; ++i) {
-      result.slope.col(i) =
-          slope_of(all, result.hypothesis, result.unknowns[static_cast<std::size_t>(i)], result.residual);
+    if (age < 0) {
+      find_slopes(all, result, known);
+      if (!result.slope.allFinite()) break;
+      age = 0;
     }
-    if (!result.slope.allFinite()) break;
     const Eigen::MatrixXd h = result.slope.transpose() * result.slope;
     const Eigen::VectorXd g = result.slope.transpose() * result.residual;
     Eigen::VectorXd u(n), lower(n), upper(n);
@@ -169,27 +211,41 @@ Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int mo
       }
     }
     const Eigen::VectorXd d = bounded_step(h, g, lower, upper);
+    const double promised = -2.0 * g.dot(d) - d.dot(h * d);
+    const double before = result.chi_squared;
+    const double enough = 0.01 + 1e-6 * before;
     double share = 1.0;
     bool better = false;
-    const double before = result.chi_squared;
-    for (int attempt = 0; attempt < 5; ++attempt, share *= 0.35) {
+    for (int attempt = 0; attempt < 5 && promised > 0.1 * enough; ++attempt, share *= 0.35) {
       Hypothesis next = result.hypothesis;
       for (Eigen::Index i = 0; i < n; ++i) {
         result.unknowns[static_cast<std::size_t>(i)].put(next, u(i) + share * d(i));
       }
       if (find_rig_fault(next.rig, all.evidence.front().drive.period)) continue;
-      Eigen::VectorXd r = residuals(all, next);
+      Prediction prediction = predict(all, next);
+      Eigen::VectorXd r = residuals(all, prediction);
+      ++result.simulations;
       const double chi = r.squaredNorm();
       if (chi < before) {
+        result.prediction = std::move(prediction);
         result.hypothesis = std::move(next);
         result.residual = std::move(r);
         result.chi_squared = chi;
         better = true;
         break;
       }
+      if (age > 0) break;  // with slopes of another place: better look here first
     }
-    if (share < 1.0) trust = std::max(0.05, trust * 0.5);
-    if (!better || before - result.chi_squared < 0.01 + 1e-6 * result.chi_squared) break;
+    const double gained = before - result.chi_squared;
+    const bool kept = age > 0;
+    ++age;
+    if (better && gained > enough) {
+      if (share < 1.0) trust = std::max(0.05, trust * 0.5);
+      if (gained < 0.7 * promised) age = -1;
+      continue;
+    }
+    if (!kept) break;
+    age = -1;  // slopes that were kept end where they are right, which need not be the minimum
   }
   return result;
 }

@@ -1,7 +1,12 @@
 #include "host_sim/diagnose/foot_point.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+
+#include "host_sim/diagnose/noise_bands.hpp"
+#include "host_sim/spectrum.hpp"
 
 namespace host_sim::diagnose {
 namespace {
@@ -54,21 +59,74 @@ std::vector<double> fused_displacement(const std::vector<double>& displacement, 
   return z;
 }
 
-double disagreement(const std::vector<double>& fused, const std::vector<double>& displacement,
-                    const std::vector<double>& acceleration, double displacement_noise, double acceleration_noise,
-                    double period) {
-  double sum = 0.0;
-  const std::size_t n = fused.size();
-  for (std::size_t k = 0; k < n; ++k) sum += std::pow((displacement[k] - fused[k]) / displacement_noise, 2);
-  // M makes of white noise one of (1 + 100 + 1)/144 of its variance.
-  constexpr double averaged = 102.0 / 144.0;
-  for (std::size_t k = 1; k + 1 < n; ++k) {
+bool disagree(const std::vector<double>& displacement, const std::vector<double>& acceleration,
+              double displacement_noise, double acceleration_noise, double period) {
+  const std::size_t n = displacement.size() >= 64 ? good_fft_size_at_most(displacement.size() - 2) : 0;
+  if (n < 32) return false;
+  std::vector<double> difference(n);
+  const std::vector<double> taper = hann_window(n);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    squares += taper[k] * taper[k];
     double a = 0.0;
-    if (!mean_acceleration(acceleration, k, a)) continue;
-    const double curvature = (fused[k - 1] - 2.0 * fused[k] + fused[k + 1]) / (period * period);
-    sum += std::pow((a - curvature) / acceleration_noise, 2) / averaged;
+    if (!mean_acceleration(acceleration, k + 1, a)) continue;
+    const double near = displacement[k + 2] - displacement[k + 1], far = displacement[k + 1] - displacement[k];
+    difference[k] = taper[k] * (a - (near - far) / (period * period));
   }
-  return sum / static_cast<double>(n);
+  RealTransform transform(n);
+  const auto bins = transform(difference);
+  const double resolution = 1.0 / (period * static_cast<double>(n));
+  std::array<double, noise_bands> power{}, count{};
+  for (std::size_t k = 1; k < bins.size(); ++k) {
+    const double f = resolution * static_cast<double>(k);
+    const std::size_t b = noise_band_of(f);
+    if (b >= noise_bands) break;
+    const double sine = std::pow(std::sin(std::numbers::pi * f * period), 2);
+    const double variance = std::pow(acceleration_noise * (1.0 - sine / 3.0), 2) +
+                            std::pow(displacement_noise * 4.0 * sine / (period * period), 2);
+    power[b] += std::norm(bins[k]) / (variance * squares);
+    count[b] += 1.0;
+  }
+  for (std::size_t b = 0; b < noise_bands; ++b) {
+    // Of a Hann window neighbouring bins share 35/18 of their power's variance.
+    const double deviation = std::sqrt(35.0 / 18.0 * std::max(count[b], 1.0));
+    if (power[b] - count[b] > 6.0 * deviation && power[b] > 1.1 * count[b]) return true;
+  }
+  return false;
+}
+
+double known_up_to(const std::vector<double>& displacement, double noise, double period) {
+  constexpr double lowest = 10.0, highest = 90.0;
+  const PowerSpectrum spectrum = welch(displacement, 1.0 / period, static_cast<std::size_t>(1.0 / period));
+  const double floor = 2.0 * noise * noise * period;
+  double known = lowest;
+  for (std::size_t k = 0; k < spectrum.frequency.size() && spectrum.frequency[k] <= highest; ++k) {
+    if (spectrum.density[k] > 3.0 * floor) known = std::max(known, spectrum.frequency[k]);
+  }
+  return known;
+}
+
+void smooth_acceleration(FootPointMotion& motion, double highest, double period) {
+  const auto reach = static_cast<std::ptrdiff_t>(0.1 / period);
+  std::vector<double> weights;
+  double sum = 0.0;
+  for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
+    const double x = static_cast<double>(i), turn = 2.0 * std::numbers::pi * highest * period * x;
+    const double hann = 0.5 + 0.5 * std::cos(std::numbers::pi * x / static_cast<double>(reach + 1));
+    weights.push_back(hann * (i == 0 ? 1.0 : std::sin(turn) / turn));
+    sum += weights.back();
+  }
+  const auto n = static_cast<std::ptrdiff_t>(motion.size());
+  std::vector<double> smooth(motion.size());
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    double value = 0.0;
+    for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
+      value += weights[static_cast<std::size_t>(i + reach)] *
+               motion[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k + i, 0, n - 1))].acceleration;
+    }
+    smooth[static_cast<std::size_t>(k)] = value / sum;
+  }
+  for (std::size_t k = 0; k < motion.size(); ++k) motion[k].acceleration = smooth[k];
 }
 
 }  // namespace host_sim::diagnose

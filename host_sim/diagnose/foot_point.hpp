@@ -20,9 +20,20 @@ namespace host_sim::diagnose {
                                                      const std::vector<double>& acceleration, double displacement_noise,
                                                      double acceleration_noise, double period);
 
-/// What is left of both, squared and divided by its variance, per sample: 1 where they agree.
-[[nodiscard]] double disagreement(const std::vector<double>& fused, const std::vector<double>& displacement,
-                                  const std::vector<double>& acceleration, double displacement_noise,
-                                  double acceleration_noise, double period);
+/// Whether the two cannot be of one motion: the power of M A − δ²Z/h² in some band up to 90 Hz is beyond that of the
+/// noise of both,
+///
+///   (2)  σ_a² |M|² + σ_z² (4 sin²(πfh)/h²)²,   M = 1 − sin²(πfh)/3
+///
+/// by 6 standard deviations, and by a tenth. An instant at which A is not finite counts for nothing.
+[[nodiscard]] bool disagree(const std::vector<double>& displacement, const std::vector<double>& acceleration,
+                            double displacement_noise, double acceleration_noise, double period);
+
+/// The frequency above which a displacement is not above its white noise any more [Hz], 10 … 90.
+[[nodiscard]] double known_up_to(const std::vector<double>& displacement, double noise, double period);
+
+/// z̈ of a motion through samples, up to `highest` [Hz]: above, the noise of a displacement grows with f². A symmetric
+/// filter of ±0.1 s, the ends as they are.
+void smooth_acceleration(FootPointMotion& motion, double highest, double period);
 
 }  // namespace host_sim::diagnose

@@ -26,6 +26,11 @@ double Unknown::get(const Hypothesis& hypothesis) const {
   return parameter != nullptr ? coordinate(*parameter) : 0.0;
 }
 
+bool Unknown::at_bound(const Hypothesis& hypothesis) const {
+  const double u = get(hypothesis);
+  return u <= lower + 1e-9 || u >= upper - 1e-9;
+}
+
 std::vector<Unknown> tolerated_unknowns(const RigDescription& description) {
   std::vector<Unknown> unknowns;
   model::RigParameters<double> part = explained_part(description.rig);
@@ -36,7 +41,7 @@ std::vector<Unknown> tolerated_unknowns(const RigDescription& description) {
         (path.starts_with("body") || path.starts_with("wheel") || path.starts_with("tyre"))) {
       continue;  // of a car that is a number
     }
-    Unknown u{Unknown::Role::tolerated, path, 0, 0, *value, *value * bound, false, -1.0, 1.0, 1e-2};
+    Unknown u{Unknown::Role::tolerated, path, 0, 0, {}, *value, *value * bound, false, -1.0, 1.0, 1e-2};
     if (bound >= 1.0) u.lower = -0.999 / bound;  // parameters do not change their sign
     unknowns.push_back(u);
   }
@@ -47,7 +52,7 @@ std::vector<Unknown> start_unknowns(const RigDescription& description, const std
   std::vector<Unknown> unknowns;
   const model::RigParameters<double> rig = explained_part(description.rig);
   for (std::size_t r = 0; r < evidence.size(); ++r) {
-    if (evidence[r].at_rest) continue;
+    if (evidence[r].at_rest || evidence[r].fit.size() == 0) continue;
     double size = 0.0;
     for (const auto& m : evidence[r].drive.motion) size = std::max(size, std::abs(m.position));
     size = std::max(size, 1e-6);
@@ -55,7 +60,7 @@ std::vector<Unknown> start_unknowns(const RigDescription& description, const std
       if (state < 4 && rig.kind == model::RigKind::component_bench) continue;
       if (state >= 4 && !(rig.has_fdva && rig.fdva.open_ducts > 0)) continue;
       const double scale = size * (state % 2 == 1 ? 20.0 : 1.0);
-      unknowns.push_back({Unknown::Role::start, "", r, state, 0.0, scale, false, -100.0, 100.0, 1e-3});
+      unknowns.push_back({Unknown::Role::start, "", r, state, {}, 0.0, scale, false, -100.0, 100.0, 1e-3});
     }
   }
   return unknowns;
@@ -69,10 +74,11 @@ std::string effect_path(const PlacedEffect& effect, std::size_t parameter) {
 
 std::vector<Unknown> effect_unknowns(const PlacedEffect& effect) {
   std::vector<Unknown> unknowns;
+  if (is_hold(*effect.entry)) return unknowns;
   for (std::size_t i = 0; i < effect.values.size(); ++i) {
     const model::EffectParameter& card = effect.entry->parameters[i];
     const bool is_gain = effect.entry->name == "sensor_gain";
-    Unknown u{Unknown::Role::effect, effect_path(effect, i), 0, 0, 0.0, 0.0, false, 0.0, 0.0, 1e-3};
+    Unknown u{Unknown::Role::effect, effect_path(effect, i), 0, 0, effect.channel, 0.0, 0.0, false, 0.0, 0.0, 1e-3};
     if (card.lower < 0.0 || is_gain) {
       u.centre = is_gain ? 1.0 : 0.0;
       u.scale = std::max(std::abs(effect.values[i] - u.centre), 1e-12);

@@ -13,10 +13,15 @@
 
 namespace host_sim::diagnose {
 
+/// Whether an effect's parameter is read off the recording (hold_period()) and is not fitted.
+[[nodiscard]] inline bool is_hold(const CatalogueEntry& entry) { return entry.name == "sensor_hold"; }
+
 /// A rig with effects, and the state in which each recording begins.
 struct Hypothesis {
   model::RigParameters<double> rig;  ///< explained_part()
   std::vector<InitialState> starts;  ///< by recording
+  /// Of a channel with a hold, at which of the instants that its renewals allow it is renewed.
+  std::array<HoldClock, model::channel_count> clocks{};
 };
 
 /// One number to be found, as a coordinate u of the search:
@@ -25,9 +30,10 @@ struct Hypothesis {
 ///   value = scale · e^u             effect parameters that are positive
 struct Unknown {
   enum class Role : unsigned char { tolerated, effect, start } role;
-  std::string path;         ///< of tolerated and effect parameters
-  std::size_t recording{};  ///< of start states
-  int state{};              ///< of start states: z_w, ż_w, z_b, ż_b, y, ẏ
+  std::string path;                        ///< of tolerated and effect parameters
+  std::size_t recording{};                 ///< of start states
+  int state{};                             ///< of start states: z_w, ż_w, z_b, ż_b, y, ẏ
+  std::optional<model::Channel> sensor{};  ///< of a sensor effect: nothing but this channel's readings depends on it
   double centre{}, scale{};
   bool logarithmic = false;
   double lower{}, upper{};  ///< bounds of u
@@ -37,6 +43,7 @@ struct Unknown {
   [[nodiscard]] double coordinate(double value) const;
   void put(Hypothesis& hypothesis, double u) const;
   [[nodiscard]] double get(const Hypothesis& hypothesis) const;  ///< u
+  [[nodiscard]] bool at_bound(const Hypothesis& hypothesis) const;
 };
 
 /// The tolerated parameters, within their bounds.
@@ -46,7 +53,7 @@ struct Unknown {
 [[nodiscard]] std::vector<Unknown> start_unknowns(const RigDescription& description,
                                                   const std::vector<Evidence>& evidence);
 
-/// The parameters of an effect that is in the hypothesis.
+/// The parameters of an effect that is in the hypothesis, those that are to be fitted.
 [[nodiscard]] std::vector<Unknown> effect_unknowns(const PlacedEffect& effect);
 
 /// "effects.sensor_lag.F.time_constant"

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host_sim/diagnose/noise_bands.hpp"
+
 namespace host_sim::diagnose {
 namespace {
 
-constexpr std::array<double, 14> edges{0.0, 0.5, 1.0, 2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 18.0, 26.0, 40.0, 60.0, 90.0};
-constexpr std::size_t bands = edges.size() - 1;
+constexpr const auto& edges = noise_band_edges;
+constexpr std::size_t bands = noise_bands;
 
 struct Power {
   double squares = 0.0, count = 0.0;
@@ -26,11 +28,10 @@ Table table(const Case& all, const Hypothesis& hypothesis, bool held_out) {
   Table result(channels);
   for (std::size_t i = 0; i < whitenings.size(); ++i) {
     const Whitening& whitening = whitenings[i];
-    std::vector<double> values;
-    whitening.by_channel(all.evidence[recordings[i]], responses[recordings[i]], values);
+    const std::vector<double> values =
+        whitening.by_channel(whitening.spectra(all.evidence[recordings[i]], responses[recordings[i]]));
     for (std::size_t k = 0; k < whitening.bins(); ++k) {
-      const auto above = std::upper_bound(edges.begin(), edges.end(), whitening.frequency(k));
-      const auto b = std::min(bands - 1, static_cast<std::size_t>(above - edges.begin()) - 1);
+      const std::size_t b = std::min(bands - 1, noise_band_of(whitening.frequency(k)));
       for (std::size_t c = 0; c < channels; ++c) {
         for (std::size_t part = 0; part < 2; ++part) {
           const double v = values[2 * (k * channels + c) + part];

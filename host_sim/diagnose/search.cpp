@@ -4,30 +4,33 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <thread>
+
+#include "host_sim/diagnose/noise_bands.hpp"
+#include "host_sim/diagnose/parallel.hpp"
 
 namespace host_sim::diagnose {
-namespace {
 
-/// work(i) for i = 0 … count − 1 on all processors.
-template <class Work>
-void for_all(std::size_t count, const Work& work) {
-  std::atomic<std::size_t> next{0};
-  const auto run = [&] {
-    for (std::size_t i = next++; i < count; i = next++) work(i);
-  };
-  std::vector<std::jthread> threads;
-  const std::size_t helpers = std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
-  for (std::size_t t = 1; t < helpers; ++t) threads.emplace_back(run);
-  run();
+using model::Channel;
+double Explanation::cost(const Price& price) const {
+  double sum = fit.chi_squared;
+  for (const PlacedEffect& effect : effects) {
+    sum += price.effect + price.parameter * static_cast<double>(effect.values.size());
+  }
+  return sum;
 }
+
+namespace {
 
 /// The directions in which what is fitted already can move, to see what is new about another.
 class Known {
  public:
   explicit Known(const Fit& base) : base_(base) {
     Eigen::MatrixXd h = base.slope.transpose() * base.slope;
-    for (Eigen::Index i = 0; i < h.rows(); ++i) h(i, i) += 1e-10 * h(i, i) + 1e-30;
+    for (Eigen::Index i = 0; i < h.rows(); ++i) {
+      // What lies at a bound cannot make way for another.
+      const bool free = !base.unknowns[static_cast<std::size_t>(i)].at_bound(base.hypothesis);
+      h(i, i) += (free ? 1e-10 : 1e12) * h(i, i) + 1e-30;
+    }
     factor_.compute(h);
     residual_ = base.slope.transpose() * base.residual;
   }
@@ -52,19 +55,20 @@ class Known {
   Eigen::VectorXd residual_;
 };
 
-PlacedEffect placed(const Candidate& candidate, const std::vector<double>& values) {
-  return {candidate.entry, candidate.channel, values};
+PlacedEffect placed(const Candidate& candidate, const Start& start) {
+  return {candidate.entry, candidate.channel, start.values};
 }
 
-Hypothesis with(const Hypothesis& hypothesis, const PlacedEffect& effect) {
+Hypothesis with(const Hypothesis& hypothesis, const PlacedEffect& effect, const HoldClock& clock) {
   Hypothesis other = hypothesis;
   put_effect(other.rig, effect);
+  if (is_hold(*effect.entry)) other.clocks[index(*effect.channel)] = clock;
   return other;
 }
 
 struct Scanned {
   Candidate candidate;
-  std::vector<std::pair<double, std::vector<double>>> starts;  ///< gain, values; best first
+  std::vector<std::pair<double, Start>> starts;  ///< gain; best first
 };
 
 class Search {
@@ -82,15 +86,24 @@ class Search {
     return list;
   }
 
-  [[nodiscard]] Explanation fitted(const Hypothesis& start, std::vector<PlacedEffect> effects, int most = 12) const {
+  [[nodiscard]] Explanation fitted(const Hypothesis& start, std::vector<PlacedEffect> effects, int most = 12,
+                                   const Eigen::MatrixXd& known_slope = {}) const {
     Explanation result;
-    result.fit = fit(all_, start, unknowns(effects), most);
-    if (result.fit.slope.cols() > 0) {
-      result.fit.slope = jacobian(all_, result.fit.hypothesis, result.fit.unknowns, result.fit.residual);
-    }
+    result.fit = fit(all_, start, unknowns(effects), most, known_slope);
+    simulations += result.fit.simulations;
     result.effects = read_back(result.fit.hypothesis, std::move(effects));
     return result;
   }
+
+  /// The same with all slopes as they are in the end.
+  [[nodiscard]] Explanation settled(const Hypothesis& start, std::vector<PlacedEffect> effects, int most = 12) const {
+    Explanation result = fitted(start, std::move(effects), most);
+    const std::size_t before = result.fit.simulations;
+    refresh_slope(all_, result.fit);
+    simulations += result.fit.simulations - before;
+    return result;
+  }
+  void settle(Explanation& e, int most) const { e = settled(e.fit.hypothesis, e.effects, most); }
 
   /// Candidates beside an explanation, with what their starts promise; best first.
   [[nodiscard]] std::vector<Scanned> scan(const Explanation& base, const Scales& scales) const {
@@ -99,12 +112,15 @@ class Search {
     const Known known(base.fit);
     for_all(list.size(), [&](std::size_t i) {
       scanned[i].candidate = list[i];
-      for (const auto& values : list[i].starts) {
-        const Hypothesis other = with(base.fit.hypothesis, placed(list[i], values));
+      for (const Start& start : list[i].starts) {
+        const Hypothesis other = with(base.fit.hypothesis, placed(list[i], start), start.clock);
         if (find_rig_fault(other.rig, all_.evidence.front().drive.period)) continue;
-        const Eigen::VectorXd change = residuals(all_, other) - base.fit.residual;
-        ++simulations;
-        if (change.allFinite()) scanned[i].starts.emplace_back(known.gain(change), values);
+        const bool sensor_alone = list[i].channel.has_value();
+        const Prediction prediction =
+            sensor_alone ? predict_sensor(all_, other, base.fit.prediction, *list[i].channel) : predict(all_, other);
+        const Eigen::VectorXd change = residuals(all_, prediction) - base.fit.residual;
+        simulations += sensor_alone ? 0 : 1;
+        if (change.allFinite()) scanned[i].starts.emplace_back(known.gain(change), start);
       }
       std::sort(scanned[i].starts.begin(), scanned[i].starts.end(),
                 [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -123,26 +139,45 @@ class Search {
       if (s > 0 && scanned.starts[s].first < 0.3 * scanned.starts[0].first) break;
       std::vector<PlacedEffect> effects = base.effects;
       effects.push_back(placed(scanned.candidate, scanned.starts[s].second));
-      Explanation other;
-      other.fit = fit(all_, with(base.fit.hypothesis, effects.back()), unknowns(effects), 8, base.fit.slope);
-      simulations += 16;
-      other.effects = read_back(other.fit.hypothesis, std::move(effects));
+      Explanation other =
+          fitted(with(base.fit.hypothesis, effects.back(), scanned.starts[s].second.clock), effects, 8, base.fit.slope);
       if (other.fit.chi_squared < best.fit.chi_squared) best = std::move(other);
     }
     return best;
   }
 
-  /// The best of adding one more effect, at most `keep` of them, best first.
-  [[nodiscard]] std::vector<Explanation> extended(const Explanation& base, const Scales& scales, std::size_t tried,
-                                                  std::size_t keep) const {
+  /// One more effect: the candidates that promise most, fitted, best first. At most `most`; no more than three of those
+  /// that promise less than a third of the best, and none that promises less than `least`.
+  [[nodiscard]] std::vector<Explanation> extended(const Explanation& base, const Scales& scales, std::size_t most,
+                                                  double least = 0.0) const {
     auto scanned = scan(base, scales);
-    if (scanned.size() > tried) scanned.resize(tried);
+    tried += scanned.size();
+    if (scanned.empty()) return {};
+    constexpr std::size_t few = 3;
+    const double good = scanned.front().starts.front().first / 3.0;
+    const auto promises = [](const Scanned& s) { return s.starts.front().first; };
+    while (!scanned.empty() && (scanned.size() > most || promises(scanned.back()) < least ||
+                                (scanned.size() > few && promises(scanned.back()) < good))) {
+      scanned.pop_back();
+    }
     std::vector<Explanation> list(scanned.size());
     for_all(scanned.size(), [&](std::size_t i) { list[i] = refined(base, scanned[i]); });
     std::sort(list.begin(), list.end(),
               [this](const Explanation& a, const Explanation& b) { return a.cost(price_) < b.cost(price_); });
-    if (list.size() > keep) list.resize(keep);
     return list;
+  }
+
+  /// The hold of a channel whose renewals are regular, where it is not there yet.
+  [[nodiscard]] std::optional<Explanation> held(const Explanation& base, const Scales& scales, Channel channel) const {
+    const auto& renewals = all_.evidence.front().renewals[index(channel)];
+    if (!renewals || !renewals->regular) return std::nullopt;
+    for (Scanned& scanned : scan(base, scales)) {
+      if (scanned.candidate.channel == channel && is_hold(*scanned.candidate.entry)) {
+        const Explanation refined_one = refined(base, scanned);
+        return settled(refined_one.fit.hypothesis, refined_one.effects, 6);
+      }
+    }
+    return std::nullopt;
   }
 
   static std::vector<PlacedEffect> read_back(const Hypothesis& hypothesis, std::vector<PlacedEffect> effects) {
@@ -159,10 +194,38 @@ class Search {
     std::vector<PlacedEffect> effects = whole.effects;
     remove_effect(hypothesis.rig, *effects[leave_out].entry, effects[leave_out].channel);
     effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(leave_out));
-    return fitted(hypothesis, std::move(effects), 6);
+    return settled(hypothesis, std::move(effects), 6);
   }
 
-  mutable std::atomic<std::size_t> simulations{0};
+  /// Whether what an explanation leaves is noise, in each band and altogether.
+  [[nodiscard]] bool leaves_noise(const Explanation& e) const {
+    constexpr double beyond = 5.0;  // standard deviations
+    Eigen::Index at = 0;
+    for (std::size_t i = 0; i < all_.fit.size(); ++i) {
+      const Whitening& whitening = all_.fit[i];
+      const std::size_t channels = all_.evidence[all_.fitted[i]].channels.size();
+      std::vector<std::array<std::pair<double, double>, noise_bands + 1>> power(channels);
+      for (std::size_t k = 0; k < whitening.bins(); ++k) {
+        const std::size_t b = noise_band_of(whitening.frequency(k));
+        for (std::size_t c = 0; c < channels; ++c) {
+          const double square = e.fit.residual.segment<2>(at).squaredNorm();
+          at += 2;
+          power[c][b].first += square;
+          power[c][b].second += 2.0;
+        }
+      }
+      for (const auto& of_channel : power) {
+        for (const auto& [squares, count] : of_channel) {
+          if (squares - count > beyond * std::sqrt(2.0 * count)) return false;
+        }
+      }
+    }
+    const auto count = static_cast<double>(e.fit.residual.size());
+    return e.fit.chi_squared - count < beyond * std::sqrt(2.0 * count);
+  }
+
+  mutable std::atomic<std::size_t> simulations{0};  ///< so far
+  mutable std::atomic<std::size_t> tried{0};        ///< candidates, so far
 
  private:
   const Case& all_;
@@ -170,102 +233,137 @@ class Search {
   const Price& price_;
 };
 
-}  // namespace
-
-double Explanation::cost(const Price& price) const {
-  double sum = fit.chi_squared;
-  for (const PlacedEffect& effect : effects) {
-    sum += price.effect + price.parameter * static_cast<double>(effect.values.size());
-  }
-  return sum;
+/// What is to be believed of a longer explanation: that it pays, and that it explains enough of what was left.
+bool is_worth(const Explanation& longer, const Explanation& shorter, const Price& price, double share) {
+  const auto count = static_cast<double>(shorter.fit.residual.size());
+  const double left = std::max(shorter.fit.chi_squared - count, 0.0);
+  const double gained = shorter.fit.chi_squared - longer.fit.chi_squared;
+  return longer.cost(price) < shorter.cost(price) && gained > share * left;
 }
 
-Findings search(const Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
-                const std::vector<Unknown>& starts, const Price& price, const Tell& tell) {
+bool same_place(const PlacedEffect& a, const PlacedEffect& b) { return a.entry == b.entry && a.channel == b.channel; }
+
+/// Rivals, the nearest first, each fitted again beside the others as they are now.
+std::vector<Rival> rivals_of(const Search& search, const Explanation& best, std::size_t place,
+                             const std::vector<Explanation>& with_others, const Price& price) {
+  std::vector<Rival> rivals;
+  for (const Explanation& e : with_others) {
+    if (same_place(e.effects.back(), best.effects[place])) continue;
+    rivals.push_back({e.effects.back(), e.cost(price), e.fit.hypothesis});
+  }
+  std::sort(rivals.begin(), rivals.end(), [](const Rival& a, const Rival& b) { return a.cost < b.cost; });
+  constexpr std::size_t near = 2;  // the others are further away than a few steps would bring them
+  for_all(std::min(near, rivals.size()), [&](std::size_t r) {
+    std::vector<PlacedEffect> effects = best.effects;
+    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(place));
+    effects.push_back(rivals[r].effect);
+    const Explanation again = search.fitted(rivals[r].hypothesis, std::move(effects), 6);
+    rivals[r] = {again.effects.back(), again.cost(price), again.fit.hypothesis};
+  });
+  std::sort(rivals.begin(), rivals.end(), [](const Rival& a, const Rival& b) { return a.cost < b.cost; });
+  return rivals;
+}
+
+}  // namespace
+
+Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
+                const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten, const Tell& tell) {
   std::vector<Unknown> common = tolerated;
   common.insert(common.end(), starts.begin(), starts.end());
   const Search search(all, common, price);
   Findings findings;
-  findings.nothing = search.fitted(given, {});
-  const Scales scales = scales_of(all, findings.nothing.fit.hypothesis, respond(all, findings.nothing.fit.hypothesis));
-  const auto count = static_cast<double>(findings.nothing.fit.residual.size());
+  Explanation& nothing = findings.nothing;
+  Explanation& best = findings.best;
+  const auto report = [&](double share, const std::string& what) {
+    if (tell) tell(share, what, search.simulations, search.tried);
+  };
+  report(0.05, "tolerated parameters");
+  nothing = search.settled(given, {});
+  const Scales scales = scales_of(all, nothing.fit.hypothesis, respond(all, nothing.fit.hypothesis));
+  const auto cheaper = [&](const Explanation& a, const Explanation& b) { return a.cost(price) < b.cost(price); };
 
   constexpr std::size_t beam_width = 2, most_effects = 4, tried = 8;
-  std::vector<Explanation> beam{findings.nothing};
-  findings.best = findings.nothing;
-  for (std::size_t depth = 0; depth < most_effects; ++depth) {
-    if (tell) tell(0.1 + 0.15 * static_cast<double>(depth), "effect " + std::to_string(depth + 1));
+  std::vector<Explanation> beam{nothing}, alone;
+  best = nothing;
+  // Values that repeat themselves in regular turns are a hold: no fit could say it better.
+  for (const Channel channel : all.evidence.front().channels) {
+    const auto held = search.held(best, scales, channel);
+    if (held && is_worth(*held, best, price, 0.0)) beam.front() = best = *held;
+  }
+  if (!best.effects.empty() && rewhiten(best.fit.hypothesis)) {
+    search.settle(nothing, 4);
+    search.settle(best, 4);
+    beam.front() = best;
+  }
+  for (std::size_t depth = 0; depth < most_effects && !search.leaves_noise(best); ++depth) {
+    report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
     std::vector<Explanation> next;
     for (const Explanation& base : beam) {
-      const double left = std::max(base.fit.chi_squared - count, 0.0);
-      const double share = depth == 0 ? price.first_share : price.later_share;
-      for (Explanation& e : search.extended(base, scales, tried, beam_width)) {
-        const double gained = base.fit.chi_squared - e.fit.chi_squared;
-        const double paid = e.cost(price) - e.fit.chi_squared - (base.cost(price) - base.fit.chi_squared);
-        if (gained > paid && gained > share * left) next.push_back(std::move(e));
+      // A promise is linear: a third of what an effect must gain is worth a fit.
+      const double left = std::max(base.fit.chi_squared - static_cast<double>(base.fit.residual.size()), 0.0);
+      const double share = base.effects.empty() ? price.first_share : price.later_share;
+      auto list = search.extended(base, scales, tried, std::max(price.effect, share * left) / 3.0);
+      if (base.effects.empty()) alone = list;
+      for (std::size_t i = 0; i < std::min(beam_width, list.size()); ++i) {
+        if (is_worth(list[i], base, price, share)) {
+          next.push_back(std::move(list[i]));
+        }
       }
     }
     if (next.empty()) break;
-    std::sort(next.begin(), next.end(), [&](const auto& a, const auto& b) { return a.cost(price) < b.cost(price); });
+    std::sort(next.begin(), next.end(), cheaper);
     if (next.size() > beam_width) next.resize(beam_width);
-    for (Explanation& e : next) e = search.fitted(e.fit.hypothesis, e.effects, 6);
-    std::sort(next.begin(), next.end(), [&](const auto& a, const auto& b) { return a.cost(price) < b.cost(price); });
-    if (next.front().cost(price) < findings.best.cost(price)) findings.best = next.front();
+    for (Explanation& e : next) search.settle(e, 6);
+    std::sort(next.begin(), next.end(), cheaper);
+    if (next.front().cost(price) >= best.cost(price)) break;
+    best = next.front();
     beam = std::move(next);
+    // The noise of the input goes through what was found, too.
+    if (rewhiten(best.fit.hypothesis)) {
+      search.settle(nothing, 4);
+      for (Explanation& e : beam) search.settle(e, 4);
+      std::sort(beam.begin(), beam.end(), cheaper);
+      best = beam.front();
+      for_all(alone.size(),
+              [&](std::size_t i) { alone[i] = search.fitted(alone[i].fit.hypothesis, alone[i].effects, 0); });
+    }
   }
 
   // Backward: what is not needed any more. Swap: each effect against every other candidate.
-  for (bool changed = true; changed && !findings.best.effects.empty();) {
-    changed = false;
-    findings.rivals.assign(findings.best.effects.size(), {});
-    for (std::size_t i = 0; i < findings.best.effects.size() && !changed; ++i) {
-      if (tell) tell(0.8, "rivals of " + std::string(findings.best.effects[i].entry->name));
-      const Explanation rest = search.without(findings.best, i);
-      if (rest.cost(price) <= findings.best.cost(price)) {
-        findings.best = rest;
+  for (int round = 0; round < 4 && !best.effects.empty(); ++round) {
+    bool changed = false;
+    findings.rivals.assign(best.effects.size(), {});
+    for (std::size_t i = 0; i < best.effects.size() && !changed; ++i) {
+      report(0.6 + 0.3 * static_cast<double>(i) / static_cast<double>(best.effects.size()),
+             "rivals of " + std::string(best.effects[i].entry->name));
+      const bool only_one = best.effects.size() == 1;
+      const Explanation rest = only_one ? nothing : search.without(best, i);
+      if (rest.cost(price) <= best.cost(price)) {
+        best = rest;
         changed = true;
         break;
       }
-      for (Explanation& e : search.extended(rest, scales, tried, tried)) {
-        const PlacedEffect& other = e.effects.back();
-        if (other.entry == findings.best.effects[i].entry && other.channel == findings.best.effects[i].channel)
-          continue;
-        if (e.cost(price) < findings.best.cost(price) - 1.0) {
-          Explanation full = search.fitted(e.fit.hypothesis, e.effects, 6);
-          if (full.cost(price) < findings.best.cost(price) - 1.0) {
-            findings.best = std::move(full);
-            changed = true;
-            break;
-          }
-        }
-        findings.rivals[i].push_back({other, e.cost(price), e.fit.hypothesis});
+      std::vector<Explanation> others = only_one && !alone.empty() ? alone : search.extended(rest, scales, tried);
+      for (const Explanation& e : others) {
+        if (same_place(e.effects.back(), best.effects[i]) || e.cost(price) >= best.cost(price) - 1.0) continue;
+        Explanation full = search.settled(e.fit.hypothesis, e.effects, 6);
+        if (full.cost(price) >= best.cost(price) - 1.0) continue;
+        best = std::move(full);
+        changed = true;
+        break;
       }
+      if (!changed) findings.rivals[i] = rivals_of(search, best, i, others, price);
+    }
+    if (!changed) break;
+    if (rewhiten(best.fit.hypothesis)) {
+      search.settle(nothing, 4);
+      search.settle(best, 6);
+      alone.clear();
     }
   }
+  report(0.95, "what is left");
   findings.simulations = search.simulations;
-  return findings;
-}
-
-Findings polish(const Case& all, const Findings& found, const std::vector<Unknown>& tolerated,
-                const std::vector<Unknown>& starts, const Price& price) {
-  std::vector<Unknown> common = tolerated;
-  common.insert(common.end(), starts.begin(), starts.end());
-  const Search search(all, common, price);
-  Findings findings;
-  findings.nothing = search.fitted(found.nothing.fit.hypothesis, {}, 6);
-  findings.best = search.fitted(found.best.fit.hypothesis, found.best.effects, 8);
-  findings.simulations = found.simulations;
-  findings.rivals.resize(found.rivals.size());
-  for (std::size_t i = 0; i < found.rivals.size(); ++i) {
-    for (std::size_t r = 0; r < found.rivals[i].size(); ++r) {
-      const Rival& rival = found.rivals[i][r];
-      std::vector<PlacedEffect> effects = found.best.effects;
-      effects[i] = rival.effect;
-      // Only the nearest matter enough to be fitted again.
-      const Explanation again = search.fitted(rival.hypothesis, effects, r < 2 ? 4 : 0);
-      findings.rivals[i].push_back({again.effects[i], again.cost(price), again.fit.hypothesis});
-    }
-  }
+  findings.tried = search.tried;
   return findings;
 }
 

@@ -38,16 +38,20 @@ struct Findings {
   Explanation best;
   std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
   std::size_t simulations = 0;
+  std::size_t tried = 0;  ///< candidates
 };
 
-using Tell = std::function<void(double share, const std::string& what)>;
+/// Told while it lasts: share of the whole, what is being done, simulations and candidates so far.
+using Tell =
+    std::function<void(double share, const std::string& what, std::size_t simulations, std::size_t candidates)>;
 
-/// Forward with a beam of two, then backward, then each effect against every other candidate.
-[[nodiscard]] Findings search(const Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
-                              const std::vector<Unknown>& starts, const Price& price, const Tell& tell);
+/// Whitens the case anew for a hypothesis; false where its noise does not depend on one.
+using Rewhiten = std::function<bool(const Hypothesis&)>;
 
-/// Findings under a new whitening: everything fitted again from where it was, the candidates kept.
-[[nodiscard]] Findings polish(const Case& all, const Findings& found, const std::vector<Unknown>& tolerated,
-                              const std::vector<Unknown>& starts, const Price& price);
+/// Forward with a beam of two, then backward, then each effect against every other candidate. After each effect that is
+/// accepted the case is whitened anew.
+[[nodiscard]] Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
+                              const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten,
+                              const Tell& tell);
 
 }  // namespace host_sim::diagnose

@@ -60,6 +60,7 @@ ordered_json to_json(const Diagnosis& diagnosis) {
   json["residual_power"] = {{"given", diagnosis.chi_squared_before},
                             {"refit", diagnosis.chi_squared_refit},
                             {"after", diagnosis.chi_squared_after}};
+  json["effort"] = {{"candidates", diagnosis.candidates}, {"simulations", diagnosis.simulations}};
   json["remarks"] = diagnosis.remarks;
   return json;
 }

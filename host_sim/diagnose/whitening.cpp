@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <numbers>
 
 #include "host_sim/spectrum.hpp"
@@ -11,27 +12,64 @@
 namespace host_sim::diagnose {
 namespace {
 
-/// The largest fast transform length that is not beyond n.
-std::size_t fast_length_within(std::size_t n) {
-  std::size_t length = n - n % 2;
-  while (length > 2 && good_fft_size(length) != length) length -= 2;
-  return length;
+/// Power of the noise of a channel at f against that of a channel that is new with every sample. Its zeros are filled:
+/// no renewal is exact.
+double held_noise(const Evidence& evidence, model::Channel channel, double f) {
+  const auto& renewals = evidence.renewals[index(channel)];
+  if (!renewals) return 1.0;
+  constexpr double least = 0.05;
+  const double x = std::numbers::pi * f * renewals->period * evidence.drive.period;
+  const double sinc = x > 1e-6 ? std::sin(x) / x : 1.0;
+  return std::max(renewals->period * sinc * sinc, least);
 }
 
-/// One for each thread and length: plans cost more than transforms.
-RealTransform& transform_of(std::size_t length) {
-  thread_local std::vector<std::unique_ptr<RealTransform>> transforms;
-  for (const auto& t : transforms) {
-    if (t->length() == length) return *t;
+/// A transform lent out: plans cost more than transforms, and one serves one thread at a time.
+class LentTransform {
+ public:
+  explicit LentTransform(std::size_t length) {
+    const std::lock_guard lock(guard());
+    auto& free = shelf();
+    const auto fits = std::find_if(free.begin(), free.end(), [&](const auto& t) { return t->length() == length; });
+    if (fits != free.end()) {
+      transform_ = std::move(*fits);
+      free.erase(fits);
+    } else {
+      transform_ = std::make_unique<RealTransform>(length);
+    }
   }
-  return *transforms.emplace_back(std::make_unique<RealTransform>(length));
-}
+  ~LentTransform() {
+    const std::lock_guard lock(guard());
+    auto& free = shelf();
+    free.push_back(std::move(transform_));
+    constexpr std::size_t most = 16;
+    if (free.size() > most) free.erase(free.begin());
+  }
+  LentTransform(const LentTransform&) = delete;
+  LentTransform& operator=(const LentTransform&) = delete;
+
+  RealTransform& operator*() { return *transform_; }
+
+ private:
+  static std::mutex& guard() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  static std::vector<std::unique_ptr<RealTransform>>& shelf() {
+    static std::vector<std::unique_ptr<RealTransform>> free;
+    return free;
+  }
+  std::unique_ptr<RealTransform> transform_;
+};
 
 }  // namespace
 
-Whitening::Whitening(const Evidence& evidence, Window window, const std::vector<Eigen::MatrixXcd>& input_noise)
-    : window_(window), channels_(evidence.channels.size()), period_(evidence.drive.period) {
-  length_ = fast_length_within(window.size());
+Whitening::Whitening(const Evidence& evidence, Window window, const std::vector<Eigen::MatrixXcd>& input_noise,
+                     double model_error)
+    : decimation_(1.0 / evidence.drive.period, highest),
+      window_(window),
+      channels_(evidence.channels.size()),
+      period_(evidence.drive.period) {
+  length_ = decimation_.factor() * good_fft_size_at_most(window.size() / decimation_.factor());
   window_.to = window_.from + length_;
   const double resolution = 1.0 / (period_ * static_cast<double>(length_));
   const double top = std::min(highest, 0.45 / period_);
@@ -50,7 +88,9 @@ Whitening::Whitening(const Evidence& evidence, Window window, const std::vector<
   scale_ = std::sqrt(2.0 / squares);
 
   const auto bands = static_cast<std::size_t>(top / band) + 1;
-  const auto data = spectra(evidence, nullptr);
+  for (std::size_t c = 0; c < channels_; ++c) {
+    data_.push_back(spectrum(evidence, c, evidence.recording[evidence.channels[c]]));
+  }
   factors_.reserve(bands);
   for (std::size_t b = 0; b < bands; ++b) {
     const auto m = static_cast<Eigen::Index>(channels_);
@@ -62,11 +102,15 @@ Whitening::Whitening(const Evidence& evidence, Window window, const std::vector<
     first = std::min(first, bins_);
     for (std::size_t c = 0; c < channels_; ++c) {
       double power = 0.0;
-      for (std::size_t k = first; k < last; ++k) power += std::norm(data[c][k]);
+      for (std::size_t k = first; k < last; ++k) power += std::norm(data_[c][k]);
       if (last > first) power /= static_cast<double>(last - first) * squares;
       const double noise = evidence.noise[index(evidence.channels[c])];
       const auto i = static_cast<Eigen::Index>(c);
-      sigma(i, i) += noise * noise + simulation_error * simulation_error * power + 1e-300;
+      const double f = (static_cast<double>(b) + 0.5) * band;
+      sigma(i, i) +=
+          noise * noise * held_noise(evidence, evidence.channels[c], f) + model_error * model_error * power + 1e-300;
+      const bool unknown = evidence.acceleration_known > 0.0 && f > evidence.acceleration_known;
+      if (unknown && evidence.channels[c] == model::Channel::zdd_r) sigma(i, i) += power;
     }
     deviations_.push_back(sigma.diagonal().real().cwiseSqrt());
     const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
@@ -78,40 +122,47 @@ double Whitening::frequency(std::size_t bin) const {
   return static_cast<double>(bin) / (period_ * static_cast<double>(length_));
 }
 
-std::vector<std::vector<std::complex<double>>> Whitening::spectra(const Evidence& evidence,
-                                                                  const Response* response) const {
-  RealTransform& transform = transform_of(length_);
-  std::vector<std::vector<std::complex<double>>> result;
-  std::vector<double> difference(length_);
-  for (const model::Channel channel : evidence.channels) {
-    const auto c = index(channel);
-    const double* const data = evidence.recording[channel].data() + window_.from;
-    const double* const simulated = response != nullptr ? (*response)[c].data() + window_.from : nullptr;
+Spectrum Whitening::spectrum(const Evidence& evidence, std::size_t channel, const std::vector<double>& readings) const {
+  std::vector<double> tapered(length_);
+  const double* const values = readings.data() + window_.from;
+  for (std::size_t k = 0; k < length_; ++k) tapered[k] = taper_[k] * values[k];
+  const std::vector<bool>& clipped = evidence.clipped[index(evidence.channels[channel])];
+  if (!clipped.empty()) {
     for (std::size_t k = 0; k < length_; ++k) {
-      difference[k] = taper_[k] * (data[k] - (simulated != nullptr ? simulated[k] : 0.0));
+      if (clipped[window_.from + k]) tapered[k] = 0.0;
     }
-    if (!evidence.clipped[c].empty()) {
-      for (std::size_t k = 0; k < length_; ++k) {
-        if (evidence.clipped[c][window_.from + k]) difference[k] = 0.0;
-      }
-    }
-    const auto bins = transform(difference);
-    result.emplace_back(bins.begin(), bins.begin() + static_cast<std::ptrdiff_t>(bins_));
+  }
+  const std::vector<double> decimated = decimation_(std::move(tapered));
+  LentTransform transform(decimated.size());
+  const auto bins = (*transform)(decimated);
+  Spectrum spectrum(bins.begin(), bins.begin() + static_cast<std::ptrdiff_t>(bins_));
+  for (auto& value : spectrum) value *= static_cast<double>(decimation_.factor());
+  return spectrum;
+}
+
+Spectra Whitening::spectra(const Evidence& evidence, const Response& readings) const {
+  Spectra result;
+  for (std::size_t c = 0; c < channels_; ++c) {
+    result.push_back(spectrum(evidence, c, readings[index(evidence.channels[c])]));
   }
   return result;
 }
 
-void Whitening::operator()(const Evidence& evidence, const Response& response, std::vector<double>& out) const {
-  const auto difference = spectra(evidence, &response);
+void Whitening::whiten(const Spectra& simulated, double* out) const {
+  std::vector<std::complex<double>> difference(channels_);
   for (std::size_t k = 0; k < bins_; ++k) {
     const Eigen::MatrixXcd& factor = factors_[band_of(k)];
+    for (std::size_t j = 0; j < channels_; ++j) difference[j] = data_[j][k] - simulated[j][k];
     for (std::size_t i = 0; i < channels_; ++i) {
-      std::complex<double> sum = 0.0;
+      double real = 0.0, imaginary = 0.0;
       for (std::size_t j = 0; j <= i; ++j) {
-        sum += factor(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * difference[j][k];
+        const std::complex<double> f = factor(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+        const std::complex<double> d = difference[j];
+        real += f.real() * d.real() - f.imag() * d.imag();
+        imaginary += f.real() * d.imag() + f.imag() * d.real();
       }
-      out.push_back(scale_ * sum.real());
-      out.push_back(scale_ * sum.imag());
+      *out++ = scale_ * real;
+      *out++ = scale_ * imaginary;
     }
   }
 }
@@ -120,16 +171,18 @@ std::size_t Whitening::band_of(std::size_t bin) const {
   return std::min(factors_.size() - 1, static_cast<std::size_t>(frequency(bin) / band));
 }
 
-void Whitening::by_channel(const Evidence& evidence, const Response& response, std::vector<double>& out) const {
-  const auto difference = spectra(evidence, &response);
+std::vector<double> Whitening::by_channel(const Spectra& simulated) const {
+  std::vector<double> out;
+  out.reserve(count());
   for (std::size_t k = 0; k < bins_; ++k) {
     const Eigen::VectorXd& deviation = deviations_[band_of(k)];
     for (std::size_t c = 0; c < channels_; ++c) {
       const double scale = scale_ / deviation(static_cast<Eigen::Index>(c));
-      out.push_back(scale * difference[c][k].real());
-      out.push_back(scale * difference[c][k].imag());
+      out.push_back(scale * (data_[c][k] - simulated[c][k]).real());
+      out.push_back(scale * (data_[c][k] - simulated[c][k]).imag());
     }
   }
+  return out;
 }
 
 }  // namespace host_sim::diagnose

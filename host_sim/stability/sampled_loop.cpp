@@ -36,7 +36,8 @@ void for_each_own(const Rig& model, Rig::State& x, const Visit& visit) {
     visit(stroke->velocity, false);
   }
   auto& sensor = x.sensors.channels[model::index(model::Channel::F)];
-  for (double* value : {&x.received_force, &sensor.input, &sensor.lagged, &sensor.held}) visit(*value, true);
+  for (double* value : {&x.received_force, &sensor.lagged, &sensor.held}) visit(*value, true);
+  for (double& value : sensor.input) visit(value, true);
   // The sensor of F is the only one left in a linear rig; its line is read by the four samples around the delay.
   const double delay = sensor_delay(model);
   const std::size_t samples = delay > 0.0 ? samples_read(delay, model.period()) + 2 : 0;

@@ -6,7 +6,8 @@
 
 namespace model {
 
-/// First-order low-pass of one channel, on signal plus noise, exact for a signal that goes straight between samples.
+/// First-order low-pass of one channel, on signal plus noise, exact for a signal that moves on a cubic between
+/// samples.
 ///
 ///   T ẏ + y = u
 template <class S>

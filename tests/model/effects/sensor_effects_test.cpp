@@ -46,10 +46,21 @@ TEST(SensorGainAndOffset, ScaleAndShiftTheReading) {
   EXPECT_NEAR(readings({.offset = 0.003}, ramp, 5)[4], ramp(4) + 0.003, 1e-15);
 }
 
-// Law. A ramp through a first-order lag is late by T once settled, exactly: the input is straight between samples.
+// Law. A ramp through a first-order lag is late by T once settled, exactly: the input is a cubic between samples.
 TEST(SensorLag, IsLateByItsTimeConstantOnARamp) {
   const double T = 0.005;
   EXPECT_NEAR(readings({.lag = T}, ramp, 200)[199], ramp(199) - 0.5 * T, 1e-12);  // e^{−40} of the start is left
+}
+
+// Law. Gain and phase at 30 Hz, 1 kHz: 1/(1 + iωT). A cubic through four samples is wrong by at most (ωh)⁴/24 = 5.3e-5
+// of the amplitude (straight lines would be by (ωh)²/12 = 3e-3).
+TEST(SensorLag, FollowsAFastSine) {
+  const double T = 0.002, w = 2.0 * std::numbers::pi * 30.0;
+  const auto read = readings({.lag = T}, [&](int k) { return std::sin(w * k * period); }, 400);
+  const double gain = 1.0 / std::sqrt(1.0 + w * w * T * T), phase = std::atan(w * T);
+  for (int k = 100; k < 400; ++k) {  // e^{−50} of the start is left
+    EXPECT_NEAR(read[static_cast<std::size_t>(k)], gain * std::sin(w * k * period - phase), 5.3e-5) << k;
+  }
 }
 
 // Point. A whole delay gives the very sample, a fractional one the cubic between.
