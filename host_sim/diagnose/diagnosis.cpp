@@ -71,6 +71,16 @@ double pooled_error(const Case& all, const Hypothesis& hypothesis) {
   return terms > 0.0 ? std::sqrt(sum / terms) : 0.0;
 }
 
+std::string listed(const std::vector<PlacedEffect>& effects) {
+  std::string list;
+  for (const PlacedEffect& effect : effects) {
+    if (!list.empty()) list += &effect == &effects.back() ? " and " : ", ";
+    list += effect.entry->name;
+    if (effect.channel) list.append(" of ").append(model::name(*effect.channel));
+  }
+  return list;
+}
+
 /// The share of what was left over beyond noise that effects explain.
 double explained_share(const Findings& findings) {
   const auto count = static_cast<double>(findings.best.fit.residual.size());
@@ -351,19 +361,34 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   result.simulations = findings.simulations;
   result.candidates = findings.tried;
   // A rig that is not all in the catalogue: in units of noise, details of what cannot be explained outweigh the effects
-  // that matter. A second look with an error of the model that is some of what is left, and with smaller steps.
+  // that matter. A second look with an error of the model as large as what is left, and with smaller steps.
   const double all_but_noise = 0.97;
   if (rest_of(all, findings.best.fit.hypothesis).significant && explained_share(findings) < all_but_noise) {
     const double left = pooled_error(all, findings.best.fit.hypothesis);
-    all.model_error = std::clamp(0.3 * left, 0.01, 0.3);
+    all.model_error = left;
     whiten(all, noises);
     Price smaller = price;
     smaller.later_share = 0.1;
-    Findings second = search(all, given, tolerated, starts, smaller, rewhiten, tell);
-    result.simulations += second.simulations;
-    result.candidates += second.tried;
-    if (pooled_error(all, second.best.fit.hypothesis) < 0.98 * left) findings = std::move(second);
-    all.model_error = Whitening::simulation_error;
+    // Sensors last: several of them bend any channel into place, but what a rig does has one cause for all channels.
+    double least = 0.98 * left;
+    for (const bool sensors : {false, true}) {
+      smaller.sensors = sensors;
+      Findings again = search(all, given, tolerated, starts, smaller, rewhiten, tell);
+      result.simulations += again.simulations;
+      result.candidates += again.tried;
+      const double error = pooled_error(all, again.best.fit.hypothesis);
+      if (error < least) {
+        findings = std::move(again);
+        least = 0.75 * error;
+      } else if (sensors && error < pooled_error(all, findings.best.fit.hypothesis)) {
+        char words[64];
+        std::snprintf(words, sizeof words, " would leave an error of %.3g %%, instead of %.3g %%", 100.0 * error,
+                      100.0 * pooled_error(all, findings.best.fit.hypothesis));
+        result.remarks.push_back(listed(again.best.effects) + words +
+                                 ": rivals of what is listed, which has fewer causes in sensors");
+      }
+    }
+    all.model_error = 0.0;
     whiten(all, noises);
   }
 
@@ -381,6 +406,8 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   result.rest = rest.words;
   const double explained =
       1.0 - std::max(result.chi_squared_after - 1.0, 0.0) / std::max(result.chi_squared_refit - 1.0, 1.0 / count);
+  const double shrinks =
+      1.0 - pooled_error(all, fit.hypothesis) / std::max(pooled_error(all, findings.nothing.fit.hypothesis), 1e-300);
   const double temper = std::max(1.0, fit.chi_squared / count);
 
   const Eigen::MatrixXd covariance = fit.covariance();
@@ -421,8 +448,11 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
       named.alternatives.push_back(std::move(alternative));
     }
     named.confidence = 0.999 / (1.0 + against);
-    // Where a rest is left, a name is worth what it explains.
-    if (result.unexplained) named.confidence *= std::clamp((explained - 0.97) / 0.03, 0.0, 1.0);
+    // Where a rest is left, a name is worth what it explains: nearly all of the power, or at most half of a certainty
+    // for the share of the error that goes away.
+    if (result.unexplained) {
+      named.confidence *= std::max((explained - all_but_noise) / (1.0 - all_but_noise), 0.5 * std::max(shrinks, 0.0));
+    }
     result.effects.push_back(std::move(named));
   }
   // What the program itself computes is known without noise.
@@ -458,7 +488,8 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     }
   }
   result.overlays = overlays_of(all, given, findings.nothing.fit.hypothesis, fit.hypothesis);
-  result.remarks = remarks_of(all, description);
+  const auto remarks = remarks_of(all, description);
+  result.remarks.insert(result.remarks.end(), remarks.begin(), remarks.end());
   result.rig = description;
   for (const auto& [path, value] : result.parameters) {
     if (double* const parameter = find_parameter(result.rig.rig, path)) *parameter = value.value;

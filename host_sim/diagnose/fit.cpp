@@ -137,8 +137,12 @@ Hypothesis moved(const Hypothesis& from, const Unknown& unknown, double u) {
 /// Column of J by a one-sided difference.
 Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Unknown& unknown) {
   const double u = unknown.get(at.hypothesis);
-  const double step = u + unknown.step > unknown.upper ? -unknown.step : unknown.step;
-  const Hypothesis other = moved(at.hypothesis, unknown, u + step);
+  double step = u + unknown.step > unknown.upper ? -unknown.step : unknown.step;
+  Hypothesis other = moved(at.hypothesis, unknown, u + step);
+  if (find_rig_fault(other.rig, all.evidence.front().drive.period)) {  // a delay as long as its line
+    step = -step;
+    other = moved(at.hypothesis, unknown, u + step);
+  }
   const Prediction prediction =
       unknown.sensor ? predict_sensor(all, other, at.prediction, *unknown.sensor) : predict(all, other);
   return (residuals(all, prediction) - at.residual) / step;

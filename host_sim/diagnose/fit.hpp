@@ -17,8 +17,8 @@ struct Case {
   std::vector<Evidence> evidence;
   std::vector<Whitening> fit;  ///< by recording; a window of size 0 has none
   std::vector<Whitening> judge;
-  std::vector<std::size_t> fitted, judged;           ///< which recordings these belong to
-  double model_error = Whitening::simulation_error;  ///< ε of Whitening (2)
+  std::vector<std::size_t> fitted, judged;  ///< which recordings these belong to
+  double model_error = 0.0;                 ///< ε_c of Whitening (2)
 };
 
 /// What a hypothesis says of the fitted windows, by fitted recording.

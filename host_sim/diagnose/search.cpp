@@ -107,7 +107,8 @@ class Search {
 
   /// Candidates beside an explanation, with what their starts promise; best first.
   [[nodiscard]] std::vector<Scanned> scan(const Explanation& base, const Scales& scales) const {
-    const auto list = candidates(all_, base.fit.hypothesis, scales);
+    auto list = candidates(all_, base.fit.hypothesis, scales);
+    if (!price_.sensors) std::erase_if(list, [](const Candidate& c) { return c.channel.has_value(); });
     std::vector<Scanned> scanned(list.size());
     const Known known(base.fit);
     for_all(list.size(), [&](std::size_t i) {
@@ -199,7 +200,7 @@ class Search {
 
   /// Whether what an explanation leaves is noise, in each band and altogether.
   [[nodiscard]] bool leaves_noise(const Explanation& e) const {
-    constexpr double beyond = 5.0;  // standard deviations
+    constexpr double beyond = 4.0;  // standard deviations
     Eigen::Index at = 0;
     for (std::size_t i = 0; i < all_.fit.size(); ++i) {
       const Whitening& whitening = all_.fit[i];
@@ -295,7 +296,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
     search.settle(best, 4);
     beam.front() = best;
   }
-  for (std::size_t depth = 0; depth < most_effects && !search.leaves_noise(best); ++depth) {
+  for (std::size_t depth = 0; depth < most_effects && (depth == 0 || !search.leaves_noise(best)); ++depth) {
     report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
     std::vector<Explanation> next;
     for (const Explanation& base : beam) {

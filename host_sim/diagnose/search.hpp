@@ -16,6 +16,7 @@ struct Price {
   double parameter = 10.0;    ///< and each of its parameters
   double first_share = 0.03;  ///< of what is left over beyond noise
   double later_share = 0.30;
+  bool sensors = true;  ///< effects of sensors are candidates
 };
 
 /// A set of effects, fitted.

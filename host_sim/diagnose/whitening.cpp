@@ -91,6 +91,13 @@ Whitening::Whitening(const Evidence& evidence, Window window, const std::vector<
   for (std::size_t c = 0; c < channels_; ++c) {
     data_.push_back(spectrum(evidence, c, evidence.recording[evidence.channels[c]]));
   }
+  std::vector<double> mean_squares;
+  for (std::size_t c = 0; c < channels_; ++c) {
+    double sum = 0.0;
+    const auto& values = evidence.recording[evidence.channels[c]];
+    for (std::size_t k = window_.from; k < window_.to; ++k) sum += values[k] * values[k];
+    mean_squares.push_back(sum / static_cast<double>(length_));
+  }
   factors_.reserve(bands);
   for (std::size_t b = 0; b < bands; ++b) {
     const auto m = static_cast<Eigen::Index>(channels_);
@@ -107,8 +114,9 @@ Whitening::Whitening(const Evidence& evidence, Window window, const std::vector<
       const double noise = evidence.noise[index(evidence.channels[c])];
       const auto i = static_cast<Eigen::Index>(c);
       const double f = (static_cast<double>(b) + 0.5) * band;
-      sigma(i, i) +=
-          noise * noise * held_noise(evidence, evidence.channels[c], f) + model_error * model_error * power + 1e-300;
+      sigma(i, i) += noise * noise * held_noise(evidence, evidence.channels[c], f) +
+                     simulation_error * simulation_error * power + 1e-300;
+      sigma(i, i) += model_error * model_error * mean_squares[c];
       const bool unknown = evidence.acceleration_known > 0.0 && f > evidence.acceleration_known;
       if (unknown && evidence.channels[c] == model::Channel::zdd_r) sigma(i, i) += power;
     }

@@ -21,22 +21,23 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the evidence
 /// independent with variance 1 as long as nothing but known noise is in them.
 ///
 ///   (1)  R_c(f) = Σ_k w_k (measured − simulated)_k e^{−2πi fk},  tapered w, f up to `highest`
-///   (2)  Σ(f) = diag(σ_c²) + N(f) + ε² diag(S_c(f))
+///   (2)  Σ(f) = diag(σ_c²) + N(f) + ε² diag(S_c(f)) + ε_c² diag(rms_c²)
 ///   (3)  whitened = √(2/Σw²) Σ(f)^{−½} R(f)                        Σ^{−½}: inverse Cholesky factor
 ///
 /// A channel that repeats itself for P samples repeats its noise, too: σ² P sinc²(f P h) instead of σ².
 ///
 /// N: what the noise of a measured input makes of the channels, one matrix for all of them because it comes from one
-/// source (carried_noise.hpp); S_c: spectrum of the channel; ε: what the simulation itself is off, relative.
+/// source (carried_noise.hpp); S_c: spectrum of the channel; ε: what the simulation itself is off, relative; ε_c: an
+/// error of the model that is allowed for, relative to the rms of the channel, alike at every frequency.
 class Whitening {
  public:
   static constexpr double band = 1.0;      ///< [Hz], in which Σ is taken to be one matrix
   static constexpr double highest = 90.0;  ///< [Hz]
   static constexpr double simulation_error = 2e-4;
 
-  /// `model_error`: ε.
+  /// `model_error`: ε_c.
   Whitening(const Evidence& evidence, Window window, const std::vector<Eigen::MatrixXcd>& input_noise = {},
-            double model_error = simulation_error);
+            double model_error = 0.0);
 
   [[nodiscard]] std::size_t count() const { return 2 * bins_ * channels_; }
   [[nodiscard]] std::size_t bins() const { return bins_; }
