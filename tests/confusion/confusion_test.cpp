@@ -81,7 +81,7 @@ TEST(Confusion, KeepsAnOutcomeThroughText) {
   d.rest = "F, 1 to 2 Hz";
   const Outcome sent = judged({"single:hil:sensor_gain:F", 7}, gain_of_force(), d);
   const Outcome come = outcome_from(nlohmann::ordered_json::parse(to_json(sent).dump()));
-  EXPECT_EQ(to_json(come), to_json(sent));
+  EXPECT_EQ(to_json(come).dump(), to_json(sent).dump());
   EXPECT_TRUE(come.right());
   EXPECT_TRUE(std::isnan(come.residual_power));
 }
