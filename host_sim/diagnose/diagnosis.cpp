@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "host_sim/diagnose/carried_noise.hpp"
+#include "host_sim/diagnose/intake.hpp"
 #include "host_sim/diagnose/rest.hpp"
 #include "host_sim/diagnose/virtual_car.hpp"
 #include "host_sim/input_error.hpp"
@@ -287,6 +288,9 @@ std::string_view name(Verdict verdict) {
 }
 
 Diagnosis diagnose(const RigDescription& description, std::vector<Record> records, const Tell& tell) {
+  std::vector<Recording*> recordings;
+  for (Record& record : records) recordings.push_back(&record.recording);
+  const std::vector<std::string> taken_in = take_in(description, recordings);
   Case all;
   for (Record& record : records) {
     all.evidence.push_back(evidence_of(description, std::move(record.recording), record.use));
@@ -388,6 +392,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   }
   result.overlays = overlays_of(all, given, findings.nothing.fit.hypothesis, fit.hypothesis);
   result.remarks = remarks_of(all, description);
+  result.remarks.insert(result.remarks.begin(), taken_in.begin(), taken_in.end());
   result.rig = description;
   for (const auto& [path, value] : result.parameters) {
     if (double* const parameter = find_parameter(result.rig.rig, path)) *parameter = value.value;
