@@ -173,7 +173,7 @@ std::string subsystem_of(Channel channel, model::RigKind kind) {
   }
 }
 
-std::vector<Place> places(const Case& all, const Findings& findings) {
+std::vector<Place> places(const Case& all, const Findings& findings, const std::string& likely) {
   std::vector<Place> result;
   const auto excesses = channel_excesses(all, findings.nothing.fit.hypothesis);
   double total = 0.0;
@@ -186,7 +186,11 @@ std::vector<Place> places(const Case& all, const Findings& findings) {
       if (effect.channel == e.channel) named = &effect;
       if (!effect.channel && named == nullptr) named = &effect;
     }
-    if (named != nullptr) subsystem = subsystem_of(*named);
+    if (named != nullptr) {
+      subsystem = subsystem_of(*named);
+    } else if (!likely.empty()) {
+      subsystem = likely;
+    }
     result.push_back({e.channel, e.lowest, e.highest, std::move(subsystem), e.excess / total});
   }
   std::sort(result.begin(), result.end(), [](const Place& a, const Place& b) { return a.share > b.share; });
@@ -312,6 +316,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   std::vector<CarriedNoise> noises = carried_noises(all.evidence, given);
   whiten(all, noises);
   if (all.fit.empty()) throw InputError(description.source, 0, "every recording is held out", "one to be explained");
+  result.relations = redundancy(description, all.evidence);
   if (tell) tell(0.02, "refit of tolerated parameters");
 
   const Price price;
@@ -334,6 +339,11 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   const Rest rest = rest_of(all, fit.hypothesis);
   result.unexplained = rest.significant;
   result.rest = rest.words;
+  if (result.unexplained && findings.best.effects.empty()) {
+    for (const Residue& r : result.relations) {
+      if (r.loud() && !r.looks.empty()) result.rest += "; " + r.relation + ": " + r.looks;
+    }
+  }
   const double left_at_first = std::max(findings.nothing.fit.chi_squared - count, 1.0);
   const double explained = 1.0 - std::max(fit.chi_squared - count, 0.0) / left_at_first;
   const double temper = std::max(1.0, fit.chi_squared / count);
@@ -382,7 +392,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     result.verdict = close ? Verdict::ambiguous : Verdict::named;
   }
 
-  result.where = places(all, findings);
+  result.where = places(all, findings, likely_place(result.relations));
   if (!all.judged.empty()) {
     const auto before = errors(all, given), refit = errors(all, findings.nothing.fit.hypothesis),
                after = errors(all, fit.hypothesis), floors = noise_floors(all, noises);

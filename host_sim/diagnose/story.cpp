@@ -111,6 +111,17 @@ void add_where(Report& page, const Diagnosis& diagnosis) {
                           figure_text(place.highest, 3), figure_text(100.0 * place.share, 3)});
   }
   page.add_table(table);
+  if (diagnosis.relations.empty()) return;
+  Table relations{"What the rig's own redundancy says, before anything is fitted but tolerances",
+                  {"relation", "holds", "power ÷ noise", "from [Hz]", "to [Hz]", "what is left"},
+                  {},
+                  2};
+  for (const Residue& r : diagnosis.relations) {
+    const bool loud = r.loud();
+    relations.rows.push_back({r.relation, loud ? "no" : "yes", loud ? figure_text(r.ratio, 3) : "",
+                              loud ? figure_text(r.lowest, 3) : "", loud ? figure_text(r.highest, 3) : "", r.looks});
+  }
+  page.add_table(relations);
 }
 
 void add_overlays(Report& page, const Diagnosis& diagnosis) {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "host_sim/diagnose/evidence.hpp"
+#include "host_sim/diagnose/piece.hpp"
 #include "host_sim/input_error.hpp"
 #include "host_sim/response.hpp"
 
@@ -65,20 +66,6 @@ Likeness likeness(std::span<const double> measured, std::span<const double> expe
   }
   if (!(mm > 0.0 && ee > 0.0 && std::isfinite(mm * ee))) return {};
   return {me / ee, me * me / (mm * ee)};
-}
-
-/// The samples from … to of everything that is recorded.
-Recording cut(const Recording& whole, std::size_t from, std::size_t to) {
-  Recording part = whole;
-  const auto keep = [&](std::vector<double>& values) {
-    if (values.empty()) return;
-    values = std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(from),
-                                 values.begin() + static_cast<std::ptrdiff_t>(to));
-  };
-  keep(part.time);
-  for (auto& values : part.channels) keep(values);
-  for (auto& values : part.ducts) keep(values);
-  return part;
 }
 
 /// zdd_r against z_r [both as recorded], where both are.
