@@ -339,9 +339,13 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   const Rest rest = rest_of(all, fit.hypothesis);
   result.unexplained = rest.significant;
   result.rest = rest.words;
-  if (result.unexplained && findings.best.effects.empty()) {
+  if (findings.best.effects.empty()) {
+    // What drives the simulation, or is a number of the program, shows in the redundancy alone.
     for (const Residue& r : result.relations) {
-      if (r.loud() && !r.looks.empty()) result.rest += "; " + r.relation + ": " + r.looks;
+      if (!r.loud()) continue;
+      result.unexplained = true;
+      result.rest +=
+          (result.rest.empty() ? "" : "; ") + r.relation + " does not hold" + (r.looks.empty() ? "" : ", " + r.looks);
     }
   }
   const double left_at_first = std::max(findings.nothing.fit.chi_squared - count, 1.0);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
+#include <map>
 #include <optional>
 
 #include "host_sim/catalogue.hpp"
@@ -58,8 +59,15 @@ Series answer(const model::RigParameters<double>& bench, const Recording& record
 struct Columns {
   std::vector<ResidualSeries> residual;    // by recording
   std::vector<std::vector<Series>> moved;  // by parameter, by recording: for a relative change of 1
-  std::vector<double> bounds;              // of the parameters, relative
+  std::vector<double> lower, upper;        // bounds of what they may still change by, relative
+  std::vector<std::string> inner;          // the last of them: the component's own
   std::vector<Series> force_noise;         // of the component's force, by recording: a sample of it
+};
+
+struct Spectra {
+  std::vector<Eigen::MatrixXcd> cross;  // by line: of residual (0) and parameters (1 … p)
+  std::vector<double> noise, carried;   // of the relation; of it, what goes through the component
+  double resolution = 0.0, blocks = 0.0;
 };
 
 class Relations {
@@ -68,14 +76,83 @@ class Relations {
       : description_(description), recordings_(recordings), window_(recordings.front().sample_period) {}
 
   [[nodiscard]] Residue residue(const Relation& relation) const {
-    Columns columns = columns_of(relation);
     Residue out;
     out.relation = relation.words;
+    // The component's force is not linear in its parameters: Gauss–Newton.
+    std::map<std::string, double> deviations;
+    Columns columns;
+    Spectra s;
+    Eigen::VectorXd theta;
+    constexpr int most_steps = 4;
+    for (int step = 1; step <= most_steps; ++step) {
+      columns = columns_of(relation, deviations);
+      s = spectra_of(columns, relation);
+      if (s.blocks == 0.0) return out;
+      theta = fitted(columns, s);
+      double change = 0.0;
+      for (std::size_t i = 0; i < columns.inner.size(); ++i) {
+        const auto at = static_cast<Eigen::Index>(columns.moved.size() - columns.inner.size() + i);
+        deviations[columns.inner[i]] += theta(at);
+        change = std::max(change, std::abs(theta(at)));
+      }
+      if (change < 1e-3) break;
+    }
+    const auto m = theta.size();
+    for (std::size_t r = 0; r < columns.residual.size(); ++r) {
+      for (std::size_t i = 0; i < columns.moved.size(); ++i) {
+        for (std::size_t k = 0; k < columns.residual[r].values.size(); ++k) {
+          columns.residual[r].values[k] += theta(static_cast<Eigen::Index>(i)) * columns.moved[i][r][k];
+        }
+      }
+    }
+    Eigen::VectorXcd combination(m + 1);
+    combination(0) = 1.0;
+    for (Eigen::Index i = 0; i < m; ++i) combination(i + 1) = theta(i);
+
+    const double duration = 0.5 * block_length * (s.blocks + 1.0);
+    std::array<double, Residue::bands> above{};
+    double loud_power = 0.0, loud_noise = 0.0;
+    for (std::size_t b = 0; b + 1 < edges.size(); ++b) {
+      double power = 0.0, quiet = 0.0, width = 0.0;
+      for (std::size_t k = 1; k < s.noise.size(); ++k) {
+        const double f = static_cast<double>(k) * s.resolution;
+        if (f < edges[b] || f >= edges[b + 1]) continue;
+        power += (combination.transpose() * s.cross[k] * combination.conjugate()).value().real();
+        quiet += s.noise[k];
+        width += s.resolution;
+      }
+      if (!(quiet > 0.0)) continue;
+      out.excess[b] = power / quiet - 1.0;
+      // A band's mean power scatters by 1/√(duration × width).
+      const double z = (power / quiet - 1.0) * std::sqrt(duration * width);
+      out.significance = std::max(out.significance, z);
+      if (z < 8.0) continue;
+      above[b] = out.excess[b] * width;
+      loud_power += power;
+      loud_noise += quiet;
+    }
+    if (loud_noise > 0.0) out.ratio = loud_power / loud_noise;
+    double total = 0.0, sum = 0.0;
+    for (const double e : above) total += e;
+    for (std::size_t b = 0; b < above.size() && total > 0.0; ++b) {
+      if (sum < 0.1 * total) out.lowest = edges[b];
+      sum += above[b];
+      out.highest = edges[b + 1];
+      if (sum >= 0.9 * total) break;
+    }
+    add_suspects(relation, s.resolution, s.noise, s.carried, out);
+    if (out.loud()) out.looks = looks_of(relation.motion, columns.residual, recordings_, window_);
+    return out;
+  }
+
+ private:
+  /// Cross-spectra of residual (0) and parameters (1 … p), and of noise.
+  [[nodiscard]] Spectra spectra_of(const Columns& columns, const Relation& relation) const {
+    Spectra result;
     const double rate = 1.0 / recordings_.front().sample_period;
     const std::size_t length = good_fft_size(static_cast<std::size_t>(block_length * rate));
     const std::size_t p = columns.moved.size();
 
-    // Cross-spectra of residual (0) and parameters (1 … p), and of noise.
     BlockTransform transform(hann_window(length), Detrend::mean);
     const double resolution = rate / static_cast<double>(length);
     const auto bins = std::min(transform.bins(), static_cast<std::size_t>(top / resolution) + 1);
@@ -113,77 +190,32 @@ class Relations {
         for (std::size_t k = 0; k < bins; ++k) noise[k] += scale * std::norm(line[k]);
       }
     }
-    if (blocks == 0.0) return out;
+    if (blocks == 0.0) return result;
     for (auto& matrix : spectra) matrix /= blocks;
     for (double& v : noise) v /= blocks;
     const std::vector<double> carried = noise;  // through the component
     add_sensor_noise(relation, resolution, noise);
-
-    // Tolerated parameters inside their bounds.
-    const auto m = static_cast<Eigen::Index>(p);
-    Eigen::VectorXd theta = Eigen::VectorXd::Zero(m);
-    if (p > 0) {
-      Eigen::MatrixXd h = Eigen::MatrixXd::Zero(m, m);
-      Eigen::VectorXd g = Eigen::VectorXd::Zero(m);
-      for (std::size_t k = 1; k < bins; ++k) {
-        h += spectra[k].bottomRightCorner(m, m).real() / noise[k];
-        g += spectra[k].bottomLeftCorner(m, 1).real() / noise[k];
-      }
-      h.diagonal() *= 1.0 + 1e-9;
-      const Eigen::VectorXd bounds = Eigen::Map<const Eigen::VectorXd>(columns.bounds.data(), m);
-      theta = bounded_step(h, g, -bounds, bounds);
-      for (std::size_t r = 0; r < columns.residual.size(); ++r) {
-        for (std::size_t i = 0; i < p; ++i) {
-          for (std::size_t k = 0; k < columns.residual[r].values.size(); ++k) {
-            columns.residual[r].values[k] += theta(static_cast<Eigen::Index>(i)) * columns.moved[i][r][k];
-          }
-        }
-      }
-    }
-    Eigen::VectorXcd combination(m + 1);
-    combination(0) = 1.0;
-    for (Eigen::Index i = 0; i < m; ++i) combination(i + 1) = theta(i);
-
-    const double duration = 0.5 * block_length * (blocks + 1.0);
-    std::array<double, Residue::bands> above{};
-    double loud_power = 0.0, loud_noise = 0.0;
-    for (std::size_t b = 0; b + 1 < edges.size(); ++b) {
-      double power = 0.0, quiet = 0.0, width = 0.0;
-      for (std::size_t k = 1; k < bins; ++k) {
-        const double f = static_cast<double>(k) * resolution;
-        if (f < edges[b] || f >= edges[b + 1]) continue;
-        power += (combination.transpose() * spectra[k] * combination.conjugate()).value().real();
-        quiet += noise[k];
-        width += resolution;
-      }
-      if (!(quiet > 0.0)) continue;
-      out.excess[b] = power / quiet - 1.0;
-      // A band's mean power scatters by 1/√(duration × width).
-      const double z = (power / quiet - 1.0) * std::sqrt(duration * width);
-      out.significance = std::max(out.significance, z);
-      if (z < 8.0) continue;
-      above[b] = out.excess[b] * width;
-      loud_power += power;
-      loud_noise += quiet;
-    }
-    if (loud_noise > 0.0) out.ratio = loud_power / loud_noise;
-    double total = 0.0, sum = 0.0;
-    for (const double e : above) total += e;
-    for (std::size_t b = 0; b < above.size() && total > 0.0; ++b) {
-      if (sum < 0.1 * total) out.lowest = edges[b];
-      sum += above[b];
-      out.highest = edges[b + 1];
-      if (sum >= 0.9 * total) break;
-    }
-    add_suspects(relation, resolution, noise, carried, out);
-    if (out.loud()) out.looks = looks_of(relation.motion, columns.residual, recordings_, window_);
-    return out;
+    return {std::move(spectra), std::move(noise), carried, resolution, blocks};
   }
 
- private:
-  [[nodiscard]] Columns columns_of(const Relation& relation) const {
+  /// The parameters, relative, inside their bounds.
+  [[nodiscard]] static Eigen::VectorXd fitted(const Columns& columns, const Spectra& s) {
+    const auto m = static_cast<Eigen::Index>(columns.moved.size());
+    if (m == 0) return {};
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(m, m);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(m);
+    for (std::size_t k = 1; k < s.noise.size(); ++k) {
+      h += s.cross[k].bottomRightCorner(m, m).real() / s.noise[k];
+      g += s.cross[k].bottomLeftCorner(m, 1).real() / s.noise[k];
+    }
+    h.diagonal() *= 1.0 + 1e-9;
+    return bounded_step(h, g, Eigen::Map<const Eigen::VectorXd>(columns.lower.data(), m),
+                        Eigen::Map<const Eigen::VectorXd>(columns.upper.data(), m));
+  }
+
+  [[nodiscard]] Columns columns_of(const Relation& relation, const std::map<std::string, double>& deviations) const {
     Columns columns;
-    const auto bench = component_of(description_.rig);
+    auto bench = component_of(description_.rig);
     const auto tolerance = [&](const std::string& path) {
       const auto it = description_.tolerance.find(path);
       return it == description_.tolerance.end() ? 0.0 : it->second;
@@ -192,22 +224,27 @@ class Relations {
     for (const auto& [path, part] : relation.tolerated) {
       if (!(tolerance(path) > 0.0)) continue;
       linear.push_back(&part);
-      columns.bounds.push_back(tolerance(path));
+      columns.lower.push_back(-tolerance(path));
+      columns.upper.push_back(tolerance(path));
     }
-    std::vector<std::string> inner;
+    std::vector<double> nominal;
     if (relation.deflection) {
       for (const auto& [path, bound] : description_.tolerance) {
-        auto rig = bench;
-        const double* const value = find_parameter(rig, path);
+        double* const value = find_parameter(bench, path);
         if (!(path.starts_with("suspension.") || path.starts_with("fdva.")) || value == nullptr || *value == 0.0 ||
             !(bound > 0.0)) {
           continue;
         }
-        inner.push_back(path);
-        columns.bounds.push_back(bound);
+        const auto it = deviations.find(path);
+        const double deviation = it == deviations.end() ? 0.0 : it->second;
+        columns.inner.push_back(path);
+        columns.lower.push_back(-bound - deviation);
+        columns.upper.push_back(bound - deviation);
+        nominal.push_back(*value);
+        *value *= 1.0 + deviation;
       }
     }
-    columns.moved.resize(columns.bounds.size());
+    columns.moved.resize(columns.lower.size());
     for (const Recording& r : recordings_) {
       Series residual = samples_of(r, relation.sum, &window_);
       std::size_t at = 0;
@@ -228,9 +265,9 @@ class Relations {
           for (std::size_t k = 0; k < force.size(); ++k) difference[k] = (other[k] - force[k]) / per;
           return window_(difference, 0);
         };
-        for (const std::string& path : inner) {
+        for (std::size_t i = 0; i < nominal.size(); ++i) {
           auto rig = bench;
-          *find_parameter(rig, path) *= 1.01;
+          *find_parameter(rig, columns.inner[i]) += 0.01 * nominal[i];
           Series moved = change(answer(rig, r, motion, true, Channel::F), -0.01);
           columns.moved[at++].push_back(std::move(moved));
         }

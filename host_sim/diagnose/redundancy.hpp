@@ -14,7 +14,7 @@ namespace host_sim::diagnose {
 ///
 ///   (1)  body        m_b z̈_b = F_s[dz_b] + F_act        F_s[d]: the component's model on the measured deflection
 ///   (2)  balance     m_w z̈_w + m_b z̈_b = F_w
-///   (3)  tyre        F_w = k_t dz_w + b_t ḋz_w
+///   (3)  tyre        F_w = k_t dz_w + b_t ḋz_w           in hil too, of the program's numbers
 ///   (4)  suspension  z̈_w − z̈_b = d²dz_b/dt²             sensors only, as (5) and (6)
 ///   (5)  tyre        z̈_r − z̈_w = d²dz_w/dt²
 ///   (6)  foot point  z̈_r = d²z_r/dt²

@@ -34,6 +34,18 @@ std::vector<Relation> relations_of(const model::RigParameters<double>& rig, cons
     return std::nullopt;
   };
   std::vector<Relation> list;
+  const auto dz_w = either(Channel::dz_w, {{Channel::z_r, 0, 1.0}, {Channel::z_w, 0, -1.0}});
+  const auto add_tyre = [&](const std::vector<Origin>& origins) {
+    if (!dz_w || !has(Channel::F_w)) return;
+    const Signal spring = -rig.tyre.stiffness * *dz_w, damper = -rig.tyre.damping * derived(*dz_w, 1);
+    list.push_back({"tyre: F_w = k_t dz_w + b_t ḋz_w",
+                    origins,
+                    Signal{{Channel::F_w, 0, 1.0}} + spring + damper,
+                    {{"tyre.stiffness", spring}, {"tyre.damping", damper}},
+                    {},
+                    false,
+                    *dz_w});
+  };
   if (rig.kind != RigKind::quarter_car) {
     if (has(Channel::x_cmd) && has(Channel::x_act)) {
       list.push_back({"machine: x_act = M[x_cmd]",
@@ -54,12 +66,13 @@ std::vector<Relation> relations_of(const model::RigParameters<double>& rig, cons
                       false,
                       x});
     }
+    // The car of a hil rig is numbers of the program: no sensor is between.
+    if (rig.kind == RigKind::hil) add_tyre({{"tyre"}});
     return list;
   }
   const auto body = either(Channel::zdd_b, {{Channel::z_b, 2, 1.0}});
   const auto wheel = either(Channel::zdd_w, {{Channel::z_w, 2, 1.0}});
   const auto dz_b = either(Channel::dz_b, {{Channel::z_w, 0, 1.0}, {Channel::z_b, 0, -1.0}});
-  const auto dz_w = either(Channel::dz_w, {{Channel::z_r, 0, 1.0}, {Channel::z_w, 0, -1.0}});
   // Of a deflection that is made of two channels, either may be wrong.
   const auto with_sensors = [](std::vector<Origin> origins, const std::vector<Signal>& signals) {
     for (const Signal& signal : signals) {
@@ -87,16 +100,7 @@ std::vector<Relation> relations_of(const model::RigParameters<double>& rig, cons
                     false,
                     dz_b.value_or(*wheel)});
   }
-  if (dz_w && has(Channel::F_w)) {
-    const Signal spring = -rig.tyre.stiffness * *dz_w, damper = -rig.tyre.damping * derived(*dz_w, 1);
-    list.push_back({"tyre: F_w = k_t dz_w + b_t ḋz_w",
-                    with_sensors({{"tyre"}, sensor(Channel::F_w)}, {*dz_w}),
-                    Signal{{Channel::F_w, 0, 1.0}} + spring + damper,
-                    {{"tyre.stiffness", spring}, {"tyre.damping", damper}},
-                    {},
-                    false,
-                    *dz_w});
-  }
+  if (dz_w) add_tyre(with_sensors({{"tyre"}, sensor(Channel::F_w)}, {*dz_w}));
   const auto kinematics = [&](const char* words, Channel a, std::optional<Channel> b, Channel d) {
     if (!has(a) || (b && !has(*b)) || !has(d)) return;
     Signal sum{{a, 0, 1.0}, {d, 2, -1.0}};
