@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "host_sim/diagnose/diagnosis.hpp"
+#include "host_sim/diagnose/result_rig.hpp"
 #include "host_sim/diagnose/story.hpp"
 #include "host_sim/diagnose/verdict_json.hpp"
 #include "host_sim/input_error.hpp"
@@ -15,15 +16,11 @@
 #include "host_sim/progress.hpp"
 #include "host_sim/recording.hpp"
 #include "host_sim/recording_columns.hpp"
-#include "host_sim/rig_writer.hpp"
 
 namespace host_sim {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// First line of a rig.toml that may be replaced by another.
-constexpr std::string_view rig_mark = "# rigtwin diagnose";
 
 /// The folder, made if need be. A rig.toml in it that is not ours – the description itself, perhaps – is not
 /// overwritten.
@@ -40,7 +37,7 @@ void prepare_folder(const fs::path& folder) {
   std::ifstream file(rig);
   std::string first;
   std::getline(file, first);
-  if (!first.starts_with(rig_mark)) {
+  if (!first.starts_with(diagnose::result_rig_mark)) {
     throw OutputError(rig.string(), "is there already and was not written by rigtwin diagnose",
                       "a folder of its own for the results");
   }
@@ -123,8 +120,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
   OutputFile verdict(options.out / "verdict.json"), report(options.out / "report.html"), rig(options.out / "rig.toml");
   verdict.write(diagnose::to_json(diagnosis).dump(2) + "\n");
   report.write(diagnose::report_html(diagnosis, description));
-  rig.write(std::string(rig_mark) + ": " + options.rig.filename().string() + " with what was found\n" +
-            format_rig(diagnosis.rig));
+  rig.write(diagnose::result_rig(diagnosis.rig, options.rig.filename().string()));
   verdict.commit();
   report.commit();
   rig.commit();

@@ -5,7 +5,9 @@
 #include <cstdio>
 
 #include "host_sim/diagnose/carried_noise.hpp"
+#include "host_sim/diagnose/intake.hpp"
 #include "host_sim/diagnose/parallel.hpp"
+#include "host_sim/diagnose/piece.hpp"
 #include "host_sim/diagnose/readings.hpp"
 #include "host_sim/diagnose/rest.hpp"
 #include "host_sim/diagnose/virtual_car.hpp"
@@ -215,7 +217,7 @@ std::string subsystem_of(Channel channel, model::RigKind kind) {
   }
 }
 
-std::vector<Place> places(const Case& all, const Findings& findings) {
+std::vector<Place> places(const Case& all, const Findings& findings, const std::string& likely) {
   std::vector<Place> result;
   const auto excesses = channel_excesses(all, findings.nothing.fit.hypothesis);
   double total = 0.0;
@@ -228,7 +230,11 @@ std::vector<Place> places(const Case& all, const Findings& findings) {
       if (effect.channel == e.channel) named = &effect;
       if (!effect.channel && named == nullptr) named = &effect;
     }
-    if (named != nullptr) subsystem = subsystem_of(*named);
+    if (named != nullptr) {
+      subsystem = subsystem_of(*named);
+    } else if (!likely.empty()) {
+      subsystem = likely;
+    }
     result.push_back({e.channel, e.lowest, e.highest, std::move(subsystem), e.excess / total});
   }
   std::sort(result.begin(), result.end(), [](const Place& a, const Place& b) { return a.share > b.share; });
@@ -289,6 +295,34 @@ std::vector<Overlay> overlays_of(const Case& all, const Hypothesis& given, const
   return overlays;
 }
 
+/// Of a long recording the beginning is fitted and the end held out: minutes say what hours would, and fit into memory.
+std::vector<std::string> without_the_middle(std::vector<Record>& records) {
+  constexpr double longest_fitted = 300.0, longest_judged = 100.0;  // [s]
+  std::vector<std::string> remarks;
+  std::vector<Record> ends;
+  for (Record& record : records) {
+    Recording& r = record.recording;
+    const std::size_t n = r.size();
+    const auto samples = [&](double seconds) { return static_cast<std::size_t>(seconds / r.sample_period); };
+    const auto kept = record.use == Use::held_out ? samples(longest_judged) : samples(longest_fitted);
+    const std::size_t end = record.use == Use::shared ? samples(longest_judged) : 0;
+    if (n <= kept + end) continue;
+    char words[128];
+    std::snprintf(words, sizeof words, ": of %.0f s the first %.0f s are %s", static_cast<double>(n) * r.sample_period,
+                  static_cast<double>(kept) * r.sample_period, record.use == Use::held_out ? "held out" : "fitted");
+    remarks.push_back(r.source + words);
+    if (end > 0) {
+      ends.push_back({cut(r, n - end, n), Use::held_out});
+      std::snprintf(words, sizeof words, ", the last %.0f s held out", static_cast<double>(end) * r.sample_period);
+      remarks.back() += words;
+      record.use = Use::fitted;
+    }
+    record.recording = cut(r, 0, kept);
+  }
+  for (Record& record : ends) records.push_back(std::move(record));
+  return remarks;
+}
+
 /// What a reader of the verdict must know beside it.
 std::vector<std::string> remarks_of(const Case& all, const RigDescription& description) {
   std::vector<std::string> remarks;
@@ -328,9 +362,17 @@ std::string_view name(Verdict verdict) {
 }
 
 Diagnosis diagnose(const RigDescription& description, std::vector<Record> records, const Tell& tell) {
+  std::vector<Recording*> recordings;
+  for (Record& record : records) recordings.push_back(&record.recording);
+  const std::vector<std::string> taken_in = take_in(description, recordings);
+  const std::vector<std::string> shortened = without_the_middle(records);
+  // What one recording shows of the sensors holds for all: they are explained with the same channels.
+  const bool disagree = std::any_of(records.begin(), records.end(), [&](const Record& record) {
+    return inputs_disagree(description, record.recording);
+  });
   Case all;
   for (Record& record : records) {
-    all.evidence.push_back(evidence_of(description, std::move(record.recording), record.use));
+    all.evidence.push_back(evidence_of(description, std::move(record.recording), record.use, disagree));
   }
   for (const Evidence& e : all.evidence) {
     if (e.channels != all.evidence.front().channels) {
@@ -349,6 +391,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   std::vector<CarriedNoise> noises = carried_noises(all.evidence, given);
   whiten(all, noises);
   if (all.fit.empty()) throw InputError(description.source, 0, "every recording is held out", "one to be explained");
+  result.relations = redundancy(description, all.evidence);
 
   const Price price;
   const auto rewhiten = [&](const Hypothesis& hypothesis) {
@@ -390,6 +433,16 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     }
     all.model_error = 0.0;
     whiten(all, noises);
+  }
+
+  // Recordings held out begin in a state of their own, which what was found knows best.
+  for (std::size_t r = 0; r < all.evidence.size(); ++r) {
+    const Evidence& e = all.evidence[r];
+    if (e.fit.size() > 0 || e.at_rest) continue;
+    for (Explanation* one : {&findings.nothing, &findings.best}) {
+      Hypothesis& hypothesis = one->fit.hypothesis;
+      hypothesis.starts[r] = estimated_start(hypothesis.rig, e.drive, e.recording, description.range);
+    }
   }
 
   const Fit& fit = findings.best.fit;
@@ -467,6 +520,15 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
                                 left};
   }
   if (result.effects.empty()) {
+    // What drives the simulation, or is a number of the program, shows in the redundancy alone.
+    for (const Residue& r : result.relations) {
+      if (!r.loud()) continue;
+      result.unexplained = true;
+      result.rest.append(result.rest.empty() ? "" : "; ").append(r.relation).append(" does not hold");
+      if (!r.looks.empty()) result.rest.append(", ").append(r.looks);
+    }
+  }
+  if (result.effects.empty()) {
     result.verdict = result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
   } else if (result.unexplained && explained < all_but_noise) {
     result.verdict = Verdict::unexplained;
@@ -474,7 +536,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     result.verdict = close ? Verdict::ambiguous : Verdict::named;
   }
 
-  result.where = places(all, findings);
+  result.where = places(all, findings, likely_place(result.relations));
   if (!car_of_program.effects.empty()) {
     const double other = result.where.empty() ? 0.0 : 0.5;
     for (Place& place : result.where) place.share *= other;
@@ -489,6 +551,8 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   }
   result.overlays = overlays_of(all, given, findings.nothing.fit.hypothesis, fit.hypothesis);
   const auto remarks = remarks_of(all, description);
+  result.remarks.insert(result.remarks.begin(), shortened.begin(), shortened.end());
+  result.remarks.insert(result.remarks.begin(), taken_in.begin(), taken_in.end());
   result.remarks.insert(result.remarks.end(), remarks.begin(), remarks.end());
   result.rig = description;
   for (const auto& [path, value] : result.parameters) {

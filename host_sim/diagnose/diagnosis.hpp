@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/diagnose/redundancy.hpp"
 #include "host_sim/diagnose/search.hpp"
 #include "host_sim/recording.hpp"
 #include "host_sim/rig_description.hpp"
@@ -60,6 +61,7 @@ struct Overlay {
 
 struct Diagnosis {
   Verdict verdict;
+  std::vector<Residue> relations;  ///< of the rig's redundancy, before anything is fitted
   std::vector<Place> where;
   std::vector<NamedEffect> effects;
   std::map<model::Channel, Gap> gap;

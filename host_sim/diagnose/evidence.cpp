@@ -42,31 +42,45 @@ model::RigParameters<double> explained_part(const model::RigParameters<double>& 
 
 namespace {
 
-void prepare_input(Evidence& evidence, const RigDescription& description, const Recording& recording) {
-  const Channel input = evidence.drive.channel;
-  if (input == Channel::x_cmd) return;  // a number
+/// What z_r and zdd_r say of the foot point; nullopt where they are not both there, or one is without noise.
+struct FootSensors {
+  double position_noise, acceleration_noise;
+  std::vector<double> acceleration;  ///< not a number where clipped
+};
+std::optional<FootSensors> foot_sensors(const RigDescription& description, const Recording& recording) {
+  if (description.rig.kind != RigKind::quarter_car) return std::nullopt;
+  if (!recording.has(Channel::z_r) || !recording.has(Channel::zdd_r)) return std::nullopt;
   const auto noise_of = [&](Channel channel) {
     return description.noise[index(channel)].value_or(estimated_noise(recording[channel]));
   };
-  evidence.input_noise.position = noise_of(input);
-  if (input != Channel::z_r || !recording.has(Channel::zdd_r)) return;
-  const double sz = evidence.input_noise.position, sa = noise_of(Channel::zdd_r), h = recording.sample_period;
-  if (!(sz > 0.0) || !(sa > 0.0)) return;
-  std::vector<double> acceleration = recording[Channel::zdd_r];
+  FootSensors sensors{noise_of(Channel::z_r), noise_of(Channel::zdd_r), recording[Channel::zdd_r]};
+  if (!(sensors.position_noise > 0.0) || !(sensors.acceleration_noise > 0.0)) return std::nullopt;
   if (const auto& range = description.range[index(Channel::zdd_r)]) {
-    for (double& a : acceleration) a = range->holds(a) ? a : std::nan("");
+    for (double& a : sensors.acceleration) a = range->holds(a) ? a : std::nan("");
   }
-  evidence.inputs_disagree = disagree(recording[Channel::z_r], acceleration, sz, sa, h);
-  if (evidence.inputs_disagree) {
+  return sensors;
+}
+
+void prepare_input(Evidence& evidence, const RigDescription& description, const Recording& recording, bool disagree) {
+  const Channel input = evidence.drive.channel;
+  if (input == Channel::x_cmd) return;  // a number
+  const double position_noise = description.noise[index(input)].value_or(estimated_noise(recording[input]));
+  evidence.input_noise.position = position_noise;
+  const auto sensors = foot_sensors(description, recording);
+  if (!sensors) return;
+  const double h = recording.sample_period;
+  evidence.inputs_disagree = disagree;
+  if (disagree) {
     evidence.drive.motion = through_samples(recording[Channel::z_r], 1.0 / h);
     // Filtered a little above what is known, so that its edge is not.
-    evidence.acceleration_known = known_up_to(recording[Channel::z_r], sz, h);
+    evidence.acceleration_known = known_up_to(recording[Channel::z_r], position_noise, h);
     smooth_acceleration(evidence.drive.motion, acceleration_edge * evidence.acceleration_known, h);
     return;
   }
-  evidence.drive.motion =
-      through_samples(fused_displacement(recording[Channel::z_r], acceleration, sz, sa, h), 1.0 / h);
-  evidence.input_noise.acceleration = sa;
+  evidence.drive.motion = through_samples(fused_displacement(recording[Channel::z_r], sensors->acceleration,
+                                                             position_noise, sensors->acceleration_noise, h),
+                                          1.0 / h);
+  evidence.input_noise.acceleration = sensors->acceleration_noise;
 }
 
 }  // namespace
@@ -155,7 +169,13 @@ std::optional<HoldPeriod> hold_period(const std::vector<Evidence>& evidence, Cha
   return HoldPeriod{sum / weights, slack};
 }
 
-Evidence evidence_of(const RigDescription& description, Recording recording, Use use) {
+bool inputs_disagree(const RigDescription& description, const Recording& recording) {
+  const auto sensors = foot_sensors(description, recording);
+  return sensors && disagree(recording[Channel::z_r], sensors->acceleration, sensors->position_noise,
+                             sensors->acceleration_noise, recording.sample_period);
+}
+
+Evidence evidence_of(const RigDescription& description, Recording recording, Use use, bool disagree) {
   const model::RigParameters<double> rig = explained_part(description.rig);
   constexpr double shortest = 5.0;  // [s]: some periods of a body mode, to fit and to judge
   const double duration = recording.sample_period * static_cast<double>(recording.size());
@@ -164,7 +184,7 @@ Evidence evidence_of(const RigDescription& description, Recording recording, Use
   }
   Evidence evidence;
   evidence.drive = drive_of(rig, recording);
-  prepare_input(evidence, description, recording);
+  prepare_input(evidence, description, recording, disagree);
   evidence.at_rest = begins_at_rest(rig, evidence.drive, recording);
   std::vector<Channel> answered = response_channels(rig.kind, evidence.drive);
   if (evidence.inputs_disagree) answered.push_back(Channel::zdd_r);

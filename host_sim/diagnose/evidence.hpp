@@ -86,8 +86,12 @@ struct Evidence {
 /// `held_out`: the whole recording is for judging; `shared`: its last quarter is; else nothing is.
 enum class Use { fitted, shared, held_out };
 
-/// InputError where the recording does not hold what is needed: the input, something measured, 5 s.
-[[nodiscard]] Evidence evidence_of(const RigDescription& description, Recording recording, Use use);
+/// Whether a recording holds z_r and zdd_r and they do not tell of one motion (foot_point.hpp).
+[[nodiscard]] bool inputs_disagree(const RigDescription& description, const Recording& recording);
+
+/// InputError where the recording does not hold what is needed: the input, something measured, 5 s. `disagree`: whether
+/// z_r and zdd_r are taken not to tell of one motion.
+[[nodiscard]] Evidence evidence_of(const RigDescription& description, Recording recording, Use use, bool disagree);
 
 /// The time from renewal to renewal of a channel that repeats itself, and the half width of what its instants, rounded
 /// to samples, allow [s]. nullopt: it does not repeat itself.

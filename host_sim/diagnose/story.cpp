@@ -111,6 +111,17 @@ void add_where(Report& page, const Diagnosis& diagnosis) {
                           figure_text(place.highest, 3), figure_text(100.0 * place.share, 3)});
   }
   page.add_table(table);
+  if (diagnosis.relations.empty()) return;
+  Table relations{"What the rig's own redundancy says, before anything is fitted but tolerances",
+                  {"relation", "holds", "power ÷ noise", "from [Hz]", "to [Hz]", "what is left"},
+                  {},
+                  2};
+  for (const Residue& r : diagnosis.relations) {
+    const bool loud = r.loud();
+    relations.rows.push_back({r.relation, loud ? "no" : "yes", loud ? figure_text(r.ratio, 3) : "",
+                              loud ? figure_text(r.lowest, 3) : "", loud ? figure_text(r.highest, 3) : "", r.looks});
+  }
+  page.add_table(relations);
 }
 
 void add_overlays(Report& page, const Diagnosis& diagnosis) {
@@ -174,7 +185,8 @@ std::string sentence(const Diagnosis& diagnosis) {
       return "Rig and model agree: what is left over is noise, with every parameter within its tolerance.";
     case Verdict::unexplained:
       text = "Rig and model disagree, and no effect of the catalogue explains it";
-      if (!names.empty()) text += "; " + joined(names) + " would help";
+      if (!names.empty())
+        text = "Rig and model disagree by more than the catalogue explains; " + joined(names) + " would help";
       break;
     case Verdict::ambiguous:
       text = "The model lacks " + joined(names) + ", or a rival that these recordings cannot tell apart from it";
@@ -183,7 +195,7 @@ std::string sentence(const Diagnosis& diagnosis) {
       text = "The model lacks " + joined(names);
       break;
   }
-  if (const auto* best = most_improved(diagnosis); best != nullptr && diagnosis.verdict != Verdict::unexplained) {
+  if (const auto* best = most_improved(diagnosis); best != nullptr && !names.empty()) {
     text += ": with it the error of " + std::string(model::name(best->first)) + " falls from " +
             figure_text(100.0 * best->second.refit, 3) + " to " + figure_text(100.0 * best->second.after, 3) + " %";
   }

@@ -46,6 +46,13 @@ ordered_json to_json(const Diagnosis& diagnosis) {
                              {"subsystem", place.subsystem},
                              {"share", place.share}});
   }
+  json["relations"] = ordered_json::array();
+  for (const Residue& r : diagnosis.relations) {
+    json["relations"].push_back({{"relation", r.relation}, {"holds", !r.loud()}, {"power_over_noise", r.ratio}});
+    if (!r.loud()) continue;
+    json["relations"].back()["band_hz"] = {r.lowest, r.highest};
+    if (!r.looks.empty()) json["relations"].back()["looks"] = r.looks;
+  }
   json["effects"] = ordered_json::array();
   for (const NamedEffect& effect : diagnosis.effects) json["effects"].push_back(to_json(effect));
   json["gap"] = ordered_json::object();

@@ -1,9 +1,13 @@
 // rigtwin diagnose as a shell meets it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <csignal>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "host_sim/catalogue.hpp"
+#include "host_sim/recording.hpp"
 #include "host_sim/rig_writer.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
@@ -89,6 +93,85 @@ TEST_F(DiagnoseCommand, TellsMistakesInOneLine) {
                    "--out", (folder / "o").string()}),
           3, "at least 5 s");
   EXPECT_EQ(rigtwin({"diagnose", "--explain", "top_mount"}).status, 0);
+}
+
+// What cannot be judged is refused in one line that says what to do, before anything is written.
+TEST_F(DiagnoseCommand, RefusesWhatCannotBeJudged) {
+  using host_sim::Recording;
+  const auto refused = [&](const std::string& rig, const Recording& recording, const std::string& words) {
+    write_recording(folder / "wrong.csv", recording);
+    const auto ended = rigtwin({"diagnose", "--rig", (folder / rig).string(), "--data", (folder / "wrong.csv").string(),
+                                "--out", (folder / "refused").string()});
+    EXPECT_EQ(ended.status, 3) << words;
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_NE(ended.errors.find(words), std::string::npos) << ended.errors;
+    if (std::filesystem::exists(folder / "refused")) {
+      EXPECT_TRUE(std::filesystem::is_empty(folder / "refused")) << words;
+    }
+  };
+  const Recording recording = host_sim::read_recording(folder / "rec.csv");
+  Recording wrong = recording;
+  for (double& F : wrong[model::Channel::F]) F *= -1e-3;
+  refused("bench.toml", wrong, "F looks like kilonewtons with the sign swapped");
+  wrong = recording;
+  for (double& x : wrong[model::Channel::x_cmd]) x *= 1e3;
+  refused("bench.toml", wrong, "[channels]: x_cmd = { column = \"x_cmd\", scale = 0.001 }");
+  wrong = recording;
+  wrong[model::Channel::x_act].clear();
+  std::fill(wrong[model::Channel::x_cmd].begin(), wrong[model::Channel::x_cmd].end(), 0.01);
+  refused("bench.toml", wrong, "neither x_cmd nor x_act");
+  folder.write("car.toml", format_rig(support::rig("paper_rig_fdva")));
+  refused("car.toml", recording, "looks like a recording of a component_bench");
+  folder.write("loose.toml",
+               TemporaryFolder::read(folder / "bench.toml") + "[tolerance]\nsuspension.stiffness = 1.0\n");
+  refused("loose.toml", recording, "lets suspension.stiffness be 0");
+}
+
+// A dead sensor and clipped samples cost what they hold and no more: the rest is judged, and what is missing is said.
+// Files in the folder that are not ours stay.
+TEST_F(DiagnoseCommand, JudgesWhatIsLeftAndSaysWhatIsNot) {
+  using model::Channel;
+  host_sim::Recording recording = host_sim::read_recording(folder / "rec.csv");
+  std::fill(recording[Channel::x_act].begin(), recording[Channel::x_act].end(), 0.0);
+  const double limit = 0.8 * *std::max_element(recording[Channel::F].begin(), recording[Channel::F].end());
+  for (double& F : recording[Channel::F]) F = std::clamp(F, -limit, limit);
+  write_recording(folder / "rec.csv", recording);
+  host_sim::RigDescription description = host_sim::read_rig(folder / "bench.toml");
+  description.range[index(Channel::F)] = {-limit, limit};
+  folder.write("bench.toml", format_rig(description));
+  const TemporaryFolder out;
+  const auto notes = out.write("notes.txt", "mine");
+  const auto ended = run({"--out", out.path().string()});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_EQ(out.count(), 4U) << "notes.txt and three of ours";
+  EXPECT_EQ(TemporaryFolder::read(notes), "mine");
+  const auto verdict = nlohmann::json::parse(TemporaryFolder::read(out / "verdict.json"));
+  EXPECT_EQ(verdict["verdict"], "named");
+  ASSERT_EQ(verdict["effects"].size(), 1U);
+  EXPECT_EQ(verdict["effects"][0]["name"], "coulomb_friction");
+  EXPECT_FALSE(verdict["gap"].contains("x_act"));
+  const std::string remarks = verdict["remarks"].dump();
+  EXPECT_NE(remarks.find("x_act is 0 m throughout"), std::string::npos) << remarks;
+  EXPECT_NE(remarks.find("clipped samples of F"), std::string::npos) << remarks;
+}
+
+// Interrupted, a diagnosis leaves what was there before, byte for byte, and nothing of its own.
+TEST_F(DiagnoseCommand, LeavesNothingHalfWrittenWhenInterrupted) {
+  const TemporaryFolder out, streams;
+  const std::string verdict = "{}\n";
+  out.write("verdict.json", verdict);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    struct sigaction present {};
+    ::sigaction(signal, nullptr, &present);
+    if (present.sa_handler == SIG_IGN) continue;  // a shell's background job; the program inherits it
+    support::RunningProgram program(streams, {"diagnose", "--rig", (folder / "bench.toml").string(), "--data",
+                                              (folder / "rec.csv").string(), "--out", out.path().string()});
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // reading, or well into a second of searching
+    ::kill(program.id(), signal);
+    EXPECT_EQ(program.wait().status, -signal);
+    EXPECT_EQ(out.count(), 1U);
+    EXPECT_EQ(TemporaryFolder::read(out / "verdict.json"), verdict);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,142 @@
+// What the confusion matrix calls right, and what worse. That the matrix is good itself is what rigtwin_confusion says.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/confusion/golden.hpp"
+#include "tests/confusion/plan.hpp"
+#include "tests/confusion/table.hpp"
+
+namespace {
+
+using namespace confusion;
+using host_sim::diagnose::Diagnosis;
+using host_sim::diagnose::NamedEffect;
+using host_sim::diagnose::Verdict;
+using model::Channel;
+
+NamedEffect named(const char* effect, std::optional<Channel> channel, double value, double confidence) {
+  return {{host_sim::find_effect(effect), channel, {value}}, {{value, 0.99 * value, 1.01 * value}}, confidence, {}};
+}
+
+truth::Truth gain_of_force() {
+  truth::Truth truth;
+  truth.effects = {{"sensor_gain", "F", {{"gain", 1.10}}}};
+  truth.actual = {{"suspension.stiffness", 30e3}};
+  return truth;
+}
+
+// Point. The rules, one by one.
+TEST(Confusion, KnowsWhatIsRight) {
+  const Asked single{"single:hil:sensor_gain:F"}, none{"none:hil"}, unknown{"unknown:hil:hysteresis"};
+  Diagnosis d;
+  d.verdict = Verdict::named;
+  d.effects = {named("sensor_gain", Channel::F, 1.105, 0.99)};
+  d.parameters = {{"suspension.stiffness", {30.1e3, 30.05e3, 30.2e3}}};
+  d.gap = {{Channel::F, {0.2, 0.2, 0.012, 0.010}}, {Channel::x_act, {0.2, 0.2, 0.01, 0.010}}};
+  const Outcome right = judged(single, gain_of_force(), d);
+  EXPECT_TRUE(right.right());
+  ASSERT_EQ(right.estimates.size(), 2U);
+  EXPECT_NEAR(right.estimates[0].error, 0.05, 1e-12);  // 0.005 of gain − 1 = 0.1
+  EXPECT_TRUE(right.estimates[0].held);
+  EXPECT_NEAR(right.estimates[1].error, 1.0 / 300.0, 1e-12);
+  EXPECT_FALSE(right.estimates[1].held);
+  EXPECT_NEAR(right.gap, 1.2, 1e-12);
+  EXPECT_EQ(right.gap_channel, "F");
+
+  d.verdict = Verdict::ambiguous;
+  EXPECT_TRUE(judged(single, gain_of_force(), d).right());
+  d.verdict = Verdict::unexplained;
+  EXPECT_FALSE(judged(single, gain_of_force(), d).right());
+  d.verdict = Verdict::named;
+  d.effects.push_back(named("coulomb_friction", std::nullopt, 30.0, 0.4));
+  EXPECT_FALSE(judged(single, gain_of_force(), d).right()) << "one too many";
+  EXPECT_EQ(judged(single, gain_of_force(), d).effects_found(), 1U);
+  EXPECT_FALSE(judged(single, gain_of_force(), d).wrong_name()) << "with little confidence";
+  d.effects = {named("sensor_gain", Channel::x_act, 1.1, 0.99)};
+  EXPECT_FALSE(judged(single, gain_of_force(), d).right()) << "another channel";
+  EXPECT_TRUE(judged(single, gain_of_force(), d).wrong_name());
+
+  truth::Truth strange;
+  strange.unknown = "hysteresis";
+  EXPECT_FALSE(judged(unknown, strange, d).right()) << "not flagged";
+  d.unexplained = true;
+  EXPECT_FALSE(judged(unknown, strange, d).right()) << "flagged, and a wrong name above 0.5";
+  d.effects[0].confidence = 0.5;
+  EXPECT_TRUE(judged(unknown, strange, d).right());
+
+  EXPECT_FALSE(judged(none, {}, d).right());
+  d = {};
+  d.verdict = Verdict::no_discrepancy;
+  EXPECT_TRUE(judged(none, {}, d).right());
+}
+
+// What travels through a pipe is what was sent, numbers that are none included.
+TEST(Confusion, KeepsAnOutcomeThroughText) {
+  Diagnosis d;
+  d.verdict = Verdict::named;
+  d.effects = {named("sensor_gain", Channel::F, 1.105, 0.99)};
+  d.chi_squared_after = NAN;
+  d.rest = "F, 1 to 2 Hz";
+  const Outcome sent = judged({"single:hil:sensor_gain:F", 7}, gain_of_force(), d);
+  const Outcome come = outcome_from(nlohmann::ordered_json::parse(to_json(sent).dump()));
+  EXPECT_EQ(to_json(come).dump(), to_json(sent).dump());
+  EXPECT_TRUE(come.right());
+  EXPECT_TRUE(std::isnan(come.residual_power));
+}
+
+// Law. At least 200 recordings, every group among them; the five parts are all of it, once, and each holds every
+// category and every kind of rig.
+TEST(Confusion, IsMadeOfFiveParts) {
+  const auto all = plan(1);
+  EXPECT_GE(all.size(), 200U);
+  std::set<std::string> ids, groups;
+  for (const Asked& asked : all) {
+    EXPECT_TRUE(ids.insert(asked.id()).second) << asked.id();
+    groups.insert(asked.group);
+  }
+  EXPECT_EQ(groups.size(), truth::groups().size());
+  std::size_t together = 0;
+  for (unsigned part = 1; part <= 5; ++part) {
+    std::set<std::string> categories, kinds;
+    const auto some = part_of(all, part, 5);
+    for (const Asked& asked : some) {
+      EXPECT_EQ(ids.erase(asked.id()), 1U);
+      categories.insert(asked.what());
+      const auto after = asked.group.find(':') + 1;
+      kinds.insert(asked.group.substr(after, asked.group.find(':', after) - after));
+    }
+    together += some.size();
+    EXPECT_EQ(categories.size(), 4U) << part;
+    EXPECT_EQ(kinds.size(), 3U) << part;
+  }
+  EXPECT_EQ(together, all.size());
+}
+
+// The golden copy tells better from worse, category by category, and only over what both hold.
+TEST(Confusion, NoticesWhatGotWorse) {
+  Diagnosis nothing, found;
+  nothing.verdict = Verdict::no_discrepancy;
+  found.verdict = Verdict::named;
+  found.effects = {named("sensor_gain", Channel::F, 1.1, 0.99)};
+  const auto outcomes = [&](bool single, bool none) {
+    return std::vector<Outcome>{judged({"single:hil:sensor_gain:F"}, gain_of_force(), single ? found : nothing),
+                                judged({"none:hil"}, {}, none ? nothing : found)};
+  };
+  const auto golden = [&](const std::vector<Outcome>& list) {
+    return golden_copy({}, "2026-01-01", table_of(list), list);
+  };
+  EXPECT_TRUE(regressions({}, outcomes(true, true), golden(outcomes(true, true))).empty());
+  EXPECT_TRUE(regressions({}, outcomes(true, true), golden(outcomes(false, false))).empty());
+  EXPECT_EQ(regressions({}, outcomes(false, true), golden(outcomes(true, true))).size(), 1U);
+  EXPECT_EQ(regressions({}, outcomes(true, false), golden(outcomes(true, true))).size(), 2U) << "and a wrong name";
+  EXPECT_EQ(regressions({}, outcomes(true, false), golden(outcomes(false, true))).size(), 2U) << "no trade";
+  EXPECT_EQ(regressions({2, {}}, outcomes(true, true), golden(outcomes(true, true))).size(), 1U) << "another seed";
+  EXPECT_EQ(regressions({}, outcomes(true, true), golden({})).size(), 1U) << "nothing in common";
+  EXPECT_TRUE(shortfalls(table_of(outcomes(true, true))).empty());
+  EXPECT_EQ(shortfalls(table_of(outcomes(false, true))).size(), 1U);
+  EXPECT_FALSE(text(table_of(outcomes(false, true)), outcomes(false, true)).empty());
+}
+
+}  // namespace

@@ -1,0 +1,119 @@
+// rigtwin_confusion: how often `rigtwin diagnose` is right, over recordings whose answer is known.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host_sim/output_file.hpp"
+#include "tests/confusion/golden.hpp"
+#include "tests/confusion/workers.hpp"
+
+namespace {
+
+using namespace confusion;
+
+struct Options {
+  Run run;
+  std::vector<std::string> groups;
+  std::string part;
+  std::size_t jobs = 2;
+  unsigned most_seconds = 600;
+  bool list = false;
+  std::string out, golden, against;
+};
+
+std::vector<Asked> chosen(const Options& options) {
+  std::vector<Asked> all = plan(options.run.seed);
+  if (!options.part.empty()) {
+    unsigned part = 0, parts = 0;
+    if (std::sscanf(options.part.c_str(), "%u/%u", &part, &parts) != 2 || part < 1 || part > parts) {
+      throw CLI::ValidationError("--part", "expected K/N with 1 ≤ K ≤ N, as 1/5");
+    }
+    all = part_of(all, part, parts);
+  }
+  if (options.groups.empty()) return all;
+  std::erase_if(all, [&](const Asked& asked) {
+    for (const std::string& text : options.groups) {
+      if (asked.group.find(text) != std::string::npos) return false;
+    }
+    return true;
+  });
+  return all;
+}
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  char text[16] = "";
+  std::strftime(text, sizeof text, "%Y-%m-%d", std::gmtime(&now));
+  return text;
+}
+
+int compared(const Options& options, const Table& table, const std::vector<Outcome>& outcomes) {
+  std::vector<std::string> worse;
+  std::ifstream file(options.against);
+  if (file) {
+    worse = regressions(options.run, outcomes, nlohmann::ordered_json::parse(file));
+  } else {
+    std::printf("%s is not there: held against minimum shares\n", options.against.c_str());
+    worse = shortfalls(table);
+  }
+  for (const std::string& what : worse) std::printf("worse: %s\n", what.c_str());
+  return worse.empty() ? 0 : 1;
+}
+
+int main_of(const Options& options) {
+  const std::vector<Asked> asked = chosen(options);
+  if (options.list) {
+    for (const Asked& a : asked) std::puts(a.id().c_str());
+    return 0;
+  }
+  std::size_t done = 0;
+  const auto tell = [&](const Outcome& o) {
+    std::fprintf(stderr, "%3zu/%zu %s %s: %s\n", ++done, asked.size(), o.right() ? "right" : "WRONG",
+                 o.asked.id().c_str(), (o.failure.empty() ? o.found : o.failure).c_str());
+  };
+  const auto outcomes = run_all(asked, options.run.wanted, options.jobs, options.most_seconds, tell);
+  const Table table = table_of(outcomes);
+  const std::string words = text(table, outcomes);
+  std::printf("%s", words.c_str());
+  if (!options.out.empty()) {
+    nlohmann::ordered_json all = golden_copy(options.run, today(), table, {});
+    all["recordings"] = nlohmann::ordered_json::array();
+    for (const Outcome& o : outcomes) all["recordings"].push_back(to_json(o));
+    host_sim::write_file(options.out, all.dump(1) + "\n");
+  }
+  if (!options.golden.empty()) {
+    host_sim::write_file(options.golden + ".json", golden_copy(options.run, today(), table, outcomes).dump(1) + "\n");
+    host_sim::write_file(options.golden + ".txt", today() + ", " + words);
+  }
+  return options.against.empty() ? 0 : compared(options, table, outcomes);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"How often rigtwin diagnose is right, over recordings whose answer is known"};
+  app.add_option("--seed", options.run.seed, "First seed of every group")->capture_default_str();
+  app.add_option("--groups", options.groups, "Only groups whose name holds one of these texts");
+  app.add_option("--part", options.part, "Only part K of N, as 1/5");
+  app.add_option("--duration", options.run.wanted.duration, "Length of a recording [s]")->capture_default_str();
+  app.add_flag("--weak", options.run.wanted.weak, "Effects of 30 … 100 σ in all");
+  app.add_option("--jobs", options.jobs, "Recordings at once")->capture_default_str();
+  app.add_option("--most-seconds", options.most_seconds, "For one recording; more is a failure")->capture_default_str();
+  app.add_flag("--list", options.list, "Name the recordings and end");
+  app.add_option("--out", options.out, "JSON with everything");
+  app.add_option("--golden", options.golden, "FILE.json and FILE.txt to be kept, as tests/golden/confusion");
+  app.add_option("--against", options.against, "Golden copy: status 1 where less is right than there");
+  try {
+    app.parse(argc, argv);
+    return main_of(options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "rigtwin_confusion: %s\n", problem.what());
+    return 5;
+  }
+}

@@ -1,0 +1,206 @@
+#include "tests/confusion/outcome.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+#include <nlohmann/json.hpp>
+
+#include "host_sim/diagnose/story.hpp"
+#include "host_sim/recording.hpp"
+
+namespace confusion {
+namespace {
+
+using host_sim::diagnose::Diagnosis;
+using host_sim::diagnose::Interval;
+using host_sim::diagnose::NamedEffect;
+using nlohmann::ordered_json;
+
+std::string words(const truth::Effect& effect) {
+  return effect.name + (effect.channel.empty() ? "" : " of " + effect.channel);
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+Estimate estimate(std::string path, bool effect, const Interval& found, double truth) {
+  const double scale = path.ends_with(": gain") ? std::abs(truth - 1.0) : std::abs(truth);
+  return {std::move(path), effect, std::abs(found.value - truth) / std::max(scale, 1e-300),
+          found.lower <= truth && truth <= found.upper};
+}
+
+std::string hidden_words(const truth::Truth& truth) {
+  std::string text;
+  for (const truth::Effect& effect : truth.effects) {
+    text += (text.empty() ? "" : " and ") + words(effect);
+    for (const auto& [key, value] : effect.parameters) text += " " + key + "=" + number(value);
+  }
+  if (!truth.unknown.empty()) {
+    text = truth.unknown + (truth.unknown_channel.empty() ? "" : " (" + truth.unknown_channel + ")");
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+std::string found_words(const Diagnosis& diagnosis) {
+  std::string text;
+  for (const NamedEffect& named : diagnosis.effects) {
+    text += (text.empty() ? "" : " and ") + host_sim::diagnose::words(named.effect);
+    for (std::size_t p = 0; p < named.parameters.size(); ++p) {
+      text += " " + std::string(named.effect.entry->parameters[p].name) + "=" + number(named.parameters[p].value);
+    }
+    text += " [" + number(named.confidence) + "]";
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+/// JSON has no NaN: it is written as null.
+double number_from(const ordered_json& json) { return json.is_null() ? NAN : json.get<double>(); }
+
+}  // namespace
+
+std::size_t Outcome::effects_found() const {
+  return static_cast<std::size_t>(std::count_if(named.begin(), named.end(), [](const Named& n) { return n.right; }));
+}
+
+bool Outcome::exact() const { return effects_found() == effects_hidden && named.size() == effects_hidden; }
+
+bool Outcome::wrong_name() const {
+  return std::any_of(named.begin(), named.end(), [](const Named& n) { return !n.right && n.confidence > 0.5; });
+}
+
+bool Outcome::right() const {
+  if (!failure.empty()) return false;
+  if (asked.what() == "none") return verdict == "no_discrepancy" && named.empty();
+  if (asked.what() == "unknown") return flagged() && !wrong_name();
+  return exact() && (verdict == "named" || verdict == "ambiguous");
+}
+
+Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& diagnosis) {
+  Outcome outcome;
+  outcome.asked = asked;
+  outcome.hidden = hidden_words(truth);
+  outcome.found = found_words(diagnosis);
+  outcome.size = truth.size;
+  outcome.verdict = host_sim::diagnose::name(diagnosis.verdict);
+  outcome.unexplained = diagnosis.unexplained;
+  outcome.rest = diagnosis.rest;
+  outcome.effects_hidden = truth.effects.size();
+  outcome.residual_power = diagnosis.chi_squared_after;
+  std::vector<std::string> missed;
+  for (const truth::Effect& effect : truth.effects) missed.push_back(words(effect));
+  for (const NamedEffect& named : diagnosis.effects) {
+    const std::string name = host_sim::diagnose::words(named.effect);
+    const auto it = std::find_if(truth.effects.begin(), truth.effects.end(),
+                                 [&](const truth::Effect& effect) { return words(effect) == name; });
+    outcome.named.push_back({name, named.confidence, it != truth.effects.end()});
+    if (it == truth.effects.end()) continue;
+    std::erase(missed, name);
+    for (std::size_t p = 0; p < named.parameters.size(); ++p) {
+      const std::string key(named.effect.entry->parameters[p].name);
+      outcome.estimates.push_back(estimate(name + ": " + key, true, named.parameters[p], it->parameters.at(key)));
+    }
+  }
+  for (const NamedEffect& named : diagnosis.effects) {
+    for (const auto& other : named.alternatives) {
+      if (std::find(missed.begin(), missed.end(), host_sim::diagnose::words(other.effect)) != missed.end()) {
+        outcome.truth_is_rival = true;
+      }
+    }
+  }
+  if (outcome.exact() && truth.unknown.empty()) {
+    for (const auto& [path, value] : diagnosis.parameters) {
+      if (truth.actual.contains(path)) outcome.estimates.push_back(estimate(path, false, value, truth.actual.at(path)));
+    }
+  }
+  for (const auto& [channel, gap] : diagnosis.gap) {
+    const double ratio = gap.noise_floor > 0.0 ? gap.after / gap.noise_floor : 0.0;
+    if (ratio <= outcome.gap) continue;
+    outcome.gap = ratio;
+    outcome.gap_channel = model::name(channel);
+  }
+  return outcome;
+}
+
+Outcome run(const Asked& asked, const truth::Wanted& wanted) {
+  Outcome outcome;
+  outcome.asked = asked;
+  try {
+    const truth::Truth truth = truth::draw(asked.group, asked.seed, wanted);
+    outcome.hidden = hidden_words(truth);
+    outcome.effects_hidden = truth.effects.size();
+    const host_sim::RigDescription description = host_sim::parse_rig(truth::rig_toml(truth), "rig.toml");
+    std::vector<host_sim::diagnose::Record> records;
+    for (const truth::Record& record : truth::simulate(truth)) {
+      const std::string file = "rec" + std::to_string(records.size() + 1) + ".csv";
+      records.push_back({host_sim::parse_recording_csv(truth::csv(truth, record), file, description.channels,
+                                                       description.sample_rate),
+                         host_sim::diagnose::Use::shared});
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t used = std::clock();
+    const Diagnosis diagnosis = host_sim::diagnose::diagnose(description, std::move(records));
+    outcome = judged(asked, truth, diagnosis);
+    outcome.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    outcome.processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
+  } catch (const std::exception& problem) {
+    outcome.failure = problem.what();
+  }
+  return outcome;
+}
+
+ordered_json to_json(const Outcome& o) {
+  ordered_json json{
+      {"group", o.asked.group}, {"seed", o.asked.seed}, {"right", o.right()},   {"hidden", o.hidden},
+      {"found", o.found},       {"size", o.size},       {"verdict", o.verdict}, {"unexplained", o.unexplained}};
+  if (!o.rest.empty()) json["rest"] = o.rest;
+  if (!o.failure.empty()) json["failure"] = o.failure;
+  json["effects_hidden"] = o.effects_hidden;
+  json["named"] = ordered_json::array();
+  for (const Named& n : o.named) {
+    json["named"].push_back({{"effect", n.effect}, {"confidence", n.confidence}, {"right", n.right}});
+  }
+  if (o.truth_is_rival) json["truth_is_rival"] = true;
+  json["estimates"] = ordered_json::array();
+  for (const Estimate& e : o.estimates) {
+    json["estimates"].push_back({{"path", e.path}, {"effect", e.effect}, {"error", e.error}, {"held", e.held}});
+  }
+  json["gap"] = o.gap;
+  json["gap_channel"] = o.gap_channel;
+  json["residual_power"] = o.residual_power;
+  json["wall"] = o.wall;
+  json["processor"] = o.processor;
+  return json;
+}
+
+Outcome outcome_from(const ordered_json& json) {
+  Outcome o;
+  o.asked = {json.at("group"), json.at("seed")};
+  o.hidden = json.at("hidden");
+  o.found = json.at("found");
+  o.size = number_from(json.at("size"));
+  o.verdict = json.at("verdict");
+  o.unexplained = json.at("unexplained");
+  o.rest = json.value("rest", "");
+  o.failure = json.value("failure", "");
+  o.effects_hidden = json.at("effects_hidden");
+  for (const auto& n : json.at("named"))
+    o.named.push_back({n.at("effect"), number_from(n.at("confidence")), n.at("right")});
+  o.truth_is_rival = json.value("truth_is_rival", false);
+  for (const auto& e : json.at("estimates")) {
+    o.estimates.push_back({e.at("path"), e.at("effect"), number_from(e.at("error")), e.at("held")});
+  }
+  o.gap = number_from(json.at("gap"));
+  o.gap_channel = json.at("gap_channel");
+  o.residual_power = number_from(json.at("residual_power"));
+  o.wall = number_from(json.at("wall"));
+  o.processor = number_from(json.at("processor"));
+  return o;
+}
+
+}  // namespace confusion

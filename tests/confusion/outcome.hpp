@@ -1,0 +1,67 @@
+// One recording whose answer is known, diagnosed and judged.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "host_sim/diagnose/diagnosis.hpp"
+#include "tests/confusion/plan.hpp"
+#include "tests/truth/truth.hpp"
+
+namespace confusion {
+
+/// An effect that a verdict names.
+struct Named {
+  std::string effect;  ///< "sensor_lag of F"
+  double confidence = 0.0;
+  bool right = false;  ///< it is in the rig
+};
+
+/// A parameter of a right answer.
+struct Estimate {
+  std::string path;    ///< "sensor_lag of F: time_constant", "body.mass"
+  bool effect = true;  ///< else a tolerated parameter
+  double error = 0.0;  ///< |found − true| ÷ |true|, of a gain ÷ |true − 1|
+  bool held = false;   ///< the 95 % interval holds the true value
+};
+
+struct Outcome {
+  Asked asked;
+  std::string hidden;  ///< in words
+  std::string found;   ///< in words
+  double size = 0.0;   ///< of the hidden effect, in noise of a channel
+  std::string verdict;
+  bool unexplained = false;
+  std::string rest;
+  std::vector<Named> named;
+  std::size_t effects_hidden = 0;
+  std::vector<Estimate> estimates;  ///< of the effects that were found; tolerated ones where all are right
+  double gap = 0.0;                 ///< largest after ÷ noise floor of a channel, on held-out data
+  std::string gap_channel;
+  double residual_power = 0.0;  ///< χ² per residual that is left
+  bool truth_is_rival = false;  ///< what was missed stands among the alternatives
+  double wall = 0.0;            ///< [s] of the diagnosis
+  double processor = 0.0;       ///< [s] of all its threads
+  std::string failure;          ///< why there is no verdict
+
+  [[nodiscard]] std::size_t effects_found() const;  ///< of those hidden
+  [[nodiscard]] bool exact() const;                 ///< all that is hidden is named, and nothing else
+  /// A name above 0.5 that is not in the rig.
+  [[nodiscard]] bool wrong_name() const;
+  [[nodiscard]] bool flagged() const { return verdict == "unexplained" || unexplained; }
+  /// single, pair: exact, verdict named or ambiguous. none: no_discrepancy. unknown: flagged, and no wrong name.
+  [[nodiscard]] bool right() const;
+};
+
+/// What the diagnosis of a recording is worth, beside the truth.
+[[nodiscard]] Outcome judged(const Asked& asked, const truth::Truth& truth,
+                             const host_sim::diagnose::Diagnosis& diagnosis);
+
+/// Draws, simulates, writes as text, reads, diagnoses and judges. What is thrown becomes a failure.
+[[nodiscard]] Outcome run(const Asked& asked, const truth::Wanted& wanted);
+
+[[nodiscard]] nlohmann::ordered_json to_json(const Outcome& outcome);
+[[nodiscard]] Outcome outcome_from(const nlohmann::ordered_json& json);
+
+}  // namespace confusion
