@@ -85,6 +85,7 @@ firmware::Settings firmware_settings(const RigDescription& description) {
   settings.limits.stroke = c.stroke;
   settings.limits.speed = c.speed;
   settings.limits.force = c.force;
+  settings.limits.energy_gain = c.energy_gain;
   settings.ramps.rate = c.ramp;
   if (c.cross_over > 0.0) settings.observers.cross_over = c.cross_over;
   if (const auto wrong = settings.check(); !wrong.empty()) {

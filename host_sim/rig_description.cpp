@@ -393,6 +393,7 @@ void read_controller(Reader& top, const Rig& rig, ControllerDescription& control
     if (limits->has("speed")) controller.speed = limits->positive("speed");
     if (limits->has("force")) controller.force = limits->positive("force");
     if (limits->has("ramp")) controller.ramp = limits->positive("ramp");
+    if (limits->has("energy_gain")) controller.energy_gain = limits->positive("energy_gain");
     if (controller.ramp > controller.speed) {
       limits->fail(limits->has("ramp") ? "ramp" : "speed", "limits.ramp is faster than limits.speed",
                    "a ramp of at most " + shortest(controller.speed) + " m/s");

@@ -31,9 +31,10 @@ using MeasuringRanges = std::array<std::optional<MeasuringRange>, model::channel
 
 /// What the controller may do and how it is set up; defaults are those of the TU Darmstadt rig.
 struct ControllerDescription {
-  double stroke = 0.250;  ///< whole travel of cylinder or machine [m], half of it to each side of the middle
-  double speed = 0.7;     ///< of cylinder or machine [m/s]
-  double force = 25e3;    ///< [N]
+  double stroke = 0.250;     ///< whole travel of cylinder or machine [m], half of it to each side of the middle
+  double speed = 0.7;        ///< of cylinder or machine [m/s]
+  double force = 25e3;       ///< [N]
+  double energy_gain = 1.0;  ///< hil: energy that the interface may feed, in terms of what the dampers take
   double ramp = 0.05;  ///< speed at which the command goes to the start of a run, and to rest in the safe state [m/s]
   double cross_over = 0.0;          ///< of the velocity estimate [Hz]; 0: the firmware's own default
   model::OpenDucts safe_ducts = 0;  ///< open in the safe state

@@ -120,6 +120,7 @@ void write_controller(Text& out, const RigDescription& description) {
   out.line("speed", real(controller.speed));
   out.line("force", real(controller.force));
   out.line("ramp", real(controller.ramp));
+  if (description.rig.kind == RigKind::hil) out.line("energy_gain", real(controller.energy_gain));
   out.table("estimator");
   if (controller.cross_over > 0.0) out.line("cross_over", real(controller.cross_over));
   out.table("valves");

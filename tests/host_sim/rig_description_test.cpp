@@ -375,7 +375,7 @@ TEST(RigDescription, RefusesSensorsThatMakeNoSense) {
 
 TEST(RigDescription, RefusesAControllerThatCannotWork) {
   const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
-  for (const std::string_view key : {"stroke", "speed", "force", "ramp"}) {
+  for (const std::string_view key : {"stroke", "speed", "force", "ramp", "energy_gain"}) {
     const std::string entry = std::string(key) + " = 0";
     expect_refused(text("[limits]\n" + entry), entry, "limits." + entry + " does not fit, expected a number > 0");
   }
