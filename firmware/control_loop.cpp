@@ -68,6 +68,7 @@ void ControlLoop::step() {
   record.period = periods_++;
   record.sample = mode_ == Mode::running ? sample_ : 0;
   record.time = now;
+  record.due = due_ - settings_.period;
   record.mode = mode_;
   if (car_alive_) car_->receive_force(car_state_, samples_.value(Channel::F));
   note_values(record);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_sim/channel_map.hpp"
+#include "host_sim/hardware_description.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
 #include "model/rig_model.hpp"
@@ -65,8 +66,9 @@ struct RigDescription {
   ChannelMap channels;
   ControllerDescription controller;
   DelayBudget delay_budget;
-  std::string source;  ///< the file, as the user called it
-  std::string text;    ///< what stands in it, for reports
+  HardwareDescription hardware;  ///< for rig_controller; nobody else looks at it
+  std::string source;            ///< the file, as the user called it
+  std::string text;              ///< what stands in it, for reports
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }
 };
