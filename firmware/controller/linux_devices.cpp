@@ -49,7 +49,7 @@ class LinuxDevices final : public Devices {
   /// One line of trouble, or nothing.
   [[nodiscard]] std::string open(const host_sim::RigDescription& rig) {
     period_ = hal::seconds(rig.period());
-    for (const auto& step : {&LinuxDevices::open_lines, &LinuxDevices::open_sensors, &LinuxDevices::open_command}) {
+    for (const auto& step : {&LinuxDevices::open_lines, &LinuxDevices::open_command, &LinuxDevices::open_sensors}) {
       std::string trouble = (this->*step)(rig);
       if (!trouble.empty()) return trouble;
     }

@@ -199,6 +199,14 @@ std::string words(const Trip& trip) {
   return text + numbers;
 }
 
+/// Converters have been filling their queues since they were opened: the old samples out, new ones under way.
+void drain(const hal::Rig& roles, hal::Time period) {
+  for (int i = 0; i < 8; ++i) {
+    static_cast<void>(roles.sensors.read());
+    roles.clock.sleep_until(roles.clock.now() + period);
+  }
+}
+
 host_sim::FootPointMotion motion_of(const Options& options, const host_sim::RigDescription& rig) {
   constexpr std::string_view standard = "iso8608:";
   if (!options.road.starts_with(standard)) {
@@ -282,6 +290,7 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   const double longest_return = 3.0 * rig.controller.stroke / rig.controller.ramp + 2.0;
   hal::Time safe_since = hal::never;
   std::uint64_t periods = 0;
+  if (!options.simulated) drain(roles, settings.period);
   seal_heap(true);
   loop->start();
   for (;;) {
@@ -349,6 +358,7 @@ Status check(const host_sim::RigDescription& rig, Devices& devices, Verdict& ver
   std::fputs(verdict.text().c_str(), stdout);
   std::fputs(devices.text().c_str(), stdout);
   hal::linux::MonotonicClock().sleep_until(hal::linux::MonotonicClock().now() + hal::milliseconds(200));
+  drain(roles, hal::seconds(rig.period()));
   const auto frame = roles.sensors.read();
   bool sensors = static_cast<bool>(frame);
   for (std::size_t i = 0; i < model::channel_count; ++i) {

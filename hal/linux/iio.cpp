@@ -51,6 +51,17 @@ std::string place(const std::string& device, const std::string& channel) {
   return "converter '" + device + "', channel '" + channel + "'";
 }
 
+/// A program that was killed leaves its capture running, and the converter would take no trigger. False: somebody alive
+/// captures it.
+bool end_orphaned_capture(iio_device* device) {
+  const std::string path = std::string("/dev/") + ::iio_device_get_id(device);
+  const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return errno != EBUSY;
+  ::close(file);
+  static_cast<void>(::iio_device_buffer_attr_write_bool(device, "enable", false));
+  return true;
+}
+
 iio_channel* find_channel(iio_device* device, const std::string& name, const std::string& id, bool output,
                           std::string& trouble) {
   iio_channel* channel = ::iio_device_find_channel(device, id.c_str(), output);
@@ -123,6 +134,10 @@ Opened<IioConverters> IioConverters::open(const Wanted& wanted) {
   }
   for (auto& device : capture->devices) {
     const std::string& name = device.sources.front().input.device;
+    if (!end_orphaned_capture(device.device)) {
+      opened.trouble = "converter '" + name + "' is captured by another program; end that program";
+      return opened;
+    }
     // An older kernel has no such attribute and stamps by the time of day: ages would then be nonsense and show it.
     static_cast<void>(::iio_device_attr_write(device.device, "current_timestamp_clock", "monotonic"));
     device.stamp = ::iio_device_find_channel(device.device, "timestamp", false);
