@@ -317,12 +317,13 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
 
   print(*spans, rig.hardware.schedule.allowed_delay);
   const Counters& c = loop->counters();
+  unsigned long long lost = recorder.lost();
+  lost += journal.lost();
   std::printf(
       "  late periods %llu, bridged samples %llu, missed frames %llu, limited commands %llu, rows %llu, lost %llu\n",
       static_cast<unsigned long long>(c.late_periods), static_cast<unsigned long long>(c.bridged_samples),
       static_cast<unsigned long long>(c.missed_frames), static_cast<unsigned long long>(c.limited_commands),
-      static_cast<unsigned long long>(recorder.rows()),
-      static_cast<unsigned long long>(recorder.lost() + journal.lost()));
+      static_cast<unsigned long long>(recorder.rows()), lost);
   std::fputs(devices.warnings().c_str(), stdout);
   std::fflush(stdout);
 

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -107,7 +108,7 @@ Opened<IioConverters> IioConverters::open(const Wanted& wanted) {
     trigger = find(capture->context, wanted.trigger, true, opened.trouble);
     if (trigger == nullptr) return opened;
     if (wanted.rate > 0.0) {
-      const long long whole = static_cast<long long>(wanted.rate + 0.5);
+      const long long whole = std::llround(wanted.rate);
       const int set = ::iio_device_attr_write_longlong(trigger, "sampling_frequency", whole);
       if (set < 0) {
         opened.trouble =
@@ -244,7 +245,7 @@ Result<void> IioCommand::do_write(const Command& command) {
   const double dt = last_ == never ? wanted_.bounds.period : (now - last_).seconds();
   last_ = now;
   const double exact = (limit_.limit(command.position, dt) - wanted_.offset) / wanted_.scale;
-  long counts = static_cast<long>(exact < 0.0 ? exact - 0.5 : exact + 0.5);
+  long counts = std::lround(exact);
   if (counts < wanted_.lowest_counts) counts = wanted_.lowest_counts;
   if (counts > wanted_.highest_counts) counts = wanted_.highest_counts;
   char text[24];
