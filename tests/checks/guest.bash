@@ -10,7 +10,7 @@ need aarch64-linux-gnu-g++
 need make
 need cpio
 fetched=$builds/guest
-[ -e "$fetched/complete" ] || skip "the guest's kernel and libraries are missing in $fetched (toolchains/setup fetches them)"
+[ -e "$fetched/complete-arm64" ] || skip "the guest's kernel and libraries are missing in $fetched (toolchains/setup fetches them)"
 fetched=$(cd "$fetched" && pwd)
 
 build aarch64 rig_controller
