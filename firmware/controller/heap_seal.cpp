@@ -19,7 +19,15 @@ void look() {
 }  // namespace
 }  // namespace firmware::controller
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__)
+#define RIGTWIN_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#define RIGTWIN_SANITIZED 1
+#endif
+#endif
+
+#if defined(__GLIBC__) && !defined(RIGTWIN_SANITIZED)  // a sanitizer replaces malloc itself
 // The program's malloc is the C library's with a look at the seal: libraries written in C are seen as well.
 extern "C" {
 // NOLINTBEGIN(readability-identifier-naming): glibc's names

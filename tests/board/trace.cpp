@@ -154,7 +154,8 @@ Place<Road> roads;
 
 void run(model::RigKind kind, firmware::ControlLoop& loop, firmware::Journal& journal, hal::simulated::Rig& rig) {
   Hash hash;
-  std::uint64_t counted = 0, periods = 0;
+  [[maybe_unused]] std::uint64_t counted = 0;  // instructions, on the board
+  std::uint64_t periods = 0;
   paint_stack();
   loop.start();
   const hal::Rig roles = rig.roles();
