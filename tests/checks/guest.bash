@@ -50,7 +50,7 @@ libraries() {
   local name library
   for name in $(aarch64-linux-gnu-objdump -p "$1" | awk '$1 == "NEEDED" { print $2 }'); do
     [ ! -e "$root/lib/$name" ] || continue
-    library=$(find "$fetched/board" -name "$name" | head -n 1)
+    library=$(find "$fetched/board" -name "$name" -path '*aarch64*' | head -n 1)
     [ -n "$library" ] || { echo "$name is missing in $fetched/board"; exit 1; }
     cp -L "$library" "$root/lib/$name"
     libraries "$root/lib/$name"
