@@ -105,8 +105,8 @@ TEST(Rf60xLaser, GivesTheChannelInItsUnit) {
   const auto reading = bench.read();
   EXPECT_EQ(reading.quality, Quality::good);
   EXPECT_DOUBLE_EQ(reading.value, 0.1 - 0.0625);
-  EXPECT_LE(reading.taken, bench.now);
-  EXPECT_GT(reading.taken, bench.now - hal::microseconds(200)) << "eight bytes at 921600 baud";
+  EXPECT_EQ(reading.taken, bench.now - hal::nanoseconds(11'000'000'000 / 921'600) * 4)
+      << "four bytes of eleven bits ago: when its first byte came, at the latest";
 }
 
 // Nothing new is the old value with its old stamp: the firmware sees its age. So is a result that is not renewed.
