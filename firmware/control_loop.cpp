@@ -38,7 +38,8 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
       journal_(journal),
       samples_(settings.limits, settings.period, rig.sensors),
       estimator_(samples_, parameters.tyre.stiffness, settings.observers, period_),
-      command_guard_(settings.limits, period_, settings.ramps.rest) {
+      command_guard_(settings.limits, period_, settings.ramps.rest),
+      energy_guard_(settings.limits, parameters.machine.virtual_damping, parameters.tyre.damping, period_) {
   model::require(check(settings, parameters, rig, valves).empty(), "a control loop of parts that fit");
   if (hil()) car_.emplace(parameters, period_, model::Extent::virtual_car);
 }
@@ -67,6 +68,7 @@ void ControlLoop::step() {
   record.period = periods_++;
   record.sample = mode_ == Mode::running ? sample_ : 0;
   record.time = now;
+  record.due = due_ - settings_.period;
   record.mode = mode_;
   if (car_alive_) car_->receive_force(car_state_, samples_.value(Channel::F));
   note_values(record);
@@ -124,6 +126,7 @@ void ControlLoop::get_ready() {
     core << begin->position, 0.0, begin->position, 0.0, 0.0, 0.0;
     car_state_ = car_->start(core, *begin, {});
     car_alive_ = true;
+    energy_guard_.start(0.0);
   }
   move_ = SmoothMove(command_guard_.last().position, hil() ? 0.0 : begin->position, settings_.ramps.rate, period_);
   settling_left_ = (hal::seconds(settings_.ramps.settling).ns + settings_.period.ns - 1) / settings_.period.ns;
@@ -142,6 +145,7 @@ void ControlLoop::trip(const Trip& trip) {
 
 void ControlLoop::compute(hal::Time now) {
   std::optional<hal::Command> wanted;
+  energy_hazard_.reset();
   if (mode_ == Mode::ready && reference_begins_) {
     if (move_.arrived()) --settling_left_;
     wanted = move_.next();
@@ -153,6 +157,9 @@ void ControlLoop::compute(hal::Time now) {
   if (moving(mode_)) {
     if (!wanted) {
       trip({Reason::reference_ended, std::nullopt, 0.0, 0.0, now});
+    } else if (energy_hazard_) {
+      energy_hazard_->time = now;
+      trip(*energy_hazard_);
     } else {
       CommandGuard::Verdict verdict = command_guard_.judge(*wanted);
       command_ = verdict.command;
@@ -177,8 +184,10 @@ std::optional<hal::Command> ControlLoop::follow_reference() {
 hal::Command ControlLoop::step_car(const Motion& foot_point) {
   VirtualCar::Input input;
   input.foot_point = foot_point;
+  const double wheel = car_state_.core(0);
   car_->step(car_state_, input);
   const auto deflection = car_->deflection(car_state_);
+  energy_hazard_ = energy_guard_.follow(car_state_.received_force, deflection.position, car_state_.core(0) - wheel);
   const auto signals = car_->signals(car_state_);
   return {deflection.position, deflection.velocity,
           signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)]};

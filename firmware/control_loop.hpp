@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "firmware/command_guard.hpp"
+#include "firmware/energy_guard.hpp"
 #include "firmware/journal.hpp"
 #include "firmware/mode.hpp"
 #include "firmware/ramp.hpp"
@@ -106,6 +107,8 @@ class ControlLoop {
   SampleGuard samples_;
   StateEstimator estimator_;
   CommandGuard command_guard_;
+  EnergyGuard energy_guard_;
+  std::optional<Trip> energy_hazard_{};  ///< of this period
   SmoothMove move_{};
   ReturnToRest return_{};
 

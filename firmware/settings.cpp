@@ -23,6 +23,10 @@ std::string_view Settings::check() const {
     return "limits.late_after: expected a share of the period, above 0 and at most 1";
   }
   if (limits.late_in_a_row < 1) return "limits.late_in_a_row: expected at least 1 period";
+  if (!positive(limits.energy_gain)) return "limits.energy_gain: expected a ratio above 0";
+  if (!positive(limits.energy_memory)) return "limits.energy_memory: expected a time above 0 s";
+  if (!not_negative(limits.energy_quiet)) return "limits.energy_quiet: expected a width of at least 0 m";
+  if (limits.energy_cycles < 1) return "limits.energy_cycles: expected at least 1 cycle";
   const double half_stroke = 0.5 * limits.stroke;
   if (!(ramps.rest >= -half_stroke && ramps.rest <= half_stroke))
     return "ramps.rest: expected a place within the stroke";

@@ -17,6 +17,13 @@ struct Limits {
   double stale_after = 5.0;   ///< a sample older (or from further in the future) than so many periods is bad
   double late_after = 0.25;   ///< a period that begins so many periods after it was due is late
   int late_in_a_row = 5;      ///< so many late periods in a row trip
+
+  // Of a hil rig: EnergyGuard says what they mean.
+  double energy_gain =
+      1.0;  ///< energy fed by the interface, in terms of that taken by the car's dampers. Beyond: trips
+  double energy_memory = 0.5;  ///< over so long [s]: 7 cycles of a wheel
+  double energy_quiet = 2e-3;  ///< cycles narrower than this, peak to peak, do no harm [m]
+  int energy_cycles = 3;       ///< so many cycles in a row trip
 };
 
 /// How the command gets to the reference and back.

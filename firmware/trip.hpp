@@ -27,6 +27,7 @@ enum class Reason : unsigned char {
   force,               ///< a measured force beyond the limit
   stroke,              ///< a command beyond the stroke
   speed,               ///< a command faster than the limit for too long
+  energy,              ///< a hil interface that feeds in more than the damping takes: the loop grows
   command_not_finite,  ///< a command that is no number
   command_failed,      ///< the drive did not take a command
   valves_failed,       ///< the valves did not take their openings
@@ -35,7 +36,7 @@ enum class Reason : unsigned char {
 };
 
 [[nodiscard]] constexpr std::string_view name(Reason reason) {
-  constexpr std::array<std::string_view, 18> names{"none",
+  constexpr std::array<std::string_view, 19> names{"none",
                                                    "reference_ended",
                                                    "stop_requested",
                                                    "stop_button",
@@ -48,6 +49,7 @@ enum class Reason : unsigned char {
                                                    "force",
                                                    "stroke",
                                                    "speed",
+                                                   "energy",
                                                    "command_not_finite",
                                                    "command_failed",
                                                    "valves_failed",

@@ -15,21 +15,6 @@ namespace {
 using model::Channel;
 using model::RigKind;
 
-/// The channels that the simulated rig has sensors for: what the paper's rigs measure.
-hal::SensorSetup sensors(const RigDescription& description) {
-  hal::SensorSetup setup{};
-  for (std::size_t i = 0; i < model::channel_count; ++i) {
-    const Channel channel = model::channel_at(i);
-    const bool relative_only = channel == Channel::z_w || channel == Channel::z_b || channel == Channel::F_act;
-    setup[i].fitted = is_hardware_channel(description.rig.kind, channel) && !relative_only;
-    if (description.range[i]) {
-      setup[i].lowest = description.range[i]->lower;
-      setup[i].highest = description.range[i]->upper;
-    }
-  }
-  return setup;
-}
-
 /// Collects what the firmware wrote into its journal.
 class Recorder {
  public:
@@ -74,6 +59,20 @@ class Recorder {
 
 }  // namespace
 
+hal::SensorSetup simulated_sensors(const RigDescription& description) {
+  hal::SensorSetup setup{};
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    const Channel channel = model::channel_at(i);
+    const bool relative_only = channel == Channel::z_w || channel == Channel::z_b || channel == Channel::F_act;
+    setup[i].fitted = is_hardware_channel(description.rig.kind, channel) && !relative_only;
+    if (description.range[i]) {
+      setup[i].lowest = description.range[i]->lower;
+      setup[i].highest = description.range[i]->upper;
+    }
+  }
+  return setup;
+}
+
 firmware::Settings firmware_settings(const RigDescription& description) {
   const ControllerDescription& c = description.controller;
   firmware::Settings settings;
@@ -85,6 +84,7 @@ firmware::Settings firmware_settings(const RigDescription& description) {
   settings.limits.stroke = c.stroke;
   settings.limits.speed = c.speed;
   settings.limits.force = c.force;
+  settings.limits.energy_gain = c.energy_gain;
   settings.ramps.rate = c.ramp;
   if (c.cross_over > 0.0) settings.observers.cross_over = c.cross_over;
   if (const auto wrong = settings.check(); !wrong.empty()) {
@@ -111,7 +111,7 @@ Run run_closed_loop(const RigDescription& description, const FootPointMotion& ex
   SimulatedRig plant(description, options.seed, options.noise);
   hal::simulated::Construction construction;
   construction.period = settings.period;
-  construction.sensors = sensors(description);
+  construction.sensors = simulated_sensors(description);
   construction.ducts = description.rig.has_fdva ? static_cast<std::size_t>(description.rig.fdva.ducts) : 0;
   construction.safe_position = hal::Openings::from_bits(description.controller.safe_ducts);
   hal::simulated::Rig rig(plant, construction, options.faults);

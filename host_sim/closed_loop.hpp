@@ -29,6 +29,9 @@ struct RunOptions {
   std::function<void(double)> progress{};  ///< called now and then with the share of the run that is done, 0 … 1
 };
 
+/// The channels that a simulated rig has sensors for: what the paper's rigs measure.
+[[nodiscard]] hal::SensorSetup simulated_sensors(const RigDescription& description);
+
 /// What the description says to the firmware.
 [[nodiscard]] firmware::Settings firmware_settings(const RigDescription& description);
 [[nodiscard]] firmware::ValvePlan valve_plan(const RigDescription& description);

@@ -114,6 +114,21 @@ class Reader {
     return value;
   }
 
+  /// A whole number within bounds.
+  int whole_in(std::string_view key, int lowest, int highest) {
+    const auto value = as_whole(need(key, "a whole number"));
+    if (!value || *value < lowest || *value > highest) {
+      fail(key, path(key) + " is no such whole number", std::to_string(lowest) + " to " + std::to_string(highest));
+    }
+    return static_cast<int>(*value);
+  }
+
+  bool truth(std::string_view key) {
+    const toml::node& node = need(key, "true or false");
+    if (!node.is_boolean()) fail(node, path(key) + " is neither true nor false", "true or false");
+    return node.as_boolean()->get();
+  }
+
   int whole(std::string_view key) {
     const toml::node& node = need(key, "a whole number");
     const std::optional<std::int64_t> value = as_whole(node);
@@ -393,6 +408,7 @@ void read_controller(Reader& top, const Rig& rig, ControllerDescription& control
     if (limits->has("speed")) controller.speed = limits->positive("speed");
     if (limits->has("force")) controller.force = limits->positive("force");
     if (limits->has("ramp")) controller.ramp = limits->positive("ramp");
+    if (limits->has("energy_gain")) controller.energy_gain = limits->positive("energy_gain");
     if (controller.ramp > controller.speed) {
       limits->fail(limits->has("ramp") ? "ramp" : "speed", "limits.ramp is faster than limits.speed",
                    "a ramp of at most " + shortest(controller.speed) + " m/s");
@@ -445,6 +461,103 @@ void read_delay_budget(Reader& top, model::RigKind kind, DelayBudget& budget) {
     budget.*part = value;
   }
   table->finish();
+}
+
+void read_gpio(Reader& table, const Rig& rig, GpioDescription& gpio) {
+  gpio.chip = table.text("chip");
+  if (table.has("valves")) {
+    const toml::node& node = table.need("valves", "");
+    const int installed = rig.has_fdva ? rig.fdva.ducts : 0;
+    const std::string expected = "a list of " + std::to_string(installed) + " line names, one for each duct";
+    const auto* list = node.as_array();
+    if (list == nullptr) table.fail(node, "gpio.valves is not a list", expected);
+    for (const auto& item : *list) {
+      if (!item.is_string()) table.fail(item, "a line of gpio.valves is not a text", expected);
+      gpio.valves.push_back(item.as_string()->get());
+    }
+    if (static_cast<int>(gpio.valves.size()) != installed) {
+      table.fail(node, "gpio.valves names " + std::to_string(gpio.valves.size()) + " lines", expected);
+    }
+  }
+  if (table.has("valves_active_low")) gpio.valves_active_low = table.truth("valves_active_low");
+  if (table.has("stop")) gpio.stop = table.text("stop");
+  if (table.has("stop_active_low")) gpio.stop_active_low = table.truth("stop_active_low");
+  if (table.has("stop_bias")) {
+    gpio.stop_bias = table.text("stop_bias");
+    if (gpio.stop_bias != "pull-up" && gpio.stop_bias != "pull-down") {
+      table.fail("stop_bias", "unknown gpio.stop_bias " + in_quotes(gpio.stop_bias), "'pull-up' or 'pull-down'");
+    }
+  }
+  if (table.has("heartbeat")) gpio.heartbeat = table.text("heartbeat");
+  table.finish();
+}
+
+double factor(Reader& table, std::string_view key) {
+  const double value = table.number(key);
+  if (value == 0.0) table.fail(key, table.path(key) + " is 0", "a factor other than 0");
+  return value;
+}
+
+/// A sub-table for each channel that is named; other keys are for somebody else.
+template <class Use>
+void for_each_named_channel(Reader& table, const Use& use) {
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    if (auto entry = table.table(model::channel_names[i].name)) {
+      use(i, *entry);
+      entry->finish();
+    }
+  }
+}
+
+void read_converters(Reader& table, ConverterDescription& converters) {
+  if (table.has("trigger")) converters.trigger = table.text("trigger");
+  if (table.has("trigger_rate")) converters.trigger_rate = table.positive("trigger_rate");
+  for_each_named_channel(table, [&](std::size_t channel, Reader& entry) {
+    ConverterDescription::Input input{channel, entry.text("device"), entry.text("input")};
+    input.scale = factor(entry, "scale");
+    entry.optional_number("offset", input.offset);
+    converters.inputs.push_back(std::move(input));
+  });
+  if (auto entry = table.table("command")) {
+    ConverterDescription::Output output{entry->text("device"), entry->text("output")};
+    output.scale = factor(*entry, "scale");
+    entry->optional_number("offset", output.offset);
+    constexpr int most = 1 << 24;
+    if (entry->has("lowest_counts")) output.lowest_counts = entry->whole_in("lowest_counts", -most, most);
+    if (entry->has("highest_counts")) output.highest_counts = entry->whole_in("highest_counts", -most, most);
+    if (output.lowest_counts >= output.highest_counts) {
+      throw InputError(table.source(), entry->line(), "converters.command has no counts between lowest and highest",
+                       "lowest_counts < highest_counts");
+    }
+    entry->finish();
+    converters.command = std::move(output);
+  }
+  table.finish();
+}
+
+void read_hardware(Reader& top, const Rig& rig, HardwareDescription& hardware) {
+  if (auto controller = top.table("controller")) {
+    ScheduleDescription& schedule = hardware.schedule;
+    if (controller->has("priority")) schedule.priority = controller->whole_in("priority", 1, 99);
+    if (controller->has("cpu")) schedule.cpu = controller->whole_in("cpu", 0, 1023);
+    if (controller->has("late_in_a_row")) schedule.late_in_a_row = controller->whole_in("late_in_a_row", 1, 1000000);
+    if (controller->has("allowed_delay")) schedule.allowed_delay = controller->positive("allowed_delay");
+    controller->finish();
+  }
+  if (auto gpio = top.table("gpio")) read_gpio(*gpio, rig, hardware.gpio.emplace());
+  if (auto converters = top.table("converters")) read_converters(*converters, hardware.converters.emplace());
+  if (auto lasers = top.table("lasers")) {
+    for_each_named_channel(*lasers, [&](std::size_t channel, Reader& entry) {
+      LaserDescription laser{channel, entry.text("port")};
+      if (entry.has("baud")) laser.baud = entry.whole_in("baud", 2400, 921600);
+      if (entry.has("address")) laser.address = entry.whole_in("address", 1, 127);
+      laser.range = entry.positive("range");
+      if (entry.has("scale")) laser.scale = factor(entry, "scale");
+      entry.optional_number("offset", laser.offset);
+      hardware.lasers.push_back(std::move(laser));
+    });
+    lasers->finish();
+  }
 }
 
 /// A rig that the model refuses, at the line where the number stands.
@@ -567,6 +680,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_sensors(top, description);
   read_controller(top, description.rig, description.controller);
   read_delay_budget(top, description.rig.kind, description.delay_budget);
+  read_hardware(top, description.rig, description.hardware);
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);

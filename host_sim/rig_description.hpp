@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_sim/channel_map.hpp"
+#include "host_sim/hardware_description.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
 #include "model/rig_model.hpp"
@@ -31,9 +32,10 @@ using MeasuringRanges = std::array<std::optional<MeasuringRange>, model::channel
 
 /// What the controller may do and how it is set up; defaults are those of the TU Darmstadt rig.
 struct ControllerDescription {
-  double stroke = 0.250;  ///< whole travel of cylinder or machine [m], half of it to each side of the middle
-  double speed = 0.7;     ///< of cylinder or machine [m/s]
-  double force = 25e3;    ///< [N]
+  double stroke = 0.250;     ///< whole travel of cylinder or machine [m], half of it to each side of the middle
+  double speed = 0.7;        ///< of cylinder or machine [m/s]
+  double force = 25e3;       ///< [N]
+  double energy_gain = 1.0;  ///< hil: energy that the interface may feed, in terms of what the dampers take
   double ramp = 0.05;  ///< speed at which the command goes to the start of a run, and to rest in the safe state [m/s]
   double cross_over = 0.0;          ///< of the velocity estimate [Hz]; 0: the firmware's own default
   model::OpenDucts safe_ducts = 0;  ///< open in the safe state
@@ -64,8 +66,9 @@ struct RigDescription {
   ChannelMap channels;
   ControllerDescription controller;
   DelayBudget delay_budget;
-  std::string source;  ///< the file, as the user called it
-  std::string text;    ///< what stands in it, for reports
+  HardwareDescription hardware;  ///< for rig_controller; nobody else looks at it
+  std::string source;            ///< the file, as the user called it
+  std::string text;              ///< what stands in it, for reports
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }
 };

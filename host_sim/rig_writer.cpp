@@ -120,6 +120,7 @@ void write_controller(Text& out, const RigDescription& description) {
   out.line("speed", real(controller.speed));
   out.line("force", real(controller.force));
   out.line("ramp", real(controller.ramp));
+  if (description.rig.kind == RigKind::hil) out.line("energy_gain", real(controller.energy_gain));
   out.table("estimator");
   if (controller.cross_over > 0.0) out.line("cross_over", real(controller.cross_over));
   out.table("valves");
@@ -138,6 +139,62 @@ void write_controller(Text& out, const RigDescription& description) {
   if (budget.computation > 0.0) out.line("computation", real(budget.computation));
 }
 
+void write_hardware(Text& out, const HardwareDescription& hardware) {
+  const auto scaled = [&out](double scale, double offset) {
+    out.line("scale", real(scale));
+    if (offset != 0.0) out.line("offset", real(offset));
+  };
+  const ScheduleDescription &schedule = hardware.schedule, usual{};
+  out.table("controller");
+  if (schedule.priority != usual.priority) out.line("priority", std::to_string(schedule.priority));
+  if (schedule.cpu >= 0) out.line("cpu", std::to_string(schedule.cpu));
+  if (schedule.late_in_a_row != usual.late_in_a_row) {
+    out.line("late_in_a_row", std::to_string(schedule.late_in_a_row));
+  }
+  if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
+  if (hardware.gpio) {
+    const GpioDescription& gpio = *hardware.gpio;
+    out.table("gpio");
+    out.line("chip", basic_string_of(gpio.chip));
+    std::string valves;
+    for (const std::string& line : gpio.valves) valves += (valves.empty() ? "" : ", ") + basic_string_of(line);
+    if (!gpio.valves.empty()) out.line("valves", "[" + valves + "]");
+    if (gpio.valves_active_low) out.line("valves_active_low", "true");
+    if (!gpio.stop.empty()) out.line("stop", basic_string_of(gpio.stop));
+    if (gpio.stop_active_low) out.line("stop_active_low", "true");
+    if (!gpio.stop_bias.empty()) out.line("stop_bias", basic_string_of(gpio.stop_bias));
+    if (!gpio.heartbeat.empty()) out.line("heartbeat", basic_string_of(gpio.heartbeat));
+  }
+  if (hardware.converters) {
+    const ConverterDescription& converters = *hardware.converters;
+    out.table("converters");
+    if (!converters.trigger.empty()) out.line("trigger", basic_string_of(converters.trigger));
+    if (converters.trigger_rate > 0.0) out.line("trigger_rate", real(converters.trigger_rate));
+    for (const auto& input : converters.inputs) {
+      out.table("converters." + std::string(name(model::channel_at(input.channel))));
+      out.line("device", basic_string_of(input.device));
+      out.line("input", basic_string_of(input.input));
+      scaled(input.scale, input.offset);
+    }
+    if (const auto& command = converters.command) {
+      out.table("converters.command");
+      out.line("device", basic_string_of(command->device));
+      out.line("output", basic_string_of(command->output));
+      scaled(command->scale, command->offset);
+      out.line("lowest_counts", std::to_string(command->lowest_counts));
+      out.line("highest_counts", std::to_string(command->highest_counts));
+    }
+  }
+  for (const LaserDescription& laser : hardware.lasers) {
+    out.table("lasers." + std::string(name(model::channel_at(laser.channel))));
+    out.line("port", basic_string_of(laser.port));
+    out.line("baud", std::to_string(laser.baud));
+    out.line("address", std::to_string(laser.address));
+    out.line("range", real(laser.range));
+    scaled(laser.scale, laser.offset);
+  }
+}
+
 }  // namespace
 
 std::string format_rig(const RigDescription& description) {
@@ -150,6 +207,7 @@ std::string format_rig(const RigDescription& description) {
   for (const auto& [path, bound] : description.tolerance) out.line(basic_string_of(path), real(bound));
   write_sensors(out, description);
   write_controller(out, description);
+  write_hardware(out, description.hardware);
   return out.take();
 }
 

@@ -47,6 +47,7 @@ std::string describe(const firmware::Trip& trip) {
   std::string unit(trip.channel ? model::unit(*trip.channel) : "");
   if (trip.reason == Reason::speed) unit = "m/s";
   if (trip.reason == Reason::stroke) unit = "m";
+  if (trip.reason == Reason::energy) unit = "J fed for each J taken";
   char numbers[128];
   std::snprintf(
       numbers, sizeof numbers,

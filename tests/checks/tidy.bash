@@ -5,6 +5,8 @@
 need clang++
 need_version clang-tidy 14
 configure tidy
-sources | grep '\.cpp$' | grep -v '^tests/' | sort |
+# The GPIO file of the libgpiod that is not here is compiled nowhere.
+not_here=$(for file in hal/linux/gpio_v*.cpp; do grep -q "/$file\"" "$builds/tidy/compile_commands.json" || echo "$file"; done)
+sources | grep '\.cpp$' | grep -v '^tests/' | grep -vxF "${not_here:-none}" | sort |
   xargs -P "$(nproc)" -n 1 clang-tidy -p "$builds/tidy" --quiet --warnings-as-errors='*' \
     2> >(grep -v ' warnings generated\.$' >&2)  # those of other people's headers, counted and not shown

@@ -138,6 +138,41 @@ safe = [2, 5]
 plan = [{ t = 1.5, open = 4 }, { t = 2.0, open = [1, 6] }]
 [delay_budget]
 sensor_age = 0.0005
+[controller]
+priority = 70
+cpu = 3
+late_in_a_row = 7
+allowed_delay = 0.004
+[gpio]
+chip = "bank \"A\""
+valves = ["d1", "d2", "d3", "d4", "d5", "d6"]
+valves_active_low = true
+stop = "stop"
+stop_active_low = true
+stop_bias = "pull-up"
+heartbeat = "beat"
+[converters]
+trigger = "t1"
+trigger_rate = 1000.0
+[converters.F]
+device = "adc"
+input = "voltage0"
+scale = -0.305
+offset = 12.5
+[converters.command]
+device = "dac"
+output = "voltage1"
+scale = 4e-06
+offset = -0.131
+lowest_counts = -10
+highest_counts = 4095
+[lasers.x_act]
+port = "/dev/ttyS1"
+baud = 115200
+address = 9
+range = 0.25
+scale = -1.0
+offset = 0.125
 )";
   std::string text(support::hil_text);
   text.append(more);
@@ -157,6 +192,27 @@ sensor_age = 0.0005
   ASSERT_EQ(e.controller.valve_plan.size(), 2U);
   EXPECT_EQ(e.controller.valve_plan[1].open, d.controller.valve_plan[1].open);
   EXPECT_EQ(e.delay_budget.sensor_age, 0.0005);
+  EXPECT_EQ(format_rig(e), format_rig(d));
+  const auto& hardware = e.hardware;
+  EXPECT_EQ(hardware.schedule.priority, 70);
+  EXPECT_EQ(hardware.schedule.cpu, 3);
+  EXPECT_EQ(hardware.schedule.late_in_a_row, 7);
+  EXPECT_EQ(hardware.schedule.allowed_delay, 0.004);
+  ASSERT_TRUE(hardware.gpio);
+  EXPECT_EQ(hardware.gpio->chip, "bank \"A\"");
+  EXPECT_EQ(hardware.gpio->valves.at(5), "d6");
+  EXPECT_TRUE(hardware.gpio->valves_active_low && hardware.gpio->stop_active_low);
+  EXPECT_EQ(hardware.gpio->stop_bias, "pull-up");
+  ASSERT_TRUE(hardware.converters && hardware.converters->command);
+  ASSERT_EQ(hardware.converters->inputs.size(), 1U);
+  EXPECT_EQ(hardware.converters->inputs[0].channel, index(Channel::F));
+  EXPECT_EQ(hardware.converters->inputs[0].scale, -0.305);
+  EXPECT_EQ(hardware.converters->inputs[0].offset, 12.5);
+  EXPECT_EQ(hardware.converters->command->lowest_counts, -10);
+  EXPECT_EQ(hardware.converters->command->highest_counts, 4095);
+  ASSERT_EQ(hardware.lasers.size(), 1U);
+  EXPECT_EQ(hardware.lasers[0].channel, index(Channel::x_act));
+  EXPECT_EQ(hardware.lasers[0].offset, 0.125);
   EXPECT_EQ(e.rig.fdva.open_ducts, d.rig.fdva.open_ducts);
   EXPECT_EQ(e.rig.machine.virtual_damping, d.rig.machine.virtual_damping);
 }

@@ -205,15 +205,22 @@ TEST(ClosedLoop, EndsSafelyForTheReasonThatWasInjected) {
 }
 
 // physics.md, section 6: with the FDVA and 10 ms the wheel mode grows by 2.17 1/s at b̃ = 700 and decays at 1140. From
-// 10 mm/s of road it reaches some limit within seconds; the loop held stable stays below all.
+// 10 mm/s of road it grows, which the energy says before a limit of motion or force is reached
+// (journeys/energy_guard_test by how much); the loop held stable stays below all.
 TEST(ClosedLoop, TripsWhenTheLoopIsUnstable) {
   RigDescription rig = support::rig("paper_hil_fdva");
   EXPECT_EQ(run_of(rig, 10000).trip.reason, Reason::reference_ended);
   rig.rig.machine.virtual_damping = 700.0;
   const host_sim::Run run = run_of(rig, 20000);
-  EXPECT_TRUE(run.trip.reason == Reason::speed || run.trip.reason == Reason::force || run.trip.reason == Reason::stroke)
-      << firmware::name(run.trip.reason);
-  EXPECT_LT(run.trip.time.seconds(), 10.0);
+  EXPECT_EQ(run.trip.reason, Reason::energy) << firmware::name(run.trip.reason);
+  EXPECT_LT(run.trip.time.seconds(), 2.0);
+
+  // Whoever lets it feed ten times what the dampers take meets the other limits.
+  rig.controller.energy_gain = 10.0;
+  const host_sim::Run unguarded = run_of(rig, 20000);
+  const Reason reason = unguarded.trip.reason;
+  EXPECT_TRUE(reason == Reason::speed || reason == Reason::force || reason == Reason::stroke) << firmware::name(reason);
+  EXPECT_LT(unguarded.trip.time.seconds(), 10.0);
 }
 
 // Each sensor's noise has the rms of the description, ± 1/√(2N): at rest nothing else is there. Channels are
@@ -295,6 +302,7 @@ TEST(ClosedLoop, SetsTheFirmwareUpAsDescribed) {
   rig.controller.speed = 1.5;
   rig.controller.force = 20e3;
   rig.controller.ramp = 0.1;
+  rig.controller.energy_gain = 1.3;
   rig.controller.cross_over = 2.0;
   rig.sample_rate = 500.0;
   const firmware::Settings settings = host_sim::firmware_settings(rig);
@@ -303,6 +311,7 @@ TEST(ClosedLoop, SetsTheFirmwareUpAsDescribed) {
   EXPECT_EQ(settings.limits.speed, 1.5);
   EXPECT_EQ(settings.limits.force, 20e3);
   EXPECT_EQ(settings.ramps.rate, 0.1);
+  EXPECT_EQ(settings.limits.energy_gain, 1.3);
   EXPECT_EQ(settings.observers.cross_over, 2.0);
   rig.controller.cross_over = 0.0;
   EXPECT_EQ(host_sim::firmware_settings(rig).observers.cross_over, firmware::Observers{}.cross_over);

@@ -373,9 +373,31 @@ TEST(RigDescription, RefusesSensorsThatMakeNoSense) {
   expect_refused(text("[channels]\nduct_7 = { column = 'x' }"), "duct_7", "unknown channel");
 }
 
+// What rig_controller needs stands in the same file, is looked at by everybody and used by it alone.
+TEST(RigDescription, RefusesDevicesThatCannotBe) {
+  const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
+  EXPECT_EQ(refusal_of(text("[controller]\n[gpio]\nchip = 'a'\n[converters]\n[lasers]")), "accepted");
+  expect_refused(text("[controller]\npriority = 100"), "priority", "controller.priority is no such whole number");
+  expect_refused(text("[controller]\ncpu = -1"), "cpu", "expected 0 to 1023");
+  expect_refused(text("[controller]\npriorty = 1"), "priorty", "(did you mean 'controller.priority'?)");
+  expect_refused(text("[gpio]\nstop = 's'"), "[gpio]", "[gpio] has no 'chip'");
+  expect_refused(text("[gpio]\nchip = 'a'\nvalves = ['x']"), "valves = [", "a list of 6 line names");
+  expect_refused(text("[gpio]\nchip = 'a'\nvalves = [1, 2, 3, 4, 5, 6]"), "valves = [1", "is not a text");
+  expect_refused(text("[gpio]\nchip = 'a'\nvalves = 'x'"), "valves = 'x'", "gpio.valves is not a list");
+  expect_refused(text("[gpio]\nchip = 'a'\nstop_bias = 'up'"), "stop_bias", "'pull-up' or 'pull-down'");
+  expect_refused(text("[gpio]\nchip = 'a'\nstop_active_low = 1"), "stop_active_low", "neither true nor false");
+  expect_refused(text("[converters.G]\ndevice = 'a'"), "[converters.G]", "unknown key 'converters.G'");
+  expect_refused(text("[converters.F]\ndevice = 'a'\ninput = 'b'\nscale = 0"), "scale = 0", "converters.F.scale is 0");
+  expect_refused(text("[converters.F]\ndevice = 'a'\ninput = 'b'"), "[converters.F]", "has no 'scale'");
+  expect_refused(text("[converters.command]\ndevice = 'a'\noutput = 'b'\nscale = 1\nhighest_counts = 0"),
+                 "[converters.c", "lowest_counts < highest_counts");
+  expect_refused(text("[lasers.x_act]\nport = 'a'"), "[lasers.x_act]", "has no 'range'");
+  expect_refused(text("[lasers.x_act]\nport = 'a'\nrange = 1\naddress = 0"), "address", "expected 1 to 127");
+}
+
 TEST(RigDescription, RefusesAControllerThatCannotWork) {
   const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
-  for (const std::string_view key : {"stroke", "speed", "force", "ramp"}) {
+  for (const std::string_view key : {"stroke", "speed", "force", "ramp", "energy_gain"}) {
     const std::string entry = std::string(key) + " = 0";
     expect_refused(text("[limits]\n" + entry), entry, "limits." + entry + " does not fit, expected a number > 0");
   }

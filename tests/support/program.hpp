@@ -30,9 +30,9 @@ struct Ended {
 class RunningProgram {
  public:
   RunningProgram(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
-                 const std::filesystem::path& output = {})
+                 const std::filesystem::path& output = {}, const char* program = RIGTWIN_PROGRAM)
       : output_(output.empty() ? folder / "stdout.txt" : output), errors_(folder / "stderr.txt") {
-    std::vector<std::string> words{RIGTWIN_PROGRAM};
+    std::vector<std::string> words{program};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
@@ -43,7 +43,7 @@ class RunningProgram {
       const int out = ::open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       const int err = ::open(errors_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       if (out < 0 || err < 0 || ::dup2(out, STDOUT_FILENO) < 0 || ::dup2(err, STDERR_FILENO) < 0) ::_exit(126);
-      ::execv(RIGTWIN_PROGRAM, argv.data());
+      ::execv(program, argv.data());
       ::_exit(127);
     }
   }

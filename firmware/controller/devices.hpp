@@ -1,0 +1,32 @@
+// Who plays the roles of the rig.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "firmware/controller/options.hpp"
+#include "hal/rig.hpp"
+#include "host_sim/rig_description.hpp"
+
+namespace firmware::controller {
+
+/// The back-end that was chosen, opened.
+class Devices {
+ public:
+  Devices() = default;
+  Devices(const Devices&) = delete;
+  Devices& operator=(const Devices&) = delete;
+  virtual ~Devices() = default;
+
+  [[nodiscard]] virtual hal::Rig roles() = 0;
+  /// Lines on what a user should know, once the run has lasted; empty: nothing.
+  [[nodiscard]] virtual std::string warnings() const { return {}; }
+  /// What was opened, a line each.
+  [[nodiscard]] virtual std::string text() const = 0;
+};
+
+/// Opens them: the valves stand in the safe position from here on. Nothing in case of trouble, which is then one line.
+[[nodiscard]] std::unique_ptr<Devices> open_devices(const host_sim::RigDescription& rig, const Options& options,
+                                                    std::string& trouble);
+
+}  // namespace firmware::controller

@@ -1,0 +1,34 @@
+#include <cstdio>
+#include <exception>
+
+#include "firmware/controller/run.hpp"
+#include "host_sim/input_error.hpp"
+#include "host_sim/version.hpp"
+
+int main(int argc, char** argv) {
+  using namespace firmware::controller;
+  std::string trouble;
+  const Options options = read_options(argc, argv, trouble);
+  const auto end = [](Status status, const char* line) {
+    std::fprintf(stderr, "rig_controller: %s\n", line);
+    return static_cast<int>(status);
+  };
+  if (!trouble.empty()) return end(Status::wrong_usage, trouble.c_str());
+  if (options.task == Options::Task::help) {
+    std::fputs(usage, stdout);
+    return 0;
+  }
+  if (options.task == Options::Task::version) {
+    std::printf("rig_controller %s\n", host_sim::version.data());
+    return 0;
+  }
+  try {
+    return static_cast<int>(run(options));
+  } catch (const host_sim::UsageError& error) {
+    return end(Status::wrong_usage, error.what());
+  } catch (const host_sim::InputError& error) {
+    return end(Status::unfit_input, error.what());
+  } catch (const std::exception& error) {
+    return end(Status::internal, error.what());
+  }
+}

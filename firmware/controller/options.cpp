@@ -1,0 +1,84 @@
+#include "firmware/controller/options.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace firmware::controller {
+
+const char* const usage =
+    R"(rig_controller drives a rig by the program that `rigtwin simulate` runs, on real lines and converters, in real time.
+
+  rig_controller --rig RIG.toml --out RUN.csv [--road iso8608:B] [--speed 27.78] [--duration 60] [--seed 1]
+  rig_controller --rig RIG.toml --check     lines, converters, rights, limits: everything but motion
+  rig_controller --list                     GPIO chips and lines, converters and triggers that are there
+
+  --no-realtime     run without real-time rights; the recording says so
+  --simulated       the rig's model in place of its devices, in real time
+  --virtual-time    with --simulated: nobody sleeps, the same bits on every machine
+
+Signals: TERM, INT stop the run in good order; USR1 prints the histograms.
+Exit status: 0 done, 2 wrong usage, 3 unfit rig description, 4 cannot write, 5 internal, 6 devices or rights are missing,
+7 safe stop: the last line says why.
+)";
+
+namespace {
+
+template <class Number>
+bool read(std::string_view text, Number& number) {
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
+  return result.ec == std::errc() && result.ptr == text.data() + text.size();
+}
+
+}  // namespace
+
+Options read_options(int argc, char** argv, std::string& trouble) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--check") {
+      options.task = Options::Task::check;
+    } else if (word == "--list") {
+      options.task = Options::Task::list;
+    } else if (word == "--help" || word == "-h") {
+      options.task = Options::Task::help;
+    } else if (word == "--version") {
+      options.task = Options::Task::version;
+    } else if (word == "--no-realtime") {
+      options.realtime = false;
+    } else if (word == "--simulated") {
+      options.simulated = true;
+    } else if (word == "--virtual-time") {
+      options.virtual_time = true;
+    } else {
+      const bool known = word == "--rig" || word == "--out" || word == "--road" || word == "--speed" ||
+                         word == "--duration" || word == "--seed";
+      if (!known) {
+        trouble = "unknown option " + std::string(word) + ", see rig_controller --help";
+        return options;
+      }
+      if (i + 1 == argc) {
+        trouble = std::string(word) + " needs a value";
+        return options;
+      }
+      const std::string_view value = argv[++i];
+      bool fits = true;
+      if (word == "--rig") options.rig = value;
+      if (word == "--out") options.out = value;
+      if (word == "--road") options.road = value;
+      if (word == "--speed") fits = read(value, options.speed) && options.speed > 0.0 && options.speed < 1e3;
+      if (word == "--duration")
+        fits = read(value, options.duration) && options.duration > 0.0 && options.duration < 1e6;
+      if (word == "--seed") fits = read(value, options.seed);
+      if (!fits) trouble = std::string(word) + " " + std::string(value) + " does not fit, expected a number above 0";
+    }
+  }
+  using Task = Options::Task;
+  if (!trouble.empty() || (options.task != Task::run && options.task != Task::check)) return options;
+  if (options.rig.empty()) trouble = "--rig is missing, expected a rig description";
+  if (options.task == Task::run && options.out.empty()) trouble = "--out is missing, expected the recording's name";
+  if (options.virtual_time && !options.simulated) trouble = "--virtual-time needs --simulated: a rig has its own time";
+  return options;
+}
+
+}  // namespace firmware::controller

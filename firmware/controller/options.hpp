@@ -1,0 +1,28 @@
+// What rig_controller is told on its command line.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace firmware::controller {
+
+struct Options {
+  enum class Task : unsigned char { run, check, list, help, version };
+  Task task = Task::run;
+  std::string rig;
+  std::string out;
+  std::string road = "iso8608:B";
+  double speed = 27.78;    ///< [m/s]
+  double duration = 60.0;  ///< [s]
+  std::uint64_t seed = 1;
+  bool realtime = true;
+  bool simulated = false;     ///< the rig's model instead of devices
+  bool virtual_time = false;  ///< simulated, and nobody sleeps
+};
+
+/// The options, or in `trouble` the line that says what is wrong.
+[[nodiscard]] Options read_options(int argc, char** argv, std::string& trouble);
+
+extern const char* const usage;
+
+}  // namespace firmware::controller

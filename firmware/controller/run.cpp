@@ -1,0 +1,406 @@
+#include "firmware/controller/run.hpp"
+
+#include <pthread.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware/control_loop.hpp"
+#include "firmware/controller/devices.hpp"
+#include "firmware/controller/heap_seal.hpp"
+#include "firmware/controller/histogram.hpp"
+#include "firmware/controller/real_time.hpp"
+#include "firmware/controller/recorder.hpp"
+#include "hal/linux/clock.hpp"
+#include "hal/linux/gpio.hpp"
+#include "hal/linux/iio.hpp"
+#include "host_sim/closed_loop.hpp"
+#include "host_sim/input_error.hpp"
+#include "host_sim/road.hpp"
+#include "host_sim/version.hpp"
+
+namespace firmware::controller {
+namespace {
+
+constexpr std::size_t journal_records = 8192;  // eight seconds at 1 kHz: a disk may be slow for that long
+
+/// Why the program itself, not the firmware, ends a run.
+enum class Cause : int { none, signal, disk, heap };
+
+struct Spans {
+  Histogram wake_up, step, age;
+};
+
+void print_line(const char* what, const Histogram& h) {
+  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
+  std::printf("  %-17s C:%8llu Min:%9.1f P50:%9.1f P99:%9.1f P99.9:%9.1f Max:%9.1f us\n", what,
+              static_cast<unsigned long long>(h.count()), us(h.lowest()), us(h.quantile(0.5)), us(h.quantile(0.99)),
+              us(h.quantile(0.999)), us(h.highest()));
+}
+
+void print(const Spans& spans, double allowed_delay) {
+  print_line("wake-up latency", spans.wake_up);
+  print_line("step time", spans.step);
+  print_line("sample age", spans.age);
+  const double delay = static_cast<double>(spans.age.quantile(0.999) + spans.step.quantile(0.999)) * 1e-9;
+  if (allowed_delay > 0.0 && delay > allowed_delay) {
+    std::printf("NOTE: samples and computation take %.3f ms (P99.9), stability leaves %.3f ms: this loop may grow\n",
+                delay * 1e3, allowed_delay * 1e3);
+  }
+  std::fflush(stdout);
+}
+
+/// Signs of life to systemd, if it asked for them.
+void notify(const char* state) {
+  const char* path = std::getenv("NOTIFY_SOCKET");
+  sockaddr_un address{};
+  if (path == nullptr || std::strlen(path) >= sizeof address.sun_path) return;
+  const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return;
+  address.sun_family = AF_UNIX;
+  std::strcpy(address.sun_path, path);
+  if (path[0] == '@') address.sun_path[0] = '\0';
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(path));
+  static_cast<void>(::sendto(socket, state, std::strlen(state), 0, reinterpret_cast<const sockaddr*>(&address), size) <
+                    0);
+  ::close(socket);
+}
+
+// A trap has only this: the valves to the safe position in one call, one line, and the end that the trap would have
+// been.
+hal::ValveBank* emergency_valves = nullptr;
+
+void on_trap(int signal) {
+  if (emergency_valves != nullptr) static_cast<void>(!emergency_valves->write(emergency_valves->safe_position()));
+  constexpr char words[] = "rig_controller: ended by a trap of the program; valves safe, command held, no heartbeat\n";
+  static_cast<void>(!::write(STDERR_FILENO, words, sizeof words - 1));
+  ::signal(signal, SIG_DFL);
+  ::raise(signal);
+}
+
+void catch_traps(hal::ValveBank& valves) {
+  emergency_valves = &valves;
+  static char stack[64 * 1024];
+  stack_t own{};
+  own.ss_sp = stack;
+  own.ss_size = sizeof stack;
+  ::sigaltstack(&own, nullptr);
+  struct sigaction action {};
+  action.sa_handler = on_trap;
+  action.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND);
+  ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
+  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) ::sigaction(signal, &action, nullptr);
+}
+
+/// Reads the journal in a thread of its own: recording, signals, watchdog.
+class Scribe {
+ public:
+  Scribe(ControlLoop& loop, Journal& journal, Recorder& recorder, Spans& spans, double allowed_delay)
+      : loop_(loop), journal_(journal), recorder_(recorder), spans_(spans), allowed_delay_(allowed_delay) {
+    pthread_attr_t attributes;
+    ::pthread_attr_init(&attributes);
+    ::pthread_attr_setstacksize(&attributes, 512 * 1024);  // locked, hence small
+    const int error = ::pthread_create(
+        &thread_, &attributes,
+        [](void* self) -> void* {
+          static_cast<Scribe*>(self)->write();
+          return nullptr;
+        },
+        this);
+    model::require(error == 0, "a thread for the recording");
+    ::pthread_attr_destroy(&attributes);
+  }
+  Scribe(const Scribe&) = delete;
+  Scribe& operator=(const Scribe&) = delete;
+  ~Scribe() { finish(); }
+
+  void finish() {
+    if (finished_) return;
+    finished_ = true;
+    end_.store(true);
+    ::pthread_join(thread_, nullptr);
+  }
+
+  [[nodiscard]] Cause cause() const { return cause_.load(); }
+  [[nodiscard]] std::uint64_t taken() const { return taken_.load(std::memory_order_relaxed); }  ///< records so far
+  void blame(Cause cause) {
+    Cause none = Cause::none;
+    cause_.compare_exchange_strong(none, cause);
+    loop_.stop();
+  }
+
+ private:
+  void write() {
+    hal::linux::MonotonicClock clock;
+    hal::Time synced = clock.now();
+    for (bool last = false;;) {
+      last = end_.load();
+      bool alive = false;
+      while (const auto record = journal_.pop()) {
+        alive = true;
+        taken_.fetch_add(1, std::memory_order_relaxed);
+        hal::Time oldest = record->time;
+        for (const hal::Time taken : record->taken) {
+          if (taken != hal::never && taken < oldest) oldest = taken;
+        }
+        spans_.age.add((record->time - oldest).ns);
+        recorder_.take(*record);
+      }
+      if (alive) notify("WATCHDOG=1");
+      bool written = recorder_.flush();
+      if (written && (last || clock.now() - synced >= hal::milliseconds(500))) {
+        written = recorder_.sync();
+        synced = clock.now();
+      }
+      if (!written) blame(Cause::disk);
+      if (last) return;
+      await_signal();
+    }
+  }
+
+  void await_signal() {
+    sigset_t awaited;
+    ::sigemptyset(&awaited);
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) ::sigaddset(&awaited, signal);
+    const timespec pause{0, 10'000'000};
+    const int signal = ::sigtimedwait(&awaited, nullptr, &pause);
+    if (signal == SIGUSR1) print(spans_, allowed_delay_);
+    if (signal == SIGTERM || signal == SIGINT || signal == SIGHUP) blame(Cause::signal);
+  }
+
+  ControlLoop& loop_;
+  Journal& journal_;
+  Recorder& recorder_;
+  Spans& spans_;
+  double allowed_delay_;
+  std::atomic<bool> end_{false};
+  std::atomic<std::uint64_t> taken_{0};
+  std::atomic<Cause> cause_{Cause::none};
+  bool finished_ = false;
+  pthread_t thread_{};
+};
+
+std::string words(const Trip& trip) {
+  std::string text(name(trip.reason));
+  if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
+  if (!is_fault(trip.reason)) return text;
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, " (%.4g, limit %.4g)", trip.value, trip.limit);
+  return text + numbers;
+}
+
+/// Converters have been filling their queues since they were opened: the old samples out, new ones under way.
+void drain(const hal::Rig& roles, hal::Time period) {
+  for (int i = 0; i < 8; ++i) {
+    static_cast<void>(roles.sensors.read());
+    roles.clock.sleep_until(roles.clock.now() + period);
+  }
+}
+
+host_sim::FootPointMotion motion_of(const Options& options, const host_sim::RigDescription& rig) {
+  constexpr std::string_view standard = "iso8608:";
+  if (!options.road.starts_with(standard)) {
+    throw host_sim::UsageError("--road " + options.road + " is not known, expected iso8608:A … iso8608:H");
+  }
+  const double samples = std::round(options.duration * rig.sample_rate);
+  if (!(samples >= 1.0 && samples <= 1e7)) {
+    throw host_sim::UsageError("--duration does not fit, expected 1 to 10 million samples at the rig's rate");
+  }
+  host_sim::IsoRoad road;
+  road.roughness = host_sim::class_roughness(options.road.substr(standard.size()));
+  road.speed = options.speed;
+  road.seed = options.seed;
+  road.bandwidth = host_sim::default_bandwidth(rig.rig.kind, rig.sample_rate);
+  return host_sim::excitation(rig.rig, host_sim::drive_over(road, rig.sample_rate, static_cast<std::size_t>(samples)),
+                              rig.sample_rate);
+}
+
+Status drive(const Options& options, const host_sim::RigDescription& rig, Devices& devices, Verdict& verdict) {
+  Settings settings = host_sim::firmware_settings(rig);
+  settings.limits.late_in_a_row = rig.hardware.schedule.late_in_a_row;
+  const hal::Rig roles = devices.roles();
+  const ValvePlan valves = host_sim::valve_plan(rig);
+  if (const auto wrong = ControlLoop::check(settings, rig.rig, roles, valves); !wrong.empty()) {
+    std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
+    return Status::unfit_input;
+  }
+  const host_sim::FootPointMotion motion = motion_of(options, rig);
+  TableReference reference(motion);
+  std::vector<Record> storage(journal_records);
+  Journal journal(storage);
+  const auto loop = std::make_unique<ControlLoop>(settings, rig.rig, roles, reference, valves, journal);
+  const auto spans = std::make_unique<Spans>();
+  catch_traps(roles.valves);
+
+  // Rights before anything moves. The recording's thread is made in between: it shall have the locked memory, not the
+  // priority.
+  sigset_t ours;
+  ::sigemptyset(&ours);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) ::sigaddset(&ours, signal);
+  ::pthread_sigmask(SIG_BLOCK, &ours, nullptr);
+  const bool asked = options.realtime && !options.virtual_time;
+  if (asked) lock_memory(verdict);
+  look_at_machine(verdict, rig.hardware.schedule.cpu);
+  Verdict rights = verdict;
+  if (asked) schedule_loop(rights, rig.hardware.schedule.priority, rig.hardware.schedule.cpu);
+  std::fputs(asked ? rights.text().c_str() : "real time: NOT ASKED FOR (--no-realtime, --virtual-time)\n", stdout);
+  std::fputs(devices.text().c_str(), stdout);
+  std::fflush(stdout);
+  if (asked && !rights.granted()) {
+    std::fputs("rig_controller: refused: no real-time rights; grant what is MISSING above, or say --no-realtime\n",
+               stderr);
+    return Status::refused;
+  }
+
+  std::string trouble;
+  Recorder recorder(
+      options.out, rig, roles.sensors.setup(),
+      {"rig_controller " + std::string(host_sim::version) + ": " + std::string(model::name(rig.rig.kind)) + ", " +
+           options.road + ", seed " + std::to_string(options.seed) + (options.simulated ? ", SIMULATED RIG" : ""),
+       asked ? "real time: " + rights.summary() : "NOT REAL TIME: run without real-time scheduling"},
+      trouble);
+  if (!trouble.empty()) {
+    std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+    return Status::cannot_write;
+  }
+  // Threads inherit their maker's scheduling: the recording's gets the ordinary one.
+  const sched_param ordinary{};
+  if (asked) ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
+  Scribe scribe(*loop, journal, recorder, *spans, rig.hardware.schedule.allowed_delay);
+  if (asked) {
+    sched_param parameters{};
+    parameters.sched_priority = rig.hardware.schedule.priority;
+    ::sched_setscheduler(0, SCHED_FIFO, &parameters);
+  }
+  notify("READY=1");
+  std::printf("running: %s\n", options.out.c_str());
+  std::fflush(stdout);
+
+  hal::linux::MonotonicClock machine;
+  const double longest_return = 3.0 * rig.controller.stroke / rig.controller.ramp + 2.0;
+  hal::Time safe_since = hal::never;
+  std::uint64_t periods = 0;
+  if (!options.simulated) drain(roles, settings.period);
+  seal_heap(true);
+  loop->start();
+  for (;;) {
+    const hal::Time due = loop->due();
+    roles.clock.sleep_until(due);
+    const hal::Time woken = machine.now();
+    const hal::Time seen = roles.clock.now();
+    loop->step();
+    if (broken_seals() > 0 && scribe.cause() == Cause::none) scribe.blame(Cause::heap);
+    const hal::Time done = machine.now();
+    spans->wake_up.add((seen - due).ns);
+    spans->step.add((done - woken).ns);
+    ++periods;
+    while (options.virtual_time && periods - scribe.taken() > journal_records / 2)
+      ::usleep(1000);  // nobody is in a hurry
+    if (loop->mode() != Mode::safe) continue;
+    if (safe_since == hal::never) safe_since = seen;
+    if (loop->at_rest() || (seen - safe_since).seconds() > longest_return) break;
+  }
+  seal_heap(false);
+  if (asked) ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
+  notify("STOPPING=1");
+  scribe.finish();
+
+  print(*spans, rig.hardware.schedule.allowed_delay);
+  const Counters& c = loop->counters();
+  unsigned long long lost = recorder.lost();
+  lost += journal.lost();
+  std::printf(
+      "  late periods %llu, bridged samples %llu, missed frames %llu, limited commands %llu, rows %llu, lost %llu\n",
+      static_cast<unsigned long long>(c.late_periods), static_cast<unsigned long long>(c.bridged_samples),
+      static_cast<unsigned long long>(c.missed_frames), static_cast<unsigned long long>(c.limited_commands),
+      static_cast<unsigned long long>(recorder.rows()), lost);
+  std::fputs(devices.warnings().c_str(), stdout);
+  std::fflush(stdout);
+
+  std::string why = words(loop->trip());
+  Status status = is_fault(loop->trip().reason) ? Status::safe_stop : Status::done;
+  if (loop->trip().reason == Reason::stop_requested) {
+    switch (scribe.cause()) {
+      case Cause::disk:
+        why = "the recording cannot be written: " + std::string(std::strerror(recorder.error()));
+        status = Status::cannot_write;
+        break;
+      case Cause::heap:
+        why = "heap taken in the loop, " + std::to_string(broken_seals()) + " times";
+        status = Status::internal;
+        break;
+      default:
+        why = "a signal to stop";
+    }
+  }
+  std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
+              loop->at_rest() ? "at rest" : "NOT AT REST", static_cast<unsigned long long>(recorder.rows()),
+              options.out.c_str());
+  return status;
+}
+
+Status check(const host_sim::RigDescription& rig, Devices& devices, Verdict& verdict) {
+  const hal::Rig roles = devices.roles();
+  const ValvePlan valves = host_sim::valve_plan(rig);
+  const auto wrong = ControlLoop::check(host_sim::firmware_settings(rig), rig.rig, roles, valves);
+  lock_memory(verdict);
+  look_at_machine(verdict, rig.hardware.schedule.cpu);
+  schedule_loop(verdict, rig.hardware.schedule.priority, rig.hardware.schedule.cpu);
+  std::fputs(verdict.text().c_str(), stdout);
+  std::fputs(devices.text().c_str(), stdout);
+  hal::linux::MonotonicClock().sleep_until(hal::linux::MonotonicClock().now() + hal::milliseconds(200));
+  drain(roles, hal::seconds(rig.period()));
+  const auto frame = roles.sensors.read();
+  bool sensors = static_cast<bool>(frame);
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    if (!roles.sensors.fitted(i)) continue;
+    const bool good = frame && frame->channels[i].quality == hal::Quality::good;
+    sensors = sensors && good;
+    std::printf("  %-6s %s", std::string(model::channel_names[i].name).c_str(), good ? "" : "NO GOOD SAMPLE\n");
+    if (good) {
+      std::printf("%.6g %s, %.3f ms old\n", frame->channels[i].value, std::string(model::channel_names[i].unit).c_str(),
+                  (roles.clock.now() - frame->channels[i].taken).seconds() * 1e3);
+    }
+  }
+  std::fputs(devices.warnings().c_str(), stdout);
+  std::printf("limits: stroke %.4g m, speed %.4g m/s, force %.4g N, ramp %.4g m/s\n", rig.controller.stroke,
+              rig.controller.speed, rig.controller.force, rig.controller.ramp);
+  if (!wrong.empty()) {
+    std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
+    return Status::unfit_input;
+  }
+  const bool ready = sensors && verdict.granted();
+  std::printf("rig_controller: %s\n", ready ? "everything but motion is in order" : "NOT READY: see above");
+  return ready ? Status::done : Status::refused;
+}
+
+}  // namespace
+
+Status run(const Options& options) {
+  if (options.task == Options::Task::list) {
+    std::printf("%s, %s\n%s%s", hal::linux::gpio_library().c_str(), hal::linux::iio_library().c_str(),
+                hal::linux::list_gpio().c_str(), hal::linux::list_iio().c_str());
+    return Status::done;
+  }
+  const host_sim::RigDescription rig = host_sim::read_rig(options.rig);
+  std::string trouble;
+  const std::unique_ptr<Devices> devices = open_devices(rig, options, trouble);
+  if (!devices) {
+    std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+    return Status::refused;
+  }
+  Verdict verdict;
+  return options.task == Options::Task::check ? check(rig, *devices, verdict) : drive(options, rig, *devices, verdict);
+}
+
+}  // namespace firmware::controller

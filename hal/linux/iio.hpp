@@ -1,0 +1,87 @@
+// Converters by libiio, on this machine.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hal/clock.hpp"
+#include "hal/command_output.hpp"
+#include "hal/linux/command_limit.hpp"
+#include "hal/linux/opened.hpp"
+#include "hal/linux/sensors.hpp"
+
+namespace hal::linux {
+
+/// Channels of analogue-to-digital converters, all sampled by one trigger, captured in buffers of one sample: every
+/// further place in a buffer would be a period of delay. Stamps are the kernel's, on CLOCK_MONOTONIC.
+///
+///   (1)  value = scale · counts + offset
+class IioConverters final : public SensorPart {
+ public:
+  struct Input {
+    std::size_t channel = 0;  ///< place in the frame
+    std::string device;       ///< name or id, "ads8688"
+    std::string input;        ///< "voltage0"
+    double scale = 1.0;       ///< [SI unit/count]
+    double offset = 0.0;      ///< [SI unit]
+  };
+  struct Wanted {
+    std::string trigger;  ///< name or id; empty: the devices have one each of their own
+    double rate = 0.0;    ///< set the trigger to it [Hz]; 0: it is left alone
+    std::vector<Input> inputs;
+  };
+  [[nodiscard]] static Opened<IioConverters> open(const Wanted& wanted);
+  ~IioConverters() override;
+  IioConverters(const IioConverters&) = delete;
+  IioConverters& operator=(const IioConverters&) = delete;
+
+  /// The newest sample of each channel, without waiting. disconnected: a converter is gone.
+  [[nodiscard]] Result<void> read(Frame& frame, Time now) override;
+
+ private:
+  struct Capture;
+  explicit IioConverters(std::unique_ptr<Capture> capture);
+  std::unique_ptr<Capture> capture_;
+};
+
+/// The set point of the drive as the value of a digital-to-analogue converter.
+///
+///   (1)  counts = (limited position − offset)/scale, rounded, within lowest_counts … highest_counts
+class IioCommand final : public CommandOutput {
+ public:
+  struct Wanted {
+    std::string device;   ///< name or id
+    std::string output;   ///< "voltage0"
+    double scale = 1.0;   ///< [m/count]
+    double offset = 0.0;  ///< position at 0 counts [m]
+    long lowest_counts = 0, highest_counts = 65535;
+    CommandLimit::Bounds bounds{};
+    double rest = 0.0;  ///< where the drive is taken to be at first [m]
+  };
+  [[nodiscard]] static Opened<IioCommand> open(const Wanted& wanted, Clock& clock);
+  ~IioCommand() override;
+  IioCommand(const IioCommand&) = delete;
+  IioCommand& operator=(const IioCommand&) = delete;
+
+  [[nodiscard]] const CommandLimit& limit() const { return limit_; }
+
+ private:
+  IioCommand(const Wanted& wanted, Clock& clock, int file);
+  Result<void> do_write(const Command& command) override;
+
+  Wanted wanted_;
+  Clock& clock_;
+  int file_;  ///< the converter's raw value in sysfs
+  CommandLimit limit_;
+  Time last_ = never;
+};
+
+/// Devices, channels and triggers that are there, for people.
+[[nodiscard]] std::string list_iio();
+
+/// Version of the library, "libiio 0.24".
+[[nodiscard]] std::string iio_library();
+
+}  // namespace hal::linux

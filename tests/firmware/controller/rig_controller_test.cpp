@@ -1,0 +1,203 @@
+// The program rig_controller as a shell on the board meets it, with the simulated back-end. On a real-time kernel with
+// lines and converters: tests/guest.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host_sim/closed_loop.hpp"
+#include "host_sim/recording.hpp"
+#include "tests/support/program.hpp"
+#include "tests/support/rig_texts.hpp"
+
+namespace {
+
+using support::Ended;
+using support::TemporaryFolder;
+
+std::string rig_file(const char* name) {
+  return (support::source / "host_sim/rigs" / (std::string(name) + ".toml")).string();
+}
+
+struct Controller {
+  TemporaryFolder streams;
+  support::RunningProgram program;
+  explicit Controller(const std::vector<std::string>& arguments, const char* path = RIG_CONTROLLER_PROGRAM)
+      : program(streams, arguments, {}, path) {}
+  /// Waits until the program has said this.
+  bool says(const std::string& words) {
+    for (int i = 0; i < 1000 && program.running(); ++i) {
+      if (TemporaryFolder::read(streams / "stdout.txt").find(words) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+};
+
+Ended controller(const std::vector<std::string>& arguments) { return Controller(arguments).program.wait(); }
+
+std::string last_line(const std::string& text) {
+  const auto end = text.find_last_not_of('\n');
+  if (end == std::string::npos) return {};
+  const auto begin = text.rfind('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1,
+                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+}
+
+// Law. It is the very firmware of `rigtwin simulate`: the same rig, road and seed give the same recording to the last
+// bit, every kind of rig, and the reader of compare and diagnose takes the file as it is.
+TEST(RigController, RecordsTheBitsOfTheSimulation) {
+  for (const char* name : {"paper_hil_fdva", "paper_rig_fdva", "paper_bench_fdva"}) {
+    const TemporaryFolder folder;
+    const std::string out = (folder / "run.csv").string();
+    const Ended ended = controller(
+        {"--rig", rig_file(name), "--simulated", "--virtual-time", "--duration", "12", "--seed", "5", "--out", out});
+    ASSERT_EQ(ended.status, 0) << ended.errors;
+    const host_sim::Recording recording = host_sim::read_recording(out, {}, 1000.0);
+
+    const host_sim::RigDescription rig = support::rig(name);
+    host_sim::IsoRoad road;
+    road.seed = 5;
+    road.bandwidth = host_sim::default_bandwidth(rig.rig.kind, 1000.0);
+    const auto motion = host_sim::excitation(rig.rig, host_sim::drive_over(road, 1000.0, 12000), 1000.0);
+    host_sim::RunOptions options;
+    options.seed = 5;
+    const host_sim::Run run = host_sim::run_closed_loop(rig, motion, options);
+    EXPECT_EQ(recording.time, run.recording.time);
+    EXPECT_EQ(recording.channels, run.recording.channels) << name;
+    EXPECT_EQ(recording.ducts, run.recording.ducts) << name;
+    EXPECT_EQ(recording.ignored_columns.back(), "age [s]");
+    EXPECT_NE(last_line(ended.output).find("ended by reference_ended; valves safe, command at rest, 12000 rows"),
+              std::string::npos)
+        << last_line(ended.output);
+  }
+}
+
+// In the time of the machine: late or not, it counts what it did, and says that it was not real time.
+TEST(RigController, RunsInTheTimeOfTheMachine) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "run.csv").string();
+  const std::string rig = folder.write(
+      "slow.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0", "sample_rate = 100.0") +
+                       "[controller]\nlate_in_a_row = 1000\nallowed_delay = 1e-6\n");
+  Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--out", out});
+  ASSERT_TRUE(running.says("running: "));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  ::kill(running.program.id(), SIGUSR1);
+  ASSERT_TRUE(running.says("wake-up latency")) << "histograms on request, the run goes on";
+  ::kill(running.program.id(), SIGTERM);
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_NE(last_line(ended.output).find("ended by a signal to stop; valves safe, command at rest"), std::string::npos)
+      << last_line(ended.output);
+  EXPECT_NE(ended.output.find("NOTE: samples and computation take"), std::string::npos);
+  const std::string text = TemporaryFolder::read(out);
+  EXPECT_NE(text.find("# NOT REAL TIME"), std::string::npos);
+  EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 50);
+}
+
+// kill −9: no goodbye. What lies there is whole up to the last second, every row of it.
+TEST(RigController, LeavesWholeRowsWhenKilled) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "run.csv").string();
+  Controller running(
+      {"--rig", rig_file("paper_hil_fdva"), "--simulated", "--virtual-time", "--duration", "1000", "--out", out});
+  ASSERT_TRUE(running.says("running: "));
+  for (int i = 0; i < 1000 && std::filesystem::file_size(out) < 1'000'000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ::kill(running.program.id(), SIGKILL);
+  EXPECT_EQ(running.program.wait().status, -SIGKILL);
+  const std::string text = TemporaryFolder::read(out);
+  ASSERT_FALSE(text.empty());
+  const std::string whole = text.substr(0, text.rfind('\n') + 1);
+  EXPECT_LT(text.size() - whole.size(), 512U) << "at most one row is torn";
+  const host_sim::Recording recording = host_sim::parse_recording_csv(whole, "run.csv", {}, 1000.0);
+  EXPECT_GT(recording.size(), 100U);
+}
+
+// Fault. A disk that is full ends the run in the safe state; the rows until then are whole and readable.
+TEST(RigController, SurvivesAFullDisk) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "run.csv").string();
+  const std::string command = std::string("ulimit -f 200; exec ") + RIG_CONTROLLER_PROGRAM + " --rig " +
+                              rig_file("paper_rig_fdva") + " --simulated --virtual-time --duration 600 --out " + out;
+  const Ended ended = Controller({"-c", command}, "/bin/sh").program.wait();
+  EXPECT_EQ(ended.status, 4) << ended.errors;
+  EXPECT_NE(last_line(ended.output).find("ended by the recording cannot be written: File too large; valves safe"),
+            std::string::npos)
+      << last_line(ended.output);
+  EXPECT_GT(host_sim::read_recording(out, {}, 1000.0).size(), 100U);
+}
+
+// Each way to be refused: one line, and a status that says which.
+TEST(RigController, RefusesInOneLine) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "run.csv").string();
+  const std::string hil = rig_file("paper_hil_fdva");
+  struct Case {
+    std::vector<std::string> arguments;
+    int status;
+    std::string words;
+  };
+  const std::vector<Case> cases{
+      {{"--rig", hil}, 2, "--out is missing"},
+      {{"--out", out}, 2, "--rig is missing"},
+      {{"--rig", hil, "--out", out, "--fast"}, 2, "unknown option --fast"},
+      {{"--rig", hil, "--out", out, "--duration", "x"}, 2, "--duration x does not fit"},
+      {{"--rig", hil, "--out", out, "--duration"}, 2, "--duration needs a value"},
+      {{"--rig", hil, "--out", out, "--virtual-time"}, 2, "--virtual-time needs --simulated"},
+      {{"--rig", hil, "--out", out, "--simulated", "--virtual-time", "--road", "x.csv"},
+       2,
+       "--road x.csv is not known"},
+      {{"--rig", "no.toml", "--out", out}, 3, "no.toml: cannot be opened"},
+      {{"--rig", hil, "--out", out}, 6, "no table [gpio]"},
+      {{"--rig", hil, "--out", "/no/such/folder.csv", "--simulated", "--virtual-time"}, 4, "No such file or directory"},
+      {{"--rig", hil, "--out", "/dev/full", "--simulated", "--virtual-time"}, 4, "No space left on device"},
+  };
+  for (const Case& c : cases) {
+    const Ended ended = controller(c.arguments);
+    EXPECT_EQ(ended.status, c.status) << c.words;
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_NE(ended.errors.find(c.words), std::string::npos) << ended.errors;
+  }
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+// A trip is a safe stop with a status of its own, which systemd takes as a wish to stay down.
+TEST(RigController, SaysWhatTripped) {
+  const TemporaryFolder folder;
+  const std::string rig = folder.write(
+      "wild.toml", support::with(support::hil_text, "virtual_damping = 1140.0", "virtual_damping = 700.0") +
+                       "[limits]\nspeed = 1.5\n");
+  const Ended ended = controller(
+      {"--rig", rig, "--simulated", "--virtual-time", "--out", (folder / "run.csv").string(), "--road", "iso8608:C"});
+  EXPECT_EQ(ended.status, 7);
+  EXPECT_NE(last_line(ended.output).find("ended by energy ("), std::string::npos) << last_line(ended.output);
+  EXPECT_LT(host_sim::read_recording(folder / "run.csv", {}, 1000.0).size(), 2000U);
+}
+
+// What a newcomer begins with is whole: it passes every check but that of the devices, which are not here.
+TEST(RigController, TakesItsExamples) {
+  for (const char* name : {"example_rig", "example_hil"}) {
+    const std::string rig = (support::source / "firmware/controller/rigs" / (std::string(name) + ".toml")).string();
+    const Ended ended = controller({"--rig", rig, "--check"});
+    EXPECT_EQ(ended.status, 6);
+    EXPECT_NE(ended.errors.find("GPIO chip 'rig-bank' is not there"), std::string::npos) << ended.errors;
+    EXPECT_EQ(
+        controller({"--rig", rig, "--simulated", "--virtual-time", "--duration", "2", "--out", "/dev/null"}).status, 0);
+  }
+}
+
+TEST(RigController, ListsAndHelps) {
+  EXPECT_EQ(controller({"--list"}).status, 0);
+  EXPECT_NE(controller({"--help"}).output.find("--no-realtime"), std::string::npos);
+  EXPECT_EQ(controller({"--version"}).output.find("rig_controller "), 0U);
+}
+
+}  // namespace
