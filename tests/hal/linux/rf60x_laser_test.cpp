@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <stdlib.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -26,8 +27,12 @@ class SimulatedSensor {
   SimulatedSensor() : terminal_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
     if (terminal_ < 0 || ::grantpt(terminal_) != 0 || ::unlockpt(terminal_) != 0) return;
     port_ = ::ptsname(terminal_);
+    line_ = ::open(port_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
   }
-  ~SimulatedSensor() { unplug(); }
+  ~SimulatedSensor() {
+    unplug();
+    if (line_ >= 0) ::close(line_);
+  }
   SimulatedSensor(const SimulatedSensor&) = delete;
   SimulatedSensor& operator=(const SimulatedSensor&) = delete;
 
@@ -36,8 +41,11 @@ class SimulatedSensor {
     if (terminal_ >= 0) ::close(terminal_);
     terminal_ = -1;
   }
+  /// Returns when the bytes are there for whoever reads the port: the kernel hands them over when it has time.
   void send(const std::vector<std::uint8_t>& bytes) {
+    const int wanted = waiting() + static_cast<int>(bytes.size());
     EXPECT_EQ(::write(terminal_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+    for (int i = 0; i < 5000 && waiting() < wanted; ++i) ::usleep(1000);
   }
   void send_result(unsigned d, bool renewed = true) {
     std::vector<std::uint8_t> bytes;
@@ -51,13 +59,21 @@ class SimulatedSensor {
   /// What the program has asked for.
   [[nodiscard]] std::vector<std::uint8_t> requests() const {
     std::vector<std::uint8_t> bytes(64);
+    pollfd ready{terminal_, POLLIN, 0};
+    ::poll(&ready, 1, 5000);
     const ssize_t got = ::read(terminal_, bytes.data(), bytes.size());
     bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
     return bytes;
   }
 
  private:
+  [[nodiscard]] int waiting() const {
+    int bytes = 0;
+    return ::ioctl(line_, FIONREAD, &bytes) == 0 ? bytes : 0;
+  }
+
   int terminal_;
+  int line_ = -1;  ///< the port itself, to see what waits there
   std::string port_;
   unsigned count_ = 0;
 };
