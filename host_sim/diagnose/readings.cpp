@@ -11,12 +11,7 @@ namespace host_sim::diagnose {
 using model::Channel;
 using Rig = model::RigParameters<double>;
 
-namespace {
-
-/// Steps a sample. Where a contact sticks or a free play ends inside a step, the model knows it only at the step's end:
-/// an error ∝ h that would be taken for an effect.
-int parts_of_a_sample(const Rig& rig, double period) {
-  constexpr int fine = 4;
+bool has_corners(const Rig& rig) {
   model::MachinePath<double> machine;
   model::SuspensionComponent<double> suspension;
   model::Piston<double> piston;
@@ -30,16 +25,17 @@ int parts_of_a_sample(const Rig& rig, double period) {
   rig.effects.for_each([&](const auto& slot) {
     if constexpr (requires { slot.effect.clearance; }) corners = corners || slot.active;
   });
-  return corners && !find_rig_fault(rig, period / fine) ? fine : 1;
+  return corners;
 }
-
-}  // namespace
 
 Response true_channels(const Rig& rig, const Evidence& evidence, const Drive& drive, const InitialState& start,
                        std::size_t samples) {
   Rig bare = rig;
   bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
-  const int parts = parts_of_a_sample(bare, drive.period);
+  // Where a contact sticks or a free play ends inside a step, the model knows it only at the step's end: an error ∝ h
+  // that would be taken for an effect.
+  constexpr int fine = 4;
+  const int parts = has_corners(bare) && !find_rig_fault(bare, drive.period / fine) ? fine : 1;
   Response response = host_sim::respond(bare, drive, start, samples, parts);
   if (evidence.explains(Channel::zdd_r)) {
     auto& acceleration = response[index(Channel::zdd_r)];

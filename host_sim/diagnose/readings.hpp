@@ -8,6 +8,10 @@
 
 namespace host_sim::diagnose {
 
+/// Whether something in a rig acts from an instant on that depends on the motion: dry friction, free play, a stop, a
+/// limit.
+[[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
+
 /// Channels of the evidence before their sensors: the rig's own answer, at full rate. `drive`: that of the evidence, or
 /// one that differs from it by noise.
 [[nodiscard]] Response true_channels(const model::RigParameters<double>& rig, const Evidence& evidence,

@@ -7,6 +7,7 @@
 
 #include "host_sim/diagnose/noise_bands.hpp"
 #include "host_sim/diagnose/parallel.hpp"
+#include "host_sim/diagnose/readings.hpp"
 
 namespace host_sim::diagnose {
 
@@ -198,6 +199,18 @@ class Search {
     return settled(hypothesis, std::move(effects), 6);
   }
 
+  /// Fitted again in growing pieces; as it was where that is no better.
+  void regrow(Explanation& e, const Shorten& shorten) const {
+    Hypothesis hypothesis = e.fit.hypothesis;
+    for (const double share : {0.1, 0.16, 0.25, 0.35, 0.5, 0.7}) {
+      const Fit part = fit(shorten(share), hypothesis, unknowns(e.effects), 10);
+      simulations += part.simulations;
+      hypothesis = part.hypothesis;
+    }
+    Explanation grown = settled(hypothesis, e.effects, 8);
+    if (grown.fit.chi_squared < e.fit.chi_squared) e = std::move(grown);
+  }
+
   /// Whether what an explanation leaves is noise, in each band and altogether.
   [[nodiscard]] bool leaves_noise(const Explanation& e) const {
     constexpr double beyond = 4.0;  // standard deviations
@@ -268,7 +281,8 @@ std::vector<Rival> rivals_of(const Search& search, const Explanation& best, std:
 }  // namespace
 
 Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
-                const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten, const Tell& tell) {
+                const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten,
+                const Shorten& shorten, const Tell& tell) {
   std::vector<Unknown> common = tolerated;
   common.insert(common.end(), starts.begin(), starts.end());
   const Search search(all, common, price);
@@ -328,6 +342,10 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
       for_all(alone.size(),
               [&](std::size_t i) { alone[i] = search.fitted(alone[i].fit.hypothesis, alone[i].effects, 0); });
     }
+    if (!search.leaves_noise(best)) {
+      search.regrow(best, shorten);
+      beam.front() = best;
+    }
   }
 
   // Backward: what is not needed any more. Swap: each effect against every other candidate.
@@ -338,7 +356,9 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
       report(0.6 + 0.3 * static_cast<double>(i) / static_cast<double>(best.effects.size()),
              "rivals of " + std::string(best.effects[i].entry->name));
       const bool only_one = best.effects.size() == 1;
-      const Explanation rest = only_one ? nothing : search.without(best, i);
+      Explanation rest = only_one ? nothing : search.without(best, i);
+      // With corners the fit without may only be in a worse one of many minima.
+      if (!only_one && has_corners(rest.fit.hypothesis.rig)) search.regrow(rest, shorten);
       if (rest.cost(price) <= best.cost(price)) {
         best = rest;
         changed = true;

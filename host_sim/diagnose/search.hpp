@@ -49,10 +49,14 @@ using Tell =
 /// Whitens the case anew for a hypothesis; false where its noise does not depend on one.
 using Rewhiten = std::function<bool(const Hypothesis&)>;
 
+/// The case with only this share of each fitted window, from its beginning.
+using Shorten = std::function<Case(double share)>;
+
 /// Forward with a beam of two, then backward, then each effect against every other candidate. After each effect that is
-/// accepted the case is whitened anew.
+/// accepted the case is whitened anew; where it leaves more than noise it is fitted again from the beginning of the
+/// recordings on, in growing pieces: with free play or stops a long recording has many minima, a short one few.
 [[nodiscard]] Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
                               const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten,
-                              const Tell& tell);
+                              const Shorten& shorten, const Tell& tell);
 
 }  // namespace host_sim::diagnose

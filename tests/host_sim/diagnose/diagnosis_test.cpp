@@ -177,17 +177,56 @@ TEST(Diagnosis, NamesWhatIsHiddenInTheSamples) {
     std::vector<std::string> effects;
   };
   for (const Answer& answer :
-       {Answer{"sample_b", Verdict::named, {"sensor_lag"}}, Answer{"sample_e", Verdict::unexplained, {}}}) {
+       {Answer{"sample_a", Verdict::named, {"wheel_guide_friction"}},
+        Answer{"sample_b", Verdict::named, {"sensor_lag"}},
+        Answer{"sample_c", Verdict::named, {"sensor_delay", "viscous_damping"}},
+        Answer{"sample_d", Verdict::no_discrepancy, {}}, Answer{"sample_e", Verdict::unexplained, {}},
+        Answer{"sample_f", Verdict::named, {"actuator_delay"}}}) {
     SCOPED_TRACE(answer.folder);
     const auto folder = support::shared / "samples" / answer.folder;
     const RigDescription d = read_rig(folder / "rig.toml");
     const Diagnosis found =
         diagnose::diagnose(d, {{read_recording(folder / "rec1.csv", d.channels, d.sample_rate), Use::shared}});
     EXPECT_EQ(found.verdict, answer.verdict) << diagnose::sentence(found);
-    ASSERT_EQ(found.effects.size(), answer.effects.size());
-    for (std::size_t i = 0; i < answer.effects.size(); ++i) {
-      EXPECT_EQ(found.effects[i].effect.entry->name, answer.effects[i]);
+    if (answer.verdict == Verdict::unexplained) {
+      for (const diagnose::NamedEffect& named : found.effects) EXPECT_LE(named.confidence, 0.5);
+      continue;
     }
+    std::vector<std::string> names;
+    for (const diagnose::NamedEffect& named : found.effects) names.emplace_back(named.effect.entry->name);
+    EXPECT_EQ(names, answer.effects);
+  }
+}
+
+bool lists(const Diagnosis& diagnosis, std::string_view name) {
+  return std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                     [&](const diagnose::NamedEffect& named) { return named.effect.entry->name == name; });
+}
+
+double pooled(const Diagnosis& diagnosis, double diagnose::Gap::*which) {
+  double sum = 0.0;
+  for (const auto& [channel, gap] : diagnosis.gap) sum += gap.*which * (gap.*which);
+  return std::sqrt(sum / static_cast<double>(diagnosis.gap.size()));
+}
+
+// Real rigs beside the project: a bench with dry guides, fitted on one record and judged on another, and a damper with
+// dry friction. Nobody knows all that is in them: friction must be listed, and the gap on the record held out shrink by
+// 30 %.
+TEST(Diagnosis, NamesFrictionOfRealRigs) {
+  const auto folder = support::shared / "real";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "../shared/real is missing";
+  const RigDescription bench = read_rig(folder / "quanser.toml");
+  const Diagnosis found = diagnose::diagnose(
+      bench, {{read_recording(folder / "quanser_1.csv", bench.channels, bench.sample_rate), Use::fitted},
+              {read_recording(folder / "quanser_3.csv", bench.channels, bench.sample_rate), Use::held_out}});
+  EXPECT_TRUE(lists(found, "wheel_guide_friction")) << diagnose::sentence(found);
+  EXPECT_LT(pooled(found, &diagnose::Gap::after), 0.7 * pooled(found, &diagnose::Gap::refit));
+  for (const auto& [channel, gap] : found.gap) EXPECT_LT(gap.after, gap.refit) << model::name(channel);
+  const RigDescription damper = read_rig(folder / "mr_damper.toml");
+  for (const char* record : {"mr_damper_A1.csv", "mr_damper_A2.csv", "mr_damper_A3.csv"}) {
+    const Diagnosis one = diagnose::diagnose(
+        damper, {{read_recording(folder / record, damper.channels, damper.sample_rate), Use::shared}});
+    EXPECT_TRUE(lists(one, "coulomb_friction")) << record << ": " << diagnose::sentence(one);
   }
 }
 

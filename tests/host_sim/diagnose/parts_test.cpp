@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -260,6 +261,73 @@ TEST(VirtualCar, IsReadFromWhatTheProgramRecorded) {
   EXPECT_NEAR(diagnose::virtual_car(description, {e}).parameters.at("body.mass").value,
               1.01 * description.rig.body.mass, 1e-6);
   EXPECT_TRUE(diagnose::virtual_car(parse_rig(support::bench_text, "rig"), {e}).parameters.empty());
+}
+
+/// A hil recording of a virtual tyre F_w = k_t dz_w + b_t ḋz_w + k₃ dz_w³, never below `lowest`.
+diagnose::Evidence tyre_recording(const RigDescription& description, double cubic, double lowest) {
+  diagnose::Evidence e;
+  Recording& r = e.recording;
+  r.sample_period = period;
+  r.time = sample_times(8000, 1.0 / period);
+  for (std::size_t k = 0; k < r.size(); ++k) {
+    const double t = period * static_cast<double>(k), w1 = 9.0, w2 = 70.0;
+    const double tyre = 6e-3 * std::sin(w1 * t + 0.2) + 12e-3 * std::sin(w2 * t + 2.0);
+    const double rate = 6e-3 * w1 * std::cos(w1 * t + 0.2) + 12e-3 * w2 * std::cos(w2 * t + 2.0);
+    const double load =
+        description.rig.tyre.stiffness * tyre + description.rig.tyre.damping * rate + cubic * tyre * tyre * tyre;
+    r[Channel::F_w].push_back(std::max(load, lowest));
+    r[Channel::z_w].push_back(-tyre);
+    r[Channel::z_r].push_back(0.0);
+  }
+  e.fit = {0, r.size()};
+  return e;
+}
+
+// Point. Effects of a tyre that is a number are read off its numbers; a linear one has none. Velocities by differences
+// are off by 8e-7 of b_t ḋz_w, some 1e-8 of the cubic's part.
+TEST(VirtualCar, ReadsTheEffectsOfItsTyre) {
+  RigDescription description = parse_rig(support::hil_text, "rig");
+  description.tolerance = {{"tyre.stiffness", 0.03}};
+  constexpr double never = -1e9;
+  EXPECT_TRUE(diagnose::virtual_car(description, {tyre_recording(description, 0.0, never)}).effects.empty());
+
+  const auto cubic = diagnose::virtual_car(description, {tyre_recording(description, -4e8, never)}).effects;
+  ASSERT_EQ(cubic.size(), 1U);
+  EXPECT_EQ(cubic[0].effect.entry->name, "progressive_tyre");
+  EXPECT_NEAR(cubic[0].effect.values[0] / -4e8, 1.0, 1e-4);
+  EXPECT_LT(cubic[0].after, 0.01 * cubic[0].before);
+
+  const double weight = 9.81 * (description.rig.body.mass + description.rig.wheel.mass);
+  const auto lifted = diagnose::virtual_car(description, {tyre_recording(description, 0.0, -weight)}).effects;
+  ASSERT_EQ(lifted.size(), 1U);
+  EXPECT_EQ(lifted[0].effect.entry->name, "tyre_lift_off");
+
+  const auto both = diagnose::virtual_car(description, {tyre_recording(description, 4e8, -weight)}).effects;
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_NEAR(both[1].effect.values.at(0) / 4e8, 1.0, 1e-4);
+}
+
+// Law. What is known of z̈_r ends where z_r sinks into its noise; below, smoothing leaves a sine alone (a Hann-windowed
+// filter of ± 0.1 s has a gain of 1 within 1 % that far inside its band), above it takes the noise away.
+TEST(FootPoint, KnowsItsAccelerationAsFarAsItsDisplacementIsAboveNoise) {
+  auto z = sine(2e-3, 12.0, 20'000);
+  support::NormalNoise noise(3);
+  auto noisy = z;
+  for (double& v : noisy) v += 2e-5 * noise();
+  const double known = diagnose::known_up_to(noisy, 2e-5, period);
+  EXPECT_NEAR(known, 12.0, 3.0) << "seed 3";  // bins of 1 Hz, a Hann window's main lobe of ± 2
+  FootPointMotion motion = through_samples(z, 1.0 / period), rough = through_samples(noisy, 1.0 / period);
+  diagnose::smooth_acceleration(motion, 30.0, period);
+  diagnose::smooth_acceleration(rough, 30.0, period);
+  const double amplitude = 2e-3 * std::pow(2.0 * std::numbers::pi * 12.0, 2);
+  double error = 0.0;
+  for (std::size_t k = 200; k + 200 < z.size(); ++k) {
+    const double truth = -std::pow(2.0 * std::numbers::pi * 12.0, 2) * z[k];
+    ASSERT_NEAR(motion[k].acceleration, truth, 0.01 * amplitude) << k;
+    error += std::pow(rough[k].acceleration - truth, 2) / static_cast<double>(z.size());
+  }
+  // White noise of σ_z through ω² up to 30 … 40 Hz: σ_z (2π 35)² √(2 · 35/1000/5) = 0.11 m/s²; second differences: 49.
+  EXPECT_LT(std::sqrt(error), 0.3);
 }
 
 }  // namespace
