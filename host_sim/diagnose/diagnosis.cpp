@@ -365,10 +365,10 @@ std::string_view name(Verdict verdict) {
 }
 
 Diagnosis diagnose(const RigDescription& description, std::vector<Record> records, const Tell& tell) {
+  const std::vector<std::string> shortened = without_the_middle(records);
   std::vector<Recording*> recordings;
   for (Record& record : records) recordings.push_back(&record.recording);
   const std::vector<std::string> taken_in = take_in(description, recordings);
-  const std::vector<std::string> shortened = without_the_middle(records);
   // What one recording shows of the sensors holds for all: they are explained with the same channels.
   const bool disagree = std::any_of(records.begin(), records.end(), [&](const Record& record) {
     return inputs_disagree(description, record.recording);
@@ -425,11 +425,13 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     whiten(all, noises);
     Price smaller = price;
     smaller.later_share = 0.1;
+    smaller.beam = 1;
+    smaller.tried = 5;
     // Sensors last: several of them bend any channel into place, but what a rig does has one cause for all channels.
     double least = 0.98 * left;
     for (const bool sensors : {false, true}) {
       smaller.sensors = sensors;
-      Findings again = search(all, given, tolerated, starts, smaller, rewhiten, shorten, tell);
+      Findings again = search(all, given, tolerated, starts, smaller, rewhiten, {}, tell);
       result.simulations += again.simulations;
       result.candidates += again.tried;
       const double error = pooled_error(all, again.best.fit.hypothesis);

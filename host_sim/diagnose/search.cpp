@@ -72,6 +72,12 @@ struct Scanned {
   std::vector<std::pair<double, Start>> starts;  ///< gain; best first
 };
 
+/// Leaves of a fit what it says, not what the next step would need: megabytes for minutes.
+void lighten(Fit& fit) {
+  fit.prediction = {};
+  fit.slope.resize(0, 0);
+}
+
 class Search {
  public:
   Search(const Case& all, std::vector<Unknown> common, const Price& price)
@@ -163,7 +169,10 @@ class Search {
       scanned.pop_back();
     }
     std::vector<Explanation> list(scanned.size());
-    for_all(scanned.size(), [&](std::size_t i) { list[i] = refined(base, scanned[i]); });
+    for_all(scanned.size(), [&](std::size_t i) {
+      list[i] = refined(base, scanned[i]);
+      lighten(list[i].fit);
+    });
     std::sort(list.begin(), list.end(),
               [this](const Explanation& a, const Explanation& b) { return a.cost(price_) < b.cost(price_); });
     return list;
@@ -297,7 +306,8 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
   const Scales scales = scales_of(all, nothing.fit.hypothesis, respond(all, nothing.fit.hypothesis));
   const auto cheaper = [&](const Explanation& a, const Explanation& b) { return a.cost(price) < b.cost(price); };
 
-  constexpr std::size_t beam_width = 2, most_effects = 4, tried = 8;
+  constexpr std::size_t most_effects = 4;
+  const std::size_t beam_width = price.beam, tried = price.tried;
   std::vector<Explanation> beam{nothing}, alone;
   best = nothing;
   // Values that repeat themselves in regular turns are a hold: no fit could say it better.
@@ -339,10 +349,12 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
       for (Explanation& e : beam) search.settle(e, 4);
       std::sort(beam.begin(), beam.end(), cheaper);
       best = beam.front();
-      for_all(alone.size(),
-              [&](std::size_t i) { alone[i] = search.fitted(alone[i].fit.hypothesis, alone[i].effects, 0); });
+      for_all(alone.size(), [&](std::size_t i) {
+        alone[i] = search.fitted(alone[i].fit.hypothesis, alone[i].effects, 0);
+        lighten(alone[i].fit);
+      });
     }
-    if (!search.leaves_noise(best)) {
+    if (shorten && !search.leaves_noise(best)) {
       search.regrow(best, shorten);
       beam.front() = best;
     }
@@ -358,7 +370,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
       const bool only_one = best.effects.size() == 1;
       Explanation rest = only_one ? nothing : search.without(best, i);
       // With corners the fit without may only be in a worse one of many minima.
-      if (!only_one && has_corners(rest.fit.hypothesis.rig)) search.regrow(rest, shorten);
+      if (shorten && !only_one && has_corners(rest.fit.hypothesis.rig)) search.regrow(rest, shorten);
       if (rest.cost(price) <= best.cost(price)) {
         best = rest;
         changed = true;

@@ -16,7 +16,8 @@ struct Price {
   double parameter = 10.0;    ///< and each of its parameters
   double first_share = 0.03;  ///< of what is left over beyond noise
   double later_share = 0.30;
-  bool sensors = true;  ///< effects of sensors are candidates
+  bool sensors = true;              ///< effects of sensors are candidates
+  std::size_t beam = 2, tried = 8;  ///< explanations kept for the next effect; candidates fitted beside each
 };
 
 /// A set of effects, fitted.
@@ -49,7 +50,7 @@ using Tell =
 /// Whitens the case anew for a hypothesis; false where its noise does not depend on one.
 using Rewhiten = std::function<bool(const Hypothesis&)>;
 
-/// The case with only this share of each fitted window, from its beginning.
+/// The case with only this share of each fitted window, from its beginning. Empty: pieces are not grown.
 using Shorten = std::function<Case(double share)>;
 
 /// Forward with a beam of two, then backward, then each effect against every other candidate. After each effect that is
