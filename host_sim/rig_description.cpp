@@ -618,6 +618,22 @@ double* find_parameter(model::RigParameters<double>& rig, std::string_view path)
 
 std::optional<model::RigFault> find_rig_fault(const model::RigParameters<double>& rig, double period) {
   if (const auto fault = model::find_fault(rig, period, model::RigModel<>::Line::longest)) return fault;
+  // A time constant that no sample could show, but whose inverse the same exact step would have to bear.
+  constexpr double shortest = 1e-9;  // [s]
+  std::optional<model::RigFault> too_short;
+  const auto check = [&too_short](const auto& slot, std::optional<model::Channel> channel) {
+    using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+    for (std::size_t i = 0; slot.active && i < Effect::values.size(); ++i) {
+      const auto& card = Effect::card.parameters[i];
+      const double value = slot.effect.*Effect::values[i];
+      if (card.unit == "s" && value > 0.0 && value < shortest) {
+        too_short = model::RigFault{Effect::card.name, card.name, "0, or at least 1e-9 s", channel};
+      }
+    }
+  };
+  rig.effects.for_each([&check](const auto& slot) { check(slot, std::nullopt); });
+  rig.effects.for_each_sensor([&check](const auto& slot, model::Channel channel) { check(slot, channel); });
+  if (too_short) return too_short;
   // What one unit of anything changes in a period. Beyond this limit the matrices of an exact step have no digit left.
   constexpr double largest = 1e8;
   using Equations = model::RigEquations<double>;
