@@ -56,7 +56,8 @@ TEST(SensorLag, IsLateByItsTimeConstantOnARamp) {
 // of the amplitude (straight lines would be by (ωh)²/12 = 3e-3).
 TEST(SensorLag, FollowsAFastSine) {
   const double T = 0.002, w = 2.0 * std::numbers::pi * 30.0;
-  const auto read = readings({.lag = T}, [&](int k) { return std::sin(w * k * period); }, 400);
+  const auto read = readings(
+      {.lag = T}, [&](int k) { return std::sin(w * k * period); }, 400);
   const double gain = 1.0 / std::sqrt(1.0 + w * w * T * T), phase = std::atan(w * T);
   for (int k = 100; k < 400; ++k) {  // e^{−50} of the start is left
     EXPECT_NEAR(read[static_cast<std::size_t>(k)], gain * std::sin(w * k * period - phase), 5.3e-5) << k;
