@@ -33,6 +33,7 @@ namespace firmware::controller {
 namespace {
 
 constexpr std::size_t journal_records = 8192;  // eight seconds at 1 kHz: a disk may be slow for that long
+constexpr std::size_t write_records = 512;     // at most so many between two writes, however fast they come
 
 /// Why the program itself, not the firmware, ends a run.
 enum class Cause : int { none, signal, disk, heap };
@@ -143,36 +144,38 @@ class Scribe {
   void write() {
     hal::linux::MonotonicClock clock;
     hal::Time synced = clock.now();
-    for (bool last = false;;) {
-      last = end_.load();
-      bool alive = false;
-      while (const auto record = journal_.pop()) {
-        alive = true;
+    for (bool last = false; !last;) {
+      const bool end = end_.load();
+      std::size_t taken = 0;
+      for (; taken < write_records; ++taken) {
+        const auto record = journal_.pop();
+        if (!record) break;
         taken_.fetch_add(1, std::memory_order_relaxed);
         hal::Time oldest = record->time;
-        for (const hal::Time taken : record->taken) {
-          if (taken != hal::never && taken < oldest) oldest = taken;
+        for (const hal::Time sampled : record->taken) {
+          if (sampled != hal::never && sampled < oldest) oldest = sampled;
         }
         spans_.age.add((record->time - oldest).ns);
         recorder_.take(*record);
       }
-      if (alive) notify("WATCHDOG=1");
+      if (taken > 0) notify("WATCHDOG=1");
+      const bool more = taken == write_records;
+      last = end && !more;
       bool written = recorder_.flush();
       if (written && (last || clock.now() - synced >= hal::milliseconds(500))) {
         written = recorder_.sync();
         synced = clock.now();
       }
       if (!written) blame(Cause::disk);
-      if (last) return;
-      await_signal();
+      if (!last) await_signal(more ? 0 : 10'000'000);
     }
   }
 
-  void await_signal() {
+  void await_signal(long nanoseconds) {
     sigset_t awaited;
     ::sigemptyset(&awaited);
     for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) ::sigaddset(&awaited, signal);
-    const timespec pause{0, 10'000'000};
+    const timespec pause{0, nanoseconds};
     const int signal = ::sigtimedwait(&awaited, nullptr, &pause);
     if (signal == SIGUSR1) print(spans_, allowed_delay_);
     if (signal == SIGTERM || signal == SIGINT || signal == SIGHUP) blame(Cause::signal);
@@ -330,18 +333,15 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   std::string why = words(loop->trip());
   Status status = is_fault(loop->trip().reason) ? Status::safe_stop : Status::done;
   if (loop->trip().reason == Reason::stop_requested) {
-    switch (scribe.cause()) {
-      case Cause::disk:
-        why = "the recording cannot be written: " + std::string(std::strerror(recorder.error()));
-        status = Status::cannot_write;
-        break;
-      case Cause::heap:
-        why = "heap taken in the loop, " + std::to_string(broken_seals()) + " times";
-        status = Status::internal;
-        break;
-      default:
-        why = "a signal to stop";
+    if (scribe.cause() == Cause::signal) why = "a signal to stop";
+    if (scribe.cause() == Cause::heap) {
+      why = "heap taken in the loop, " + std::to_string(broken_seals()) + " times";
+      status = Status::internal;
     }
+  }
+  if (recorder.error() != 0 && status == Status::done) {  // the last rows may fail when the loop has ended
+    why = "the recording cannot be written: " + std::string(std::strerror(recorder.error()));
+    status = Status::cannot_write;
   }
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
               loop->at_rest() ? "at rest" : "NOT AT REST", static_cast<unsigned long long>(recorder.rows()),
