@@ -21,13 +21,12 @@ Rig without_machine(Rig rig) {
   return rig;
 }
 
-/// On the cubic Hermite polynomial from one sample to the next; its z̈ is the measured one, straight between.
+/// Between two samples, where the model has it (model::hermite); its z̈ is the measured one, straight between.
 model::Motion<double> between(const model::Motion<double>& from, const model::Motion<double>& to, double share,
                               double period) {
-  const double s = share, c = 1.0 - share, rise = to.position - from.position;
-  const double a = from.velocity * period - rise, b = rise - to.velocity * period;
-  return {c * from.position + s * to.position + s * c * (a * c + b * s),
-          (rise + (c - s) * (a * c + b * s) + s * c * (b - a)) / period, c * from.acceleration + s * to.acceleration};
+  const auto [position, velocity] =
+      model::hermite<double>({from.position, from.velocity}, {to.position, to.velocity}, share, period);
+  return {position, velocity, from.acceleration + share * (to.acceleration - from.acceleration)};
 }
 
 double rms(const std::vector<double>& values) {

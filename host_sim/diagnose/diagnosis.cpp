@@ -10,6 +10,7 @@
 #include "host_sim/diagnose/piece.hpp"
 #include "host_sim/diagnose/readings.hpp"
 #include "host_sim/diagnose/rest.hpp"
+#include "host_sim/diagnose/story.hpp"
 #include "host_sim/diagnose/virtual_car.hpp"
 #include "host_sim/input_error.hpp"
 #include "host_sim/spectrum.hpp"
@@ -50,6 +51,21 @@ void whiten(Case& all, const std::vector<CarriedNoise>& noises) {
   }
 }
 
+/// Sums of squares over a window, clipped samples left out.
+struct Misfit {
+  double error = 0.0, data = 0.0;
+
+  void add(const Evidence& e, Channel channel, const Response& response, Window window) {
+    const auto c = index(channel);
+    for (std::size_t k = window.from; k < window.to; ++k) {
+      if (!e.clipped[c].empty() && e.clipped[c][k]) continue;
+      const double measured = e.recording[channel][k];
+      error += std::pow(response[c][k] - measured, 2);
+      data += measured * measured;
+    }
+  }
+};
+
 /// rms of the error ÷ rms of the channel over the fitted windows, root mean square over channels and recordings.
 double pooled_error(const Case& all, const Hypothesis& hypothesis) {
   double sum = 0.0, terms = 0.0;
@@ -57,37 +73,57 @@ double pooled_error(const Case& all, const Hypothesis& hypothesis) {
     const Evidence& e = all.evidence[r];
     const Response response = read_channels(hypothesis, e, e.drive, hypothesis.starts[r], e.fit.to);
     for (const Channel channel : e.channels) {
-      const auto c = index(channel);
-      double error = 0.0, data = 0.0;
-      for (std::size_t k = e.fit.from; k < e.fit.to; ++k) {
-        if (!e.clipped[c].empty() && e.clipped[c][k]) continue;
-        const double measured = e.recording[channel][k];
-        error += std::pow(response[c][k] - measured, 2);
-        data += measured * measured;
-      }
-      if (!(data > 0.0)) continue;
-      sum += error / data;
+      Misfit misfit;
+      misfit.add(e, channel, response, e.fit);
+      if (!(misfit.data > 0.0)) continue;
+      sum += misfit.error / misfit.data;
       terms += 1.0;
     }
   }
   return terms > 0.0 ? std::sqrt(sum / terms) : 0.0;
 }
 
-std::string listed(const std::vector<PlacedEffect>& effects) {
-  std::string list;
-  for (const PlacedEffect& effect : effects) {
-    if (!list.empty()) list += &effect == &effects.back() ? " and " : ", ";
-    list += effect.entry->name;
-    if (effect.channel) list.append(" of ").append(model::name(*effect.channel));
-  }
-  return list;
+/// The share of what was left over beyond noise that effects explain; χ² per residual, of so many residuals.
+double explained_share(double refit, double after, double count) {
+  return 1.0 - std::max(after - 1.0, 0.0) / std::max(refit - 1.0, 1.0 / count);
 }
 
-/// The share of what was left over beyond noise that effects explain.
-double explained_share(const Findings& findings) {
-  const auto count = static_cast<double>(findings.best.fit.residual.size());
-  const double first = std::max(findings.nothing.fit.chi_squared - count, 1.0);
-  return 1.0 - std::max(findings.best.fit.chi_squared - count, 0.0) / first;
+/// Below this share of the power explained, what is found is not the whole of it.
+constexpr double all_but_noise = 0.97;
+
+/// A rig that is not all in the catalogue: in units of noise, details of what cannot be explained outweigh the effects
+/// that matter. Looks again, with smaller steps; the case allows for an error of the model as large as `left`.
+Findings second_look(const Case& all, Findings found, double left, const std::function<Findings(const Price&)>& look,
+                     std::vector<std::string>& remarks) {
+  Price smaller;
+  smaller.later_share = 0.1;
+  smaller.beam = 1;
+  smaller.tried = 5;
+  // Sensors last: several of them bend any channel into place, but what a rig does has one cause for all channels.
+  double least = 0.98 * left;
+  for (const bool sensors : {false, true}) {
+    smaller.sensors = sensors;
+    Findings again = look(smaller);
+    again.simulations += found.simulations;
+    again.tried += found.tried;
+    const double error = pooled_error(all, again.best.fit.hypothesis);
+    if (error < least) {
+      found = std::move(again);
+      left = error;
+      least = 0.75 * error;
+      continue;
+    }
+    found.simulations = again.simulations;
+    found.tried = again.tried;
+    if (!sensors || error >= left) continue;
+    std::vector<std::string> names;
+    for (const PlacedEffect& effect : again.best.effects) names.push_back(words(effect));
+    char change[64];
+    std::snprintf(change, sizeof change, " would leave an error of %.3g %%, instead of %.3g %%", 100.0 * error,
+                  100.0 * left);
+    remarks.push_back(joined(names) + change + ": rivals of what is listed, which has fewer causes in sensors");
+  }
+  return found;
 }
 
 /// rms of the error over the held-out windows, by channel, relative to the rms of the channel.
@@ -95,18 +131,9 @@ std::map<Channel, double> errors(const Case& all, const Hypothesis& hypothesis) 
   const auto responses = respond(all, hypothesis);
   std::map<Channel, double> result;
   for (const Channel channel : all.evidence.front().channels) {
-    double error = 0.0, data = 0.0;
-    for (const std::size_t r : all.judged) {
-      const Evidence& e = all.evidence[r];
-      const auto c = index(channel);
-      for (std::size_t k = e.judge.from; k < e.judge.to; ++k) {
-        if (!e.clipped[c].empty() && e.clipped[c][k]) continue;
-        const double measured = e.recording[channel][k];
-        error += std::pow(responses[r][c][k] - measured, 2);
-        data += measured * measured;
-      }
-    }
-    result[channel] = data > 0.0 ? std::sqrt(error / data) : 0.0;
+    Misfit misfit;
+    for (const std::size_t r : all.judged) misfit.add(all.evidence[r], channel, responses[r], all.evidence[r].judge);
+    result[channel] = misfit.data > 0.0 ? std::sqrt(misfit.error / misfit.data) : 0.0;
   }
   return result;
 }
@@ -414,41 +441,21 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     return part;
   };
   Findings findings = search(all, given, tolerated, starts, price, rewhiten, shorten, tell);
-  result.simulations = findings.simulations;
-  result.candidates = findings.tried;
-  // A rig that is not all in the catalogue: in units of noise, details of what cannot be explained outweigh the effects
-  // that matter. A second look with an error of the model as large as what is left, and with smaller steps.
-  const double all_but_noise = 0.97;
-  if (rest_of(all, findings.best.fit.hypothesis).significant && explained_share(findings) < all_but_noise) {
-    const double left = pooled_error(all, findings.best.fit.hypothesis);
-    all.model_error = left;
+  const auto count = static_cast<double>(findings.best.fit.residual.size());
+  if (rest_of(all, findings.best.fit.hypothesis).significant &&
+      explained_share(findings.nothing.fit.chi_squared / count, findings.best.fit.chi_squared / count, count) <
+          all_but_noise) {
+    const auto look = [&](const Price& smaller) {
+      return search(all, given, tolerated, starts, smaller, rewhiten, {}, tell);
+    };
+    all.model_error = pooled_error(all, findings.best.fit.hypothesis);
     whiten(all, noises);
-    Price smaller = price;
-    smaller.later_share = 0.1;
-    smaller.beam = 1;
-    smaller.tried = 5;
-    // Sensors last: several of them bend any channel into place, but what a rig does has one cause for all channels.
-    double least = 0.98 * left;
-    for (const bool sensors : {false, true}) {
-      smaller.sensors = sensors;
-      Findings again = search(all, given, tolerated, starts, smaller, rewhiten, {}, tell);
-      result.simulations += again.simulations;
-      result.candidates += again.tried;
-      const double error = pooled_error(all, again.best.fit.hypothesis);
-      if (error < least) {
-        findings = std::move(again);
-        least = 0.75 * error;
-      } else if (sensors && error < pooled_error(all, findings.best.fit.hypothesis)) {
-        char words[64];
-        std::snprintf(words, sizeof words, " would leave an error of %.3g %%, instead of %.3g %%", 100.0 * error,
-                      100.0 * pooled_error(all, findings.best.fit.hypothesis));
-        result.remarks.push_back(listed(again.best.effects) + words +
-                                 ": rivals of what is listed, which has fewer causes in sensors");
-      }
-    }
+    findings = second_look(all, std::move(findings), all.model_error, look, result.remarks);
     all.model_error = 0.0;
     whiten(all, noises);
   }
+  result.simulations = findings.simulations;
+  result.candidates = findings.tried;
 
   // Recordings held out begin in a state of their own, which what was found knows best.
   for (std::size_t r = 0; r < all.evidence.size(); ++r) {
@@ -461,7 +468,6 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   }
 
   const Fit& fit = findings.best.fit;
-  const auto count = static_cast<double>(fit.residual.size());
   const auto power_left = [&](const Hypothesis& hypothesis) {
     return residuals(all, predict(all, hypothesis)).squaredNorm() / count;
   };
@@ -472,10 +478,15 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   const Rest rest = rest_of(all, fit.hypothesis);
   result.unexplained = rest.significant;
   result.rest = rest.words;
-  const double explained =
-      1.0 - std::max(result.chi_squared_after - 1.0, 0.0) / std::max(result.chi_squared_refit - 1.0, 1.0 / count);
-  const double shrinks =
-      1.0 - pooled_error(all, fit.hypothesis) / std::max(pooled_error(all, findings.nothing.fit.hypothesis), 1e-300);
+  const double explained = explained_share(result.chi_squared_refit, result.chi_squared_after, count);
+  const auto shrinks = [&] {
+    const double refit = pooled_error(all, findings.nothing.fit.hypothesis);
+    return std::max(1.0 - pooled_error(all, fit.hypothesis) / std::max(refit, 1e-300), 0.0);
+  };
+  // Where a rest is left, a name is worth what it explains: nearly all of the power, or at most half of a certainty for
+  // the share of the error that goes away.
+  const double worth =
+      result.unexplained ? std::max((explained - all_but_noise) / (1.0 - all_but_noise), 0.5 * shrinks()) : 1.0;
   const double temper = std::max(1.0, fit.chi_squared / count);
 
   const Eigen::MatrixXd covariance = fit.covariance();
@@ -515,12 +526,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
       }
       named.alternatives.push_back(std::move(alternative));
     }
-    named.confidence = 0.999 / (1.0 + against);
-    // Where a rest is left, a name is worth what it explains: nearly all of the power, or at most half of a certainty
-    // for the share of the error that goes away.
-    if (result.unexplained) {
-      named.confidence *= std::max((explained - all_but_noise) / (1.0 - all_but_noise), 0.5 * std::max(shrinks, 0.0));
-    }
+    named.confidence = 0.999 / (1.0 + against) * worth;
     result.effects.push_back(std::move(named));
   }
   // What the program itself computes is known without noise.

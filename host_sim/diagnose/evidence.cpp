@@ -32,6 +32,16 @@ double estimated_noise(const std::vector<double>& samples) {
   return std::sqrt(*middle);
 }
 
+double noise_of(const RigDescription& description, const Recording& recording, Channel channel) {
+  if (const auto& given = description.noise[index(channel)]) return *given;
+  const auto& samples = recording[channel];
+  const auto renewals = renewals_of(samples);
+  if (!renewals) return estimated_noise(samples);
+  std::vector<double> renewed;
+  for (const std::size_t k : renewals->at) renewed.push_back(samples[k]);
+  return estimated_noise(renewed);
+}
+
 model::RigParameters<double> explained_part(const model::RigParameters<double>& rig) {
   if (rig.kind != RigKind::hil) return rig;
   model::RigParameters<double> part = rig;
@@ -50,10 +60,8 @@ struct FootSensors {
 std::optional<FootSensors> foot_sensors(const RigDescription& description, const Recording& recording) {
   if (description.rig.kind != RigKind::quarter_car) return std::nullopt;
   if (!recording.has(Channel::z_r) || !recording.has(Channel::zdd_r)) return std::nullopt;
-  const auto noise_of = [&](Channel channel) {
-    return description.noise[index(channel)].value_or(estimated_noise(recording[channel]));
-  };
-  FootSensors sensors{noise_of(Channel::z_r), noise_of(Channel::zdd_r), recording[Channel::zdd_r]};
+  FootSensors sensors{noise_of(description, recording, Channel::z_r), noise_of(description, recording, Channel::zdd_r),
+                      recording[Channel::zdd_r]};
   if (!(sensors.position_noise > 0.0) || !(sensors.acceleration_noise > 0.0)) return std::nullopt;
   if (const auto& range = description.range[index(Channel::zdd_r)]) {
     for (double& a : sensors.acceleration) a = range->holds(a) ? a : std::nan("");
@@ -64,7 +72,7 @@ std::optional<FootSensors> foot_sensors(const RigDescription& description, const
 void prepare_input(Evidence& evidence, const RigDescription& description, const Recording& recording, bool disagree) {
   const Channel input = evidence.drive.channel;
   if (input == Channel::x_cmd) return;  // a number
-  const double position_noise = description.noise[index(input)].value_or(estimated_noise(recording[input]));
+  const double position_noise = noise_of(description, recording, input);
   evidence.input_noise.position = position_noise;
   const auto sensors = foot_sensors(description, recording);
   if (!sensors) return;
@@ -194,11 +202,7 @@ Evidence evidence_of(const RigDescription& description, Recording recording, Use
     const auto& data = recording[channel];
     evidence.channels.push_back(channel);
     evidence.renewals[c] = renewals_of(data);
-    std::vector<double> renewed;
-    if (const auto& renewals = evidence.renewals[c]) {
-      for (const std::size_t k : renewals->at) renewed.push_back(data[k]);
-    }
-    evidence.noise[c] = description.noise[c].value_or(estimated_noise(renewed.empty() ? data : renewed));
+    evidence.noise[c] = noise_of(description, recording, channel);
     if (const auto& range = description.range[c]) {
       std::vector<bool> clipped(data.size());
       std::transform(data.begin(), data.end(), clipped.begin(), [&](double v) { return !range->holds(v); });

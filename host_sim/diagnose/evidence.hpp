@@ -104,4 +104,8 @@ struct HoldPeriod {
 /// where a signal below a tenth of the sample rate leaves less than 4e-3 of its amplitude.
 [[nodiscard]] double estimated_noise(const std::vector<double>& samples);
 
+/// rms of a channel's noise [SI]: as the rig description gives it, else estimated; of a channel that repeats itself
+/// from the values that are new.
+[[nodiscard]] double noise_of(const RigDescription& description, const Recording& recording, model::Channel channel);
+
 }  // namespace host_sim::diagnose

@@ -299,7 +299,7 @@ class Relations {
 
   [[nodiscard]] double noise_of(const Recording& r, Channel channel) const {
     if (channel == Channel::x_cmd) return 0.0;
-    return description_.noise[index(channel)].value_or(estimated_noise(r[channel]));
+    return diagnose::noise_of(description_, r, channel);
   }
 
   void add_sensor_noise(const Relation& relation, double resolution, std::vector<double>& noise) const {

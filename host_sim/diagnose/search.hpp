@@ -10,7 +10,7 @@
 
 namespace host_sim::diagnose {
 
-/// What an effect must gain to be believed, in χ² of whitened residuals.
+/// What an effect must gain to be believed, in χ² of whitened residuals, and how widely is searched for it.
 struct Price {
   double effect = 30.0;       ///< for each effect
   double parameter = 10.0;    ///< and each of its parameters

@@ -18,13 +18,6 @@ using report::Panel;
 using report::Report;
 using report::Table;
 
-std::string joined(const std::vector<std::string>& list) {
-  std::string text;
-  for (std::size_t i = 0; i < list.size(); ++i)
-    text += (i == 0 ? "" : (i + 1 == list.size() ? " and " : ", ")) + list[i];
-  return text;
-}
-
 std::string with_interval(const Interval& v, const std::string& unit) {
   return figure_text(v.value, 5) + (unit.empty() ? "" : " " + unit) + " (" + figure_text(v.lower, 5) + " … " +
          figure_text(v.upper, 5) + ")";
@@ -156,6 +149,13 @@ void add_overlays(Report& page, const Diagnosis& diagnosis) {
 }
 
 }  // namespace
+
+std::string joined(const std::vector<std::string>& list) {
+  std::string text;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    text += (i == 0 ? "" : (i + 1 == list.size() ? " and " : ", ")) + list[i];
+  return text;
+}
 
 std::string words(const PlacedEffect& effect) {
   std::string text(effect.entry->name);

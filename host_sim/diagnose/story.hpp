@@ -13,6 +13,9 @@ namespace host_sim::diagnose {
 /// "sensor_lag of F", "coulomb_friction"
 [[nodiscard]] std::string words(const PlacedEffect& effect);
 
+/// "a, b and c"
+[[nodiscard]] std::string joined(const std::vector<std::string>& list);
+
 /// The unit of an effect's parameter, that of its channel filled in; nothing for a pure number.
 [[nodiscard]] std::string unit_of(const PlacedEffect& effect, std::size_t parameter);
 

@@ -58,6 +58,9 @@ TyreMotion tyre_motion(const Recording& r) {
   return motion;
 }
 
+/// Whether two loads are one, as written: the lower of them is negative.
+bool is_as_low_as(double load, double lowest) { return load <= lowest * (1.0 - 1e-8); }
+
 /// The load at which the wheel flies: the lowest F_w, where it is repeated and near the weight of the car.
 std::optional<double> lifted_load(const RigDescription& description, const std::vector<Evidence>& evidence) {
   const double weight = (description.rig.body.mass + description.rig.wheel.mass) * 9.81;
@@ -69,7 +72,7 @@ std::optional<double> lifted_load(const RigDescription& description, const std::
   std::size_t count = 0;
   for (const Evidence& e : evidence) {
     if (!e.recording.has(Channel::F_w)) continue;
-    for (const double f : e.recording[Channel::F_w]) count += f <= lowest * (1.0 - 1e-8) ? 1 : 0;
+    for (const double f : e.recording[Channel::F_w]) count += is_as_low_as(f, lowest) ? 1 : 0;
   }
   constexpr std::size_t enough = 4;
   return count >= enough && std::abs(lowest + weight) < 0.05 * weight ? std::optional(lowest) : std::nullopt;
@@ -79,6 +82,8 @@ std::optional<double> lifted_load(const RigDescription& description, const std::
 struct TyreLaw {
   double cubic = 0.0;            ///< k₃ [N/m³]
   std::optional<double> lifted;  ///< F_w of a flying wheel [N]
+
+  [[nodiscard]] bool flies(double load) const { return lifted && is_as_low_as(load, *lifted); }
 };
 
 std::vector<TyreEffect> tyre_effects(const RigDescription& description, const std::vector<Evidence>& evidence,
@@ -98,7 +103,7 @@ std::vector<TyreEffect> tyre_effects(const RigDescription& description, const st
       const double left = load - k * dz - b * rate;
       loads += load * load;
       error += left * left;
-      if (law.lifted && load <= *law.lifted * (1.0 - 1e-8)) {
+      if (law.flies(load)) {
         cut += left * left;
         continue;
       }
@@ -186,8 +191,7 @@ VirtualCar virtual_car(const RigDescription& description, const std::vector<Evid
         row(b_v) = x[k];
         wheel.add(row, r[Channel::F_w][k] - force);
       }
-      const bool flies = law.lifted && r.has(Channel::F_w) && r[Channel::F_w][k] <= *law.lifted * (1.0 - 1e-8);
-      if (r.has(Channel::F_w) && !tyre.empty() && !flies) {
+      if (r.has(Channel::F_w) && !tyre.empty() && !law.flies(r[Channel::F_w][k])) {
         row.setZero();
         row(k_t) = tyre[k];
         row(b_t) = tyre_rate[k];
