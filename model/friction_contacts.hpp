@@ -15,7 +15,8 @@ namespace model {
 /// Within a step the velocity of a contact is taken to go straight (2). A contact that slips goes on slipping; where it
 /// comes to rest before the end, it sticks for the rest of the step if at most f is needed for that, else it slips the
 /// other way. The step gets the mean of these forces, the end of the step the last of them. Several contacts are solved
-/// by a fixed number of projected Gauss–Seidel sweeps, started from the forces of the last step.
+/// by projected Gauss–Seidel sweeps, started from the forces of the last step: a fixed number, less only where one more
+/// would change nothing.
 /// Second order in the step, also where a contact sticks, slips or turns round. Work that friction does in a step, −λ
 /// Δe, is never positive but for the part of a step in which a contact turns round, f (f h/m) h/8 at most. Source:
 /// Moreau, time stepping of unilateral and frictional contact, 1988; Acary and Brogliato, Numerical methods for
@@ -49,7 +50,9 @@ class FrictionContacts {
     Forces mean = forces;
     for (int i = 0; i < count_; ++i) x += columns.col(list(i)) * at(mean, list(i));
     const int rounds = count_ == 1 ? 1 : sweeps;
-    for (int round = 0; round < rounds; ++round) {
+    bool moved = true;
+    for (int round = 0; round < rounds && moved; ++round) {
+      moved = false;
       for (int i = 0; i < count_; ++i) {
         const int p = list(i);
         const Column<S, N> column = columns.col(p);
@@ -57,6 +60,7 @@ class FrictionContacts {
         if (!(slowing > S(0))) continue;  // a locked piston cannot be slowed
         const S free = velocity(p, x) + slowing * at(mean, p);
         const Friction friction = friction_of(velocity(p, start), free, slowing, at(limits, p));
+        moved = moved || friction.mean != at(mean, p);
         x += column * (friction.mean - at(mean, p));
         at(mean, p) = friction.mean;
         at(forces, p) = friction.last;

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "host_sim/diagnose/carried_noise.hpp"
+#include "host_sim/diagnose/experiment.hpp"
 #include "host_sim/diagnose/intake.hpp"
 #include "host_sim/diagnose/parallel.hpp"
 #include "host_sim/diagnose/piece.hpp"
@@ -103,10 +104,16 @@ Findings second_look(const Case& all, Findings found, double left, const std::fu
   double least = 0.98 * left;
   for (const bool sensors : {false, true}) {
     smaller.sensors = sensors;
+    smaller.compare = !sensors;
     Findings again = look(smaller);
+    double error = pooled_error(all, again.best.fit.hypothesis);
+    if (sensors && error < least) {
+      smaller.compare = true;
+      again = look(smaller);
+      error = pooled_error(all, again.best.fit.hypothesis);
+    }
     again.simulations += found.simulations;
     again.tried += found.tried;
-    const double error = pooled_error(all, again.best.fit.hypothesis);
     if (error < least) {
       found = std::move(again);
       left = error;
@@ -115,7 +122,7 @@ Findings second_look(const Case& all, Findings found, double left, const std::fu
     }
     found.simulations = again.simulations;
     found.tried = again.tried;
-    if (!sensors || error >= left) continue;
+    if (!sensors || error >= 0.98 * left) continue;
     std::vector<std::string> names;
     for (const PlacedEffect& effect : again.best.effects) names.push_back(words(effect));
     char change[64];
@@ -161,69 +168,6 @@ Interval interval(const Unknown& unknown, double u, double variance, double temp
   const double half = deviations * std::sqrt(std::max(variance, 0.0) * temper);
   const double low = std::max(u - half, unknown.lower), high = std::min(u + half, unknown.upper);
   return {unknown.value(u), unknown.value(low), unknown.value(high)};
-}
-
-/// An experiment that can be computed.
-struct Experiment {
-  std::string words;
-  double level = 1.0;
-  std::optional<int> open_ducts;
-};
-
-/// By how many whitened units two hypotheses differ in an experiment.
-double separation(const Case& all, const Hypothesis& one, const Hypothesis& other, const Experiment& experiment) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < all.fitted.size(); ++i) {
-    const Evidence& e = all.evidence[all.fitted[i]];
-    Drive drive = e.drive;
-    for (auto& m : drive.motion) {
-      m.position *= experiment.level;
-      m.velocity *= experiment.level;
-      m.acceleration *= experiment.level;
-    }
-    std::array<Response, 2> responses;
-    const std::array<const Hypothesis*, 2> hypotheses{&one, &other};
-    for (std::size_t h = 0; h < 2; ++h) {
-      Hypothesis tried = *hypotheses[h];
-      auto& rig = tried.rig;
-      if (experiment.open_ducts) {
-        rig.fdva.open_ducts = *experiment.open_ducts;
-        drive.ducts.clear();
-      }
-      responses[h] = read_channels(tried, e, drive, resting(rig, drive), e.fit.to);
-    }
-    for (const Channel channel : e.channels) {
-      const auto c = index(channel);
-      double squares = 0.0;
-      for (std::size_t k = e.fit.from; k < e.fit.to; ++k)
-        squares += std::pow(responses[0][c][k] - responses[1][c][k], 2);
-      sum += squares / std::max(e.noise[c] * e.noise[c], 1e-30);
-    }
-  }
-  return sum;
-}
-
-std::string best_experiment(const Case& all, const Hypothesis& one, const Hypothesis& other) {
-  std::vector<Experiment> experiments{{"three times the level of excitation", 3.0, {}},
-                                      {"a third of the level of excitation", 1.0 / 3.0, {}}};
-  if (one.rig.has_fdva) {
-    for (int open = 0; open <= one.rig.fdva.ducts; ++open) {
-      if (open == one.rig.fdva.open_ducts) continue;
-      experiments.push_back({std::to_string(open) + (open == 1 ? " duct open" : " ducts open"), 1.0, open});
-    }
-  }
-  const double now = separation(all, one, other, {});
-  std::string best = "a sensor at another place, or a longer recording";
-  double most = 2.0 * now;
-  for (const Experiment& experiment : experiments) {
-    const double apart = separation(all, one, other, experiment);
-    if (!(apart > most)) continue;
-    most = apart;
-    char factor[64];
-    std::snprintf(factor, sizeof factor, " (separates %.2g times as well)", apart / std::max(now, 1.0));
-    best = experiment.words + factor;
-  }
-  return best;
 }
 
 std::string subsystem_of(const PlacedEffect& effect) {
@@ -445,11 +389,22 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   if (rest_of(all, findings.best.fit.hypothesis).significant &&
       explained_share(findings.nothing.fit.chi_squared / count, findings.best.fit.chi_squared / count, count) <
           all_but_noise) {
-    const auto look = [&](const Price& smaller) {
-      return search(all, given, tolerated, starts, smaller, rewhiten, {}, tell);
-    };
     all.model_error = pooled_error(all, findings.best.fit.hypothesis);
     whiten(all, noises);
+    constexpr double enough = 30.0;  // [s]: errors of the model differ from one second to the next, unlike noise
+    const double share = telling_share(all, enough);
+    const auto look = [&](const Price& smaller) {
+      Case part = shorten(share);
+      for (Evidence& e : part.evidence) e.fine = 2;  // what steps get wrong is small beside the error allowed for
+      const auto rewhiten_part = [&](const Hypothesis& hypothesis) {
+        const bool depends = rewhiten(hypothesis);
+        if (depends) whiten(part, noises);
+        return depends;
+      };
+      Findings some = search(part, given, tolerated, starts, smaller, rewhiten_part, {}, tell);
+      settle_on(all, smaller, some);
+      return some;
+    };
     findings = second_look(all, std::move(findings), all.model_error, look, result.remarks);
     all.model_error = 0.0;
     whiten(all, noises);

@@ -32,10 +32,7 @@ Response true_channels(const Rig& rig, const Evidence& evidence, const Drive& dr
                        std::size_t samples) {
   Rig bare = rig;
   bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
-  // Where a contact sticks or a free play ends inside a step, the model knows it only at the step's end: an error ∝ h
-  // that would be taken for an effect.
-  constexpr int fine = 4;
-  const int parts = has_corners(bare) && !find_rig_fault(bare, drive.period / fine) ? fine : 1;
+  const int parts = has_corners(bare) && !find_rig_fault(bare, drive.period / evidence.fine) ? evidence.fine : 1;
   Response response = host_sim::respond(bare, drive, start, samples, parts);
   if (evidence.explains(Channel::zdd_r)) {
     auto& acceleration = response[index(Channel::zdd_r)];

@@ -12,6 +12,18 @@
 namespace host_sim::diagnose {
 
 using model::Channel;
+
+double telling_share(const Case& all, double enough) {
+  constexpr double most = 0.75;  // more saves nothing
+  double longest = 0.0;
+  for (const Evidence& e : all.evidence) {
+    longest = std::max(longest, static_cast<double>(e.fit.size()) * e.drive.period);
+  }
+  return longest > 0.0 && enough / longest < most ? enough / longest : 1.0;
+}
+
+double Price::share(const Explanation& base) const { return base.effects.empty() ? first_share : later_share; }
+
 double Explanation::cost(const Price& price) const {
   double sum = fit.chi_squared;
   for (const PlacedEffect& effect : effects) {
@@ -76,6 +88,16 @@ struct Scanned {
 void lighten(Fit& fit) {
   fit.prediction = {};
   fit.slope.resize(0, 0);
+}
+
+/// The effects with their parameters as they are in a hypothesis.
+std::vector<PlacedEffect> read_back(const Hypothesis& hypothesis, std::vector<PlacedEffect> effects) {
+  for (PlacedEffect& effect : effects) {
+    for (const PlacedEffect& now : effects_of(hypothesis.rig)) {
+      if (now.entry == effect.entry && now.channel == effect.channel) effect.values = now.values;
+    }
+  }
+  return effects;
 }
 
 class Search {
@@ -191,15 +213,6 @@ class Search {
     return std::nullopt;
   }
 
-  static std::vector<PlacedEffect> read_back(const Hypothesis& hypothesis, std::vector<PlacedEffect> effects) {
-    for (PlacedEffect& effect : effects) {
-      for (const PlacedEffect& now : effects_of(hypothesis.rig)) {
-        if (now.entry == effect.entry && now.channel == effect.channel) effect.values = now.values;
-      }
-    }
-    return effects;
-  }
-
   [[nodiscard]] Explanation without(const Explanation& whole, std::size_t leave_out) const {
     Hypothesis hypothesis = whole.fit.hypothesis;
     std::vector<PlacedEffect> effects = whole.effects;
@@ -256,6 +269,15 @@ class Search {
   const Price& price_;
 };
 
+/// What tells candidates apart where what is left is far above noise [s].
+constexpr double seconds_telling = 12.0;
+
+/// Whether what an explanation leaves is so loud that a part of it tells candidates apart.
+bool is_loud(const Explanation& e) {
+  constexpr double beyond = 40.0;  // times the power of noise
+  return e.fit.chi_squared > beyond * static_cast<double>(e.fit.residual.size());
+}
+
 /// What is to be believed of a longer explanation: that it pays, and that it explains enough of what was left.
 bool is_worth(const Explanation& longer, const Explanation& shorter, const Price& price, double share) {
   const auto count = static_cast<double>(shorter.fit.residual.size());
@@ -306,8 +328,34 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
   const Scales scales = scales_of(all, nothing.fit.hypothesis, respond(all, nothing.fit.hypothesis));
   const auto cheaper = [&](const Explanation& a, const Explanation& b) { return a.cost(price) < b.cost(price); };
 
+  const double share_scanned = shorten ? telling_share(all, seconds_telling) : 1.0;
+  /// One more effect beside an explanation, cheapest first; `unpromising`: those, too, that will hardly be worth it.
+  const auto extended = [&](const Explanation& base, bool unpromising) {
+    // A promise is linear: a third of what an effect must gain is worth a fit.
+    const auto least = [&](const Explanation& e) {
+      const double left = std::max(e.fit.chi_squared - static_cast<double>(e.fit.residual.size()), 0.0);
+      return unpromising ? 0.0 : std::max(price.effect, price.share(e) * left) / 3.0;
+    };
+    if (share_scanned < 1.0 && is_loud(base)) {
+      const Case part = shorten(share_scanned);
+      const Search on_part(part, common, price);
+      const Explanation start = on_part.settled(base.fit.hypothesis, base.effects, 2);
+      auto list = on_part.extended(start, scales, price.tried, least(start));
+      search.simulations += on_part.simulations;
+      search.tried += on_part.tried;
+      for_all(list.size(), [&](std::size_t i) {
+        list[i] = search.fitted(list[i].fit.hypothesis, list[i].effects, i < price.beam ? 6 : 0);
+        lighten(list[i].fit);
+      });
+      std::sort(list.begin(), list.end(), cheaper);
+      // What shows itself seldom may not be in the part.
+      if (!list.empty() && is_worth(list.front(), base, price, price.share(base))) return list;
+    }
+    return search.extended(base, scales, price.tried, least(base));
+  };
+
   constexpr std::size_t most_effects = 4;
-  const std::size_t beam_width = price.beam, tried = price.tried;
+  const std::size_t beam_width = price.beam;
   std::vector<Explanation> beam{nothing}, alone;
   best = nothing;
   // Values that repeat themselves in regular turns are a hold: no fit could say it better.
@@ -324,15 +372,10 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
     report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
     std::vector<Explanation> next;
     for (const Explanation& base : beam) {
-      // A promise is linear: a third of what an effect must gain is worth a fit.
-      const double left = std::max(base.fit.chi_squared - static_cast<double>(base.fit.residual.size()), 0.0);
-      const double share = base.effects.empty() ? price.first_share : price.later_share;
-      auto list = search.extended(base, scales, tried, std::max(price.effect, share * left) / 3.0);
+      auto list = extended(base, false);
       if (base.effects.empty()) alone = list;
       for (std::size_t i = 0; i < std::min(beam_width, list.size()); ++i) {
-        if (is_worth(list[i], base, price, share)) {
-          next.push_back(std::move(list[i]));
-        }
+        if (is_worth(list[i], base, price, price.share(base))) next.push_back(std::move(list[i]));
       }
     }
     if (next.empty()) break;
@@ -361,7 +404,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
   }
 
   // Backward: what is not needed any more. Swap: each effect against every other candidate.
-  for (int round = 0; round < 4 && !best.effects.empty(); ++round) {
+  for (int round = 0; round < 4 && price.compare && !best.effects.empty(); ++round) {
     bool changed = false;
     findings.rivals.assign(best.effects.size(), {});
     for (std::size_t i = 0; i < best.effects.size() && !changed; ++i) {
@@ -376,7 +419,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
         changed = true;
         break;
       }
-      std::vector<Explanation> others = only_one && !alone.empty() ? alone : search.extended(rest, scales, tried);
+      std::vector<Explanation> others = only_one && !alone.empty() ? alone : extended(rest, true);
       for (const Explanation& e : others) {
         if (same_place(e.effects.back(), best.effects[i]) || e.cost(price) >= best.cost(price) - 1.0) continue;
         Explanation full = search.settled(e.fit.hypothesis, e.effects, 6);
@@ -398,6 +441,23 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
   findings.simulations = search.simulations;
   findings.tried = search.tried;
   return findings;
+}
+
+void settle_on(const Case& all, const Price& price, Findings& findings) {
+  const double before = findings.best.cost(price);
+  const auto part = static_cast<double>(findings.best.fit.residual.size());
+  for (Explanation* e : {&findings.nothing, &findings.best}) {
+    Fit whole = fit(all, e->fit.hypothesis, e->fit.unknowns, 8);
+    refresh_slope(all, whole);
+    findings.simulations += whole.simulations;
+    e->effects = read_back(whole.hypothesis, std::move(e->effects));
+    e->fit = std::move(whole);
+  }
+  const double larger = static_cast<double>(findings.best.fit.residual.size()) / part;
+  const double after = findings.best.cost(price);
+  for (auto& rivals : findings.rivals) {
+    for (Rival& rival : rivals) rival.cost = after + larger * (rival.cost - before);
+  }
 }
 
 }  // namespace host_sim::diagnose

@@ -10,6 +10,8 @@
 
 namespace host_sim::diagnose {
 
+struct Explanation;
+
 /// What an effect must gain to be believed, in χ² of whitened residuals, and how widely is searched for it.
 struct Price {
   double effect = 30.0;       ///< for each effect
@@ -17,7 +19,11 @@ struct Price {
   double first_share = 0.03;  ///< of what is left over beyond noise
   double later_share = 0.30;
   bool sensors = true;              ///< effects of sensors are candidates
+  bool compare = true;              ///< what is found is tried without each effect, and with rivals in its place
   std::size_t beam = 2, tried = 8;  ///< explanations kept for the next effect; candidates fitted beside each
+
+  /// Of what is left over by an explanation, that one more effect must explain.
+  [[nodiscard]] double share(const Explanation& base) const;
 };
 
 /// A set of effects, fitted.
@@ -59,5 +65,12 @@ using Shorten = std::function<Case(double share)>;
 [[nodiscard]] Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
                               const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten,
                               const Shorten& shorten, const Tell& tell);
+
+/// The share of the fitted windows that has `enough` seconds of the longest; 1 where that would not save much.
+[[nodiscard]] double telling_share(const Case& all, double enough);
+
+/// What was found in a part of the recordings, fitted again in the whole of them; rivals keep their distance, in
+/// proportion to the number of residuals.
+void settle_on(const Case& all, const Price& price, Findings& findings);
 
 }  // namespace host_sim::diagnose
