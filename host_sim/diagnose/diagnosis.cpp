@@ -512,6 +512,8 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     result.verdict = close ? Verdict::ambiguous : Verdict::named;
   }
 
+  result.left_by_refit = band_powers(all, findings.nothing.fit.hypothesis);
+  result.left_after = band_powers(all, fit.hypothesis);
   result.where = places(all, findings, likely_place(result.relations));
   if (!car_of_program.effects.empty()) {
     const double other = result.where.empty() ? 0.0 : 0.5;

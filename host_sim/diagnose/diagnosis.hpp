@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/diagnose/noise_bands.hpp"
 #include "host_sim/diagnose/redundancy.hpp"
 #include "host_sim/diagnose/search.hpp"
 #include "host_sim/recording.hpp"
@@ -63,6 +64,7 @@ struct Diagnosis {
   Verdict verdict;
   std::vector<Residue> relations;  ///< of the rig's redundancy, before anything is fitted
   std::vector<Place> where;
+  std::vector<BandPower> left_by_refit, left_after;  ///< tolerances refitted; effects, too
   std::vector<NamedEffect> effects;
   std::map<model::Channel, Gap> gap;
   std::map<std::string, Interval> parameters;  ///< tolerated, refitted

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include "model/channel.hpp"
+
 namespace host_sim::diagnose {
 
 /// Edges [Hz]: narrow where modes are, wide enough above for many independent bins.
@@ -17,5 +19,12 @@ inline constexpr std::size_t noise_bands = noise_band_edges.size() - 1;
   const auto* const above = std::upper_bound(noise_band_edges.begin(), noise_band_edges.end(), f);
   return above == noise_band_edges.end() ? noise_bands : static_cast<std::size_t>(above - noise_band_edges.begin()) - 1;
 }
+
+/// What is left of a channel in a band, as a multiple of the power of its noise: 1 is noise alone.
+struct BandPower {
+  model::Channel channel;
+  double lowest, highest;      ///< [Hz]
+  double ratio, lower, upper;  ///< with the 95 % bounds of a χ² of that many residuals
+};
 
 }  // namespace host_sim::diagnose

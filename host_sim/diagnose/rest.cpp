@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host_sim/diagnose/noise_bands.hpp"
-
 namespace host_sim::diagnose {
 namespace {
 
@@ -44,7 +42,29 @@ Table table(const Case& all, const Hypothesis& hypothesis, bool held_out) {
   return result;
 }
 
+/// χ² of n degrees of freedom that a standard normal z stands for. Source: Wilson and Hilferty, 1931.
+double chi_squared(double n, double z) {
+  const double variance = 2.0 / (9.0 * n);
+  return n * std::pow(std::max(1.0 - variance + z * std::sqrt(variance), 0.0), 3);
+}
+
 }  // namespace
+
+std::vector<BandPower> band_powers(const Case& all, const Hypothesis& hypothesis) {
+  constexpr double z = 1.96;  // 95 %
+  const Table powers = table(all, hypothesis, false);
+  std::vector<BandPower> result;
+  for (std::size_t c = 0; c < powers.size(); ++c) {
+    for (std::size_t b = 0; b < bands; ++b) {
+      const Power& p = powers[c][b];
+      if (!(p.count > 0.0)) continue;
+      result.push_back({all.evidence.front().channels[c], edges[b], edges[b + 1], p.squares / p.count,
+                        p.squares / chi_squared(p.count, z),
+                        p.squares / std::max(chi_squared(p.count, -z), 1e-3 * p.count)});
+    }
+  }
+  return result;
+}
 
 std::vector<ChannelExcess> channel_excesses(const Case& all, const Hypothesis& hypothesis) {
   const Table powers = table(all, hypothesis, false);

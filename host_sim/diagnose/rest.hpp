@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host_sim/diagnose/fit.hpp"
+#include "host_sim/diagnose/noise_bands.hpp"
 
 namespace host_sim::diagnose {
 
@@ -19,6 +20,9 @@ struct ChannelExcess {
   double lowest, highest;  ///< band that holds the middle 80 % of it [Hz]
 };
 [[nodiscard]] std::vector<ChannelExcess> channel_excesses(const Case& all, const Hypothesis& hypothesis);
+
+/// By channel and band, of the fitted windows; bands without a residual are left out.
+[[nodiscard]] std::vector<BandPower> band_powers(const Case& all, const Hypothesis& hypothesis);
 
 /// Whether something is left that is not noise: in one channel and band, on fitted and on held-out data.
 struct Rest {

@@ -94,6 +94,31 @@ void add_effects(Report& page, const Diagnosis& diagnosis) {
   if (!rivals.rows.empty()) page.add_table(rivals);
 }
 
+/// What is left of each channel over the frequency, with its bounds.
+Panel left_over(const std::string& when, const std::vector<BandPower>& powers, bool first) {
+  Panel panel;
+  panel.y = {when + ": power ÷ noise", "1", true};
+  for (const BandPower& p : powers) {
+    const std::string channel(model::name(p.channel));
+    if (panel.curves.empty() || panel.curves.back().name != channel) {
+      report::Curve curve;
+      curve.name = channel;
+      curve.colour = static_cast<int>(panel.curves.size());
+      curve.dash = Dash::solid;
+      curve.marker = report::Marker::circle;
+      curve.in_legend = first;
+      panel.curves.push_back(std::move(curve));
+    }
+    report::Curve& curve = panel.curves.back();
+    curve.x.push_back(std::sqrt(std::max(p.lowest, 0.25 * p.highest) * p.highest));
+    curve.y.push_back(p.ratio);
+    curve.lower_error.push_back(p.ratio - p.lower);
+    curve.upper_error.push_back(p.upper - p.ratio);
+  }
+  panel.guides.push_back({report::Guide::Along::y, 1.0, "noise"});
+  return panel;
+}
+
 void add_where(Report& page, const Diagnosis& diagnosis) {
   if (diagnosis.where.empty()) return;
   page.add_section("Where");
@@ -104,6 +129,13 @@ void add_where(Report& page, const Diagnosis& diagnosis) {
                           figure_text(place.highest, 3), figure_text(100.0 * place.share, 3)});
   }
   page.add_table(table);
+  Figure map;
+  map.title = "What is left, by channel and band";
+  map.note = "Power ÷ power of noise with 95 % bounds. A channel whose bounds hold 1 in a band shows nothing there.";
+  map.x = {"frequency", "Hz", true};
+  map.panels = {left_over("refitted", diagnosis.left_by_refit, true), left_over("after", diagnosis.left_after, false)};
+  map.height = 560;
+  page.add_figure(map);
   if (diagnosis.relations.empty()) return;
   Table relations{"What the rig's own redundancy says, before anything is fitted but tolerances",
                   {"relation", "holds", "power ÷ noise", "from [Hz]", "to [Hz]", "what is left"},
