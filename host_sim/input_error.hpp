@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -39,6 +40,13 @@ enum class ExitStatus : int { done = 0, wrong_usage = 2, unfit_input = 3, cannot
   return line;
 }
 
+/// The parts in a row, as one line.
+[[nodiscard]] inline std::string one_line(std::initializer_list<std::string_view> parts) {
+  std::string text;
+  for (const std::string_view part : parts) text += part;
+  return one_line(text);
+}
+
 /// A wrong command line: what() is the line to print.
 class UsageError : public std::runtime_error {
  public:
@@ -50,16 +58,15 @@ class InputError : public std::runtime_error {
  public:
   /// \param line counts from 1; 0 when the fault has no line.
   InputError(std::string_view file, std::size_t line, std::string_view wrong, std::string_view expected)
-      : std::runtime_error(one_line(std::string(file) + (line > 0 ? ":" + std::to_string(line) : std::string()) + ": " +
-                                    std::string(wrong) + ", expected " + std::string(expected))) {}
+      : std::runtime_error(one_line({file, line > 0 ? ":" : "", line > 0 ? std::to_string(line) : std::string(), ": ",
+                                     wrong, ", expected ", expected})) {}
 };
 
 /// A result that cannot be written: what() is "file: what is wrong, expected what".
 class OutputError : public std::runtime_error {
  public:
   OutputError(std::string_view file, std::string_view wrong, std::string_view expected)
-      : std::runtime_error(
-            one_line(std::string(file) + ": " + std::string(wrong) + ", expected " + std::string(expected))) {}
+      : std::runtime_error(one_line({file, ": ", wrong, ", expected ", expected})) {}
 };
 
 }  // namespace host_sim

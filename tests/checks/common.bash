@@ -29,12 +29,16 @@ configure() {
   cmake --preset "$1" -B "$builds/$1"
 }
 
-# build PRESET [TARGET…]
+# build PRESET [TARGET…] -- one at a time in each build folder, whatever checks run beside each other.
 build() {
   local preset=$1
   shift
-  configure "$preset"
-  cmake --build "$builds/$preset" --parallel "$(nproc)" ${1+--target "$@"}
+  mkdir -p "$builds"
+  (
+    flock 9
+    configure "$preset"
+    cmake --build "$builds/$preset" --parallel "$(nproc)" ${1+--target "$@"}
+  ) 9>"$builds/$preset.lock"
 }
 
 # Our own sources. Names with spaces are not among them.
