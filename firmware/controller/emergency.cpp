@@ -68,7 +68,7 @@ void say_micrometres(double metres) {
   char digits[24];
   char* at = digits + sizeof digits;
   *--at = '\0';
-  auto left = static_cast<unsigned long>(std::abs(metres) * 1e6 + 0.5);
+  auto left = static_cast<unsigned long>(std::lround(std::abs(metres) * 1e6));
   const bool minus = metres < 0.0 && left > 0;
   do {
     *--at = static_cast<char>('0' + left % 10);

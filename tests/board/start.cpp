@@ -43,7 +43,7 @@ int fputc(int c, FILE* stream) {
   return c;
 }
 int __aeabi_atexit(void*, void (*)(void*), void*) { return 0; }  // NOLINT(readability-identifier-naming): nothing ends
-[[noreturn]] void __cxa_pure_virtual() { leave(97); }  // NOLINT(readability-identifier-naming)
+[[noreturn]] void __cxa_pure_virtual() { leave(97); }            // NOLINT(readability-identifier-naming)
 
 [[noreturn]] void reset() {
   *reinterpret_cast<volatile std::uint32_t*>(0xE000ED88) |= 0xFU << 20U;  // the floating-point unit
