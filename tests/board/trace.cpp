@@ -128,6 +128,7 @@ std::uint32_t* painted = nullptr;  // from here down
 }
 unsigned long deepest_stack() {
   const std::uint32_t* lowest = stack_end;
+  if (*lowest != unused) return 999'999;  // the stack went beyond its end, into what lies below
   while (*lowest == unused) ++lowest;
   return static_cast<unsigned long>(painted - lowest) * 4;
 }
