@@ -151,17 +151,23 @@ TEST(RigController, DrivesOverTheRoadsOfTheSimulation) {
 }
 
 // Fault. A trap in the loop's thread (which a signal from outside reaches) or in the one that writes the recording:
-// valves safe, command back to rest, then the end that the trap would have been.
+// valves safe, command back to rest, then the end that the trap would have been. However busy the machine is: late
+// periods do not end this run, and the way back of some millimetres has 8.5 s.
 TEST(RigController, MovesTheCommandToRestAfterATrap) {
   for (const bool in_the_loop : {true, false}) {
     const TemporaryFolder folder;
     const std::string out = folder / "run.csv";
-    Controller running({"--rig", rig_file("paper_hil_fdva"), "--simulated", "--no-realtime", "--duration", "600",
-                        "--road", "iso8608:C", "--out", out});
+    const std::string rig = folder.write(
+        "slow.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0", "sample_rate = 100.0") +
+                         "[controller]\nlate_in_a_row = 1000\n");
+    Controller running(
+        {"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--road", "iso8608:A", "--out", out});
     ASSERT_TRUE(running.says("running: "));
-    for (int i = 0; i < 2000 && std::filesystem::file_size(out) < 200'000 && running.program.running(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    const auto rows = [&] {
+      const std::string text = TemporaryFolder::read(out);
+      return std::count(text.begin(), text.end(), '\n');
+    };
+    for (int i = 0; i < 2000 && rows() < 50; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     const pid_t id = running.program.id();
     pid_t target = id;
     for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(id) + "/task")) {
@@ -175,7 +181,7 @@ TEST(RigController, MovesTheCommandToRestAfterATrap) {
     EXPECT_NE(ended.errors.find("ended by a trap of the program; valves safe, command at rest, from "),
               std::string::npos)
         << ended.errors;
-    EXPECT_GT(host_sim::read_recording(out, {}, 1000.0).size(), 500U);
+    EXPECT_EQ(TemporaryFolder::read(out).back(), '\n') << "whole rows";
   }
 }
 
