@@ -2,7 +2,8 @@
 # real_time.bash [SECONDS [PRIORITY]] -- by hand: what the loop of rig_controller takes on this machine, and its wake-up latency beside
 # that of cyclictest (package rt-tests) in the same minute with the same priority. With real-time rights where this machine
 # grants them, and says so where not. Wanted: step time at most 5 us at P99.9, wake-up latency at most 1.2 times cyclictest's at
-# P99. Nothing fails here: a busy machine is no fault of the program.
+# P99. The simulated rig moves between waking up and looking at the clock: its few microseconds count against rig_controller here,
+# not in the guest. Nothing fails: a busy machine is no fault of the program.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 seconds=${1:-20}
@@ -42,6 +43,7 @@ step=$(sed -n 's/.*step time .*P99\.9: *\([0-9.]*\) .*/\1/p' "$folder/paper_hil_
 ours=$(sed -n 's/.*wake-up latency .*P99: *\([0-9.]*\) .*/\1/p' "$folder/paper_hil_fdva")
 awk -v step="$step" 'BEGIN { printf "loop overhead P99.9: %.1f us, wanted 5 us at most: %s\n", step, step <= 5 ? "kept" : "NOT KEPT here" }'
 command -v cyclictest >/dev/null || { echo "cyclictest is missing (package rt-tests): no comparison"; exit 0; }
-cyclictest -q -t1 -i1000 -l$((seconds * 1000)) -h100000 "${as_cyclictest[@]}" >"$folder/cyclictest"
+cyclictest -q -t1 -i1000 -l$((seconds * 1000)) -h100000 "${as_cyclictest[@]}" >"$folder/cyclictest" ||
+  { echo "cyclictest ended with status $?: no comparison"; exit 0; }
 theirs=$(awk '/^[0-9]/ { n[NR] = $2; at[NR] = $1; all += $2; last = NR } END { for (i = 1; i <= last; ++i) if ((seen += n[i]) >= 0.99 * all) { print at[i] + 0; exit } }' "$folder/cyclictest")
 awk -v ours="$ours" -v theirs="$theirs" 'BEGIN { printf "wake-up latency P99: rig_controller %.1f us, cyclictest %.1f us (whole ones), ratio %.2f, wanted 1.2 at most\n", ours, theirs, theirs > 0 ? ours / theirs : 0 }'
