@@ -41,9 +41,9 @@ for rig in paper_hil_fdva paper_rig_fdva; do
 done
 step=$(sed -n 's/.*step time .*P99\.9: *\([0-9.]*\) .*/\1/p' "$folder/paper_hil_fdva")
 ours=$(sed -n 's/.*wake-up latency .*P99: *\([0-9.]*\) .*/\1/p' "$folder/paper_hil_fdva")
-awk -v step="$step" 'BEGIN { printf "loop overhead P99.9: %.1f us, wanted 5 us at most: %s\n", step, step <= 5 ? "kept" : "NOT KEPT here" }'
+awk -v step="$step" 'BEGIN { printf "loop overhead P99.9: %.1f us, wanted 5 us at most: %s\n", step, (step <= 5 ? "kept" : "NOT KEPT here") }'
 command -v cyclictest >/dev/null || { echo "cyclictest is missing (package rt-tests): no comparison"; exit 0; }
 cyclictest -q -t1 -i1000 -l$((seconds * 1000)) -h100000 "${as_cyclictest[@]}" >"$folder/cyclictest" ||
   { echo "cyclictest ended with status $?: no comparison"; exit 0; }
 theirs=$(awk '/^[0-9]/ { n[NR] = $2; at[NR] = $1; all += $2; last = NR } END { for (i = 1; i <= last; ++i) if ((seen += n[i]) >= 0.99 * all) { print at[i] + 0; exit } }' "$folder/cyclictest")
-awk -v ours="$ours" -v theirs="$theirs" 'BEGIN { printf "wake-up latency P99: rig_controller %.1f us, cyclictest %.1f us (whole ones), ratio %.2f, wanted 1.2 at most\n", ours, theirs, theirs > 0 ? ours / theirs : 0 }'
+awk -v ours="$ours" -v theirs="$theirs" 'BEGIN { printf "wake-up latency P99: rig_controller %.1f us, cyclictest %.1f us (whole ones), ratio %.2f, wanted 1.2 at most\n", ours, theirs, (theirs > 0 ? ours / theirs : 0) }'
