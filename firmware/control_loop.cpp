@@ -69,6 +69,7 @@ void ControlLoop::step() {
   record.sample = mode_ == Mode::running ? sample_ : 0;
   record.time = now;
   record.due = due_ - settings_.period;
+  record.late = lateness_;
   record.mode = mode_;
   if (car_alive_) car_->receive_force(car_state_, samples_.value(Channel::F));
   note_values(record);
@@ -90,8 +91,8 @@ void ControlLoop::step() {
 
 void ControlLoop::keep_time(hal::Time now) {
   if (due_ == hal::never) due_ = now;
-  const hal::Time lateness = now - due_;
-  if (lateness > hal::seconds(settings_.limits.late_after * period_)) {
+  lateness_ = now - due_;
+  if (lateness_ > hal::seconds(settings_.limits.late_after * period_)) {
     ++counters_.late_periods;
     if (late_in_a_row_ < settings_.limits.late_in_a_row) ++late_in_a_row_;
     due_ = now;

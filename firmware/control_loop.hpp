@@ -117,6 +117,7 @@ class ControlLoop {
   Trip trip_{};
   Counters counters_{};
   hal::Time due_ = hal::never;
+  hal::Time lateness_{};  ///< of this period
   int late_in_a_row_ = 0;
   int failed_commands_in_a_row_ = 0;
   std::uint64_t periods_ = 0;

@@ -21,8 +21,8 @@ namespace firmware {
 /// a cycle, where the deflection turns from falling to rising; a hazard after energy_cycles cycles in a row with W >
 /// energy_gain · D, of cycles that are wider than energy_quiet. Some ten additions and products a period.
 ///
-/// Leaves out: damping and friction of guides, which take energy as well (the guard then trips early); what the road
-/// does through the tyre's damper.
+/// Leaves out: what the road does through the tyre's damper. Guides there are none: in a hil rig body and wheel are
+/// numbers, and a rig description that gives them drag or friction is refused.
 class EnergyGuard {
  public:
   /// b̃ [N s/m], b_t [N s/m] ≥ 0.

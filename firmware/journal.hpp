@@ -38,6 +38,7 @@ struct Record {
   std::uint64_t sample = 0;   ///< k since running began, in mode running
   hal::Time time{};           ///< of this instant, t_k
   hal::Time due{};            ///< when it should have begun; a late period is due when it begins
+  hal::Time late{};           ///< how long after its instant it began, of a late period too
   Mode mode = Mode::idle;     ///< that this instant belongs to; the period that trips still belongs to the run
   Trip trip{};                ///< why the last run ended; nothing before, and again from the next start on
   std::uint16_t bridged = 0;  ///< bit i: channel i was bad and bridged

@@ -92,6 +92,7 @@ void print(const RecordingComparison& recording) {
   std::printf("%s: %.4g s, driven by %s, started %s\n", recording.source.c_str(), recording.duration,
               std::string(model::name(recording.input)).c_str(),
               recording.started_at_rest ? "at rest" : "in mid-motion (state estimated)");
+  if (!recording.remark.empty()) std::printf("  %s\n", recording.remark.c_str());
   std::printf("  %-7s %9s %13s %13s %9s   %s\n", "channel", "nrmse", "rms error", "rms data", "clipped",
               "most of the error");
   for (const ChannelComparison& c : recording.channels) {
@@ -176,6 +177,7 @@ void compare(const CompareOptions& options) {
                                     {"duration", r.duration},
                                     {"input", model::name(r.input)},
                                     {"started_at_rest", r.started_at_rest},
+                                    {"missing_samples", r.missing},
                                     {"channels", channels_json(r.channels)}});
     }
     const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

@@ -1,5 +1,6 @@
 #include "host_sim/comparison.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -18,11 +19,14 @@ ComparedRecording::ComparedRecording(const RigDescription& description, Recordin
     if (!recording_.has(channel)) continue;
     const auto& data = recording_[channel];
     Judged judged{channel, 0.0, {}, 0};
-    if (const auto& range = range_[index(channel)]) {
-      judged.trusted.resize(data.size());
+    const auto& filled = recording_.filled;
+    if (const auto& range = range_[index(channel)]; range || !filled.empty()) {
+      judged.trusted.assign(data.size(), true);
       for (std::size_t k = 0; k < data.size(); ++k) {
-        judged.trusted[k] = range->holds(data[k]);
-        if (!judged.trusted[k]) ++judged.clipped;
+        const bool recorded = filled.empty() || !filled[k];
+        const bool within = !range || range->holds(data[k]);
+        judged.trusted[k] = recorded && within;
+        if (recorded && !within) ++judged.clipped;
       }
     }
     double sum = 0.0, squares = 0.0, count = 0.0;
@@ -36,6 +40,7 @@ ComparedRecording::ComparedRecording(const RigDescription& description, Recordin
       if (trusted(judged, k)) squares += (data[k] - mean) * (data[k] - mean);
     }
     judged.data_rms = count > 0.0 ? std::sqrt(squares / count) : 0.0;
+    judged.count = count;
     judged_.push_back(std::move(judged));
   }
   if (judged_.empty()) {
@@ -68,7 +73,7 @@ void ComparedRecording::residuals(const Response& response, std::vector<double>&
     if (!(judged.data_rms > 0.0)) continue;
     const auto& data = recording_[judged.channel];
     const auto& simulated = response[index(judged.channel)];
-    const double weight = 1.0 / (judged.data_rms * std::sqrt(static_cast<double>(data.size() - judged.clipped)));
+    const double weight = 1.0 / (judged.data_rms * std::sqrt(judged.count));
     for (std::size_t k = 0; k < data.size(); ++k) {
       out.push_back(trusted(judged, k) ? weight * (simulated[k] - data[k]) : 0.0);
     }
@@ -78,7 +83,9 @@ void ComparedRecording::residuals(const Response& response, std::vector<double>&
 RecordingComparison ComparedRecording::compare(const Response& response) const {
   const double rate = 1.0 / recording_.sample_period;
   RecordingComparison result{
-      recording_.source, static_cast<double>(recording_.size()) / rate, drive_.channel, at_rest_, {}};
+      recording_.source, static_cast<double>(recording_.size()) / rate, drive_.channel, at_rest_, {}, 0, {}};
+  result.missing = static_cast<std::size_t>(std::count(recording_.filled.begin(), recording_.filled.end(), true));
+  result.remark = recording_.remark;
   const std::vector<Band> bands = resolved_bands(recording_.size(), rate);
   for (const Judged& judged : judged_) {
     const auto& data = recording_[judged.channel];
@@ -91,7 +98,7 @@ RecordingComparison ComparedRecording::compare(const Response& response) const {
       squares += error[k] * error[k];
     }
     ChannelComparison channel{judged.channel, 0.0, 0.0, judged.data_rms, judged.clipped, {}};
-    channel.error_rms = std::sqrt(squares / static_cast<double>(data.size() - judged.clipped));
+    channel.error_rms = std::sqrt(squares / judged.count);
     channel.nrmse =
         judged.data_rms > 0.0 ? channel.error_rms / judged.data_rms : std::numeric_limits<double>::quiet_NaN();
     const BandRms error_bands = band_rms(error, rate, bands);

@@ -38,6 +38,8 @@ struct RecordingComparison {
   model::Channel input;  ///< that drove the simulation
   bool started_at_rest;
   std::vector<ChannelComparison> channels;
+  std::size_t missing = 0;  ///< samples of each channel that were not recorded: left out as well
+  std::string remark;       ///< a line on them; empty: none
 };
 
 /// How the state at the first sample is found.
@@ -66,6 +68,7 @@ class ComparedRecording {
     double data_rms;            ///< about the mean
     std::vector<bool> trusted;  ///< empty: all samples
     std::size_t clipped = 0;
+    double count = 0.0;  ///< of the samples that are trusted
   };
   [[nodiscard]] bool trusted(const Judged& judged, std::size_t k) const {
     return judged.trusted.empty() || judged.trusted[k];

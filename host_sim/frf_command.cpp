@@ -209,6 +209,9 @@ void measure_responses(const FrfOptions& options) {
   for (const auto& file : options.data) {
     recordings.push_back(rig ? read_recording(file, rig->channels, rig->sample_rate) : read_recording(file));
   }
+  for (const Recording& recording : recordings) {
+    if (!recording.remark.empty()) std::fprintf(stderr, "%s\n", recording.remark.c_str());
+  }
   demand("--block", options.block, static_cast<double>(frf::shortest_block) * recordings.front().sample_period, 1e6);
   const std::string story = choose_estimator(options, rig ? &*rig : nullptr, recordings, request);
   const Responses result = estimate_responses(recordings, request);

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "host_sim/input_error.hpp"
-#include "host_sim/recording.hpp"
 
 namespace host_sim {
 
@@ -26,11 +25,11 @@ bool is_over_way(const std::filesystem::path& file) {
 
 }  // namespace
 
-FootPointMotion road_from_file(const std::filesystem::path& file, double speed, double sample_rate,
-                               std::size_t samples) {
+FootPointMotion road_from_file(const std::filesystem::path& file, double speed, double sample_rate, std::size_t samples,
+                               RecordingReader read) {
   ChannelMap map;
   if (is_over_way(file)) map["t"] = {"s", 1.0 / speed, 0.0};
-  const Recording road = read_recording(file, map);
+  const Recording road = read(file, map, std::nullopt);
   const auto& z = road.required(model::Channel::z_r, "is the road");
   constexpr std::size_t least = 5;  // points that the differences of fourth order need
   if (z.size() < least) {

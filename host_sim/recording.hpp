@@ -33,7 +33,9 @@ struct Recording {
   std::vector<ExtraColumn> extra;                                  ///< written; what is read never fills it
   std::vector<std::string> comments;                               ///< written above the header of a CSV file
   std::string source;                                              ///< the file, as the user called it
-  std::vector<std::string> ignored_columns;                        ///< header texts of the columns not understood
+  std::vector<bool> filled;  ///< rows that were not recorded whole, see host_sim/recording_gaps.hpp; empty: none
+  std::string remark;        ///< a line on late periods and on what was filled; empty: nothing to say
+  std::vector<std::string> ignored_columns;  ///< header texts of the columns not understood
 
   [[nodiscard]] std::size_t size() const { return time.size(); }
   [[nodiscard]] bool has(model::Channel channel) const { return !channels[model::index(channel)].empty(); }
@@ -64,7 +66,9 @@ struct Recording {
 ///   units      a unit in a header is the SI unit, unless the map has an entry for the column
 ///
 /// Without expected_rate the recording's own mean step is T. A file that rigtwin wrote says so in its first comment;
-/// its channels have their own names and SI units whatever the map says (see recording_mark).
+/// its channels have their own names and SI units whatever the map says (see recording_mark). One that rig_controller
+/// wrote has a column `late` beside it: late periods that it explains are no gaps (host_sim/recording_gaps.hpp), and
+/// a last row without its end, cut off by a loss of power, is left out.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& file, const ChannelMap& map = {},
                                        std::optional<double> expected_rate = std::nullopt);
 

@@ -88,6 +88,14 @@ double last_place(const StampRounding& rounding, double largest) {
 
 }  // namespace
 
+const std::vector<double>& Recording::required(model::Channel channel, std::string_view purpose) const {
+  if (!has(channel)) {
+    throw InputError(source, 0, "there is no channel " + std::string(model::name(channel)),
+                     "that channel: it " + std::string(purpose));
+  }
+  return (*this)[channel];
+}
+
 std::string_view name(Quantity quantity) {
   if (quantity == time_quantity) return "t";
   return quantity < first_duct ? model::channel_names[quantity - 1].name : duct_names[quantity - first_duct];
@@ -183,17 +191,22 @@ InputError Place::error(std::size_t k, std::string_view wrong, std::string_view 
   return {source, 0, "sample " + std::to_string(k + 1) + ": " + std::string(wrong), expected};
 }
 
-void check_time(Recording& recording, const StampRounding& rounding, const Place& place,
-                std::optional<double> expected_rate) {
+void check_time_rises(const Recording& recording, const Place& place) {
   const std::vector<double>& time = recording.time;
-  const std::size_t n = time.size();
-  if (n < 2) throw place.error(0, "there is only one sample", "at least two");
-  for (std::size_t k = 1; k < n; ++k) {
+  for (std::size_t k = 1; k < time.size(); ++k) {
     if (time[k] > time[k - 1]) continue;
     const std::string stamp = shortest(time[k]) + " follows " + shortest(time[k - 1]);
     if (time[k] == time[k - 1]) throw place.error(k, "time stands still: " + stamp, "a later time in each sample");
     throw place.error(k, "time runs backwards: " + stamp, "a later time in each sample");
   }
+}
+
+void check_time(Recording& recording, const StampRounding& rounding, const Place& place,
+                std::optional<double> expected_rate) {
+  const std::vector<double>& time = recording.time;
+  const std::size_t n = time.size();
+  if (n < 2) throw place.error(0, "there is only one sample", "at least two");
+  check_time_rises(recording, place);
 
   constexpr double jitter = 1e-3;       // of T; these two are explained at read_recording
   constexpr double clock_error = 1e-4;  // of T

@@ -75,14 +75,29 @@ struct StampRounding {
   double scale = 1.0;           ///< [s / unit of the stamps]
 };
 
+/// An InputError unless each time is later than the one before.
+void check_time_rises(const Recording& recording, const Place& place);
+
 /// The checks of read_recording on `time`; sets the sample period.
 void check_time(Recording& recording, const StampRounding& rounding, const Place& place,
                 std::optional<double> expected_rate);
 
 /// Reads an opened CSV file of which the first bytes, `head`, have been taken, in blocks of `block` bytes.
-[[nodiscard]] Recording read_recording_csv(int descriptor, std::string head, std::string_view source,
+[[nodiscard]] Recording read_recording_csv(int descriptor, std::string_view head, std::string_view source,
                                            const ChannelMap& map, std::optional<double> expected_rate,
                                            std::size_t block = std::size_t{1} << 20U);
+
+/// read_recording for a program without MATLAB files: those are an InputError.
+[[nodiscard]] Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap& map,
+                                           std::optional<double> expected_rate);
+
+/// A CSV recording row by row as it stands in the file, for a replay: times must rise and nothing else; a controller's
+/// nan are kept, its gaps are not filled.
+struct AsRecorded {
+  Recording recording;
+  std::vector<double> late;  ///< of each row of a controller's recording [s]; empty: anybody else's
+};
+[[nodiscard]] AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map);
 
 /// Hands the CSV text over piece by piece: of an hour it is more than the recording itself.
 void format_recording_csv(const Recording& recording, const std::function<void(std::string_view)>& take);

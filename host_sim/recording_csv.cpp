@@ -14,6 +14,8 @@
 #include <utility>
 
 #include "host_sim/recording_columns.hpp"
+#include "host_sim/recording_file.hpp"
+#include "host_sim/recording_gaps.hpp"
 
 namespace host_sim {
 namespace {
@@ -77,7 +79,25 @@ class CsvReader {
   }
 
   Recording finish(std::optional<double> expected_rate) {
-    if (!rest_.empty()) read_line(std::exchange(rest_, {}));
+    take_last_row();
+    const std::string& source = recording_.source;
+    if (by_controller()) fill_gaps(recording_, late_, {source, first_row_}, expected_rate);
+    check_time(recording_, rounding_, {source, first_row_}, expected_rate);
+    if (!rest_.empty()) {
+      recording_.remark += (recording_.remark.empty() ? one_line(source) + ": " : "; ") + "the last row is torn";
+    }
+    return std::move(recording_);
+  }
+
+  AsRecorded finish_as_recorded() {
+    take_last_row();
+    check_time_rises(recording_, {recording_.source, first_row_});
+    return {std::move(recording_), std::move(late_)};
+  }
+
+ private:
+  void take_last_row() {
+    if (!rest_.empty() && !by_controller()) read_line(std::exchange(rest_, {}));
     const std::string& source = recording_.source;
     if (line_ == 0) throw InputError(source, 0, "the file is empty", "a header line such as t,z_r,F_w");
     if (columns_.empty()) throw InputError(source, line_, "there is no header line", "one such as t,z_r,F_w");
@@ -87,11 +107,8 @@ class CsvReader {
         if (column.values != nullptr) column.values->shrink_to_fit();
       }
     }
-    check_time(recording_, rounding_, {source, first_row_}, expected_rate);
-    return std::move(recording_);
   }
 
- private:
   struct Column {
     std::vector<double>* values = nullptr;  // nullptr: ignored
     Target target{};
@@ -100,6 +117,8 @@ class CsvReader {
   [[noreturn]] void fail(std::string_view wrong, std::string_view expected) const {
     throw InputError(recording_.source, line_, wrong, expected);
   }
+
+  [[nodiscard]] bool by_controller() const { return late_column_; }
 
   void refuse_endless_line() {
     if (rest_.size() > longest_line) read_line(rest_);
@@ -147,6 +166,8 @@ class CsvReader {
         columns_.back() = {&values(recording_, targets[c]->quantity), *targets[c]};
       } else {
         recording_.ignored_columns.push_back(headings[c].text);
+        late_column_ = late_column_ || (own_ && headings[c].name == "late");
+        if (late_column_ && headings[c].name == "late") columns_.back() = {&late_, Target{time_quantity}};
       }
     }
     rounding_ = {0, 0, 1.0};
@@ -187,7 +208,8 @@ class CsvReader {
       while (p != end && is_blank(*p)) ++p;
       if (p != end && *p != ',') fail_row(row);
       const double value = column.target.value(number);
-      if (!std::isfinite(value) || column.target.quantity >= first_duct) {
+      const bool lost = by_controller() && std::isnan(value) && column.target.quantity != time_quantity;
+      if ((!std::isfinite(value) && !lost) || column.target.quantity >= first_duct) {
         if (const Objection objection = object_to(column.target.quantity, value)) {
           check_field_count(row);
           fail(objection.wrong, objection.expected);
@@ -260,7 +282,9 @@ class CsvReader {
   std::size_t line_ = 0;
   std::size_t first_row_ = 0;
   std::size_t empty_line_ = 0;
-  bool own_ = false;  // written by rigtwin
+  bool own_ = false;          // written by rigtwin
+  bool late_column_ = false;  // by rig_controller
+  std::vector<double> late_;  // of each row [s]
 };
 
 void append(std::string& text, double value) {
@@ -270,9 +294,9 @@ void append(std::string& text, double value) {
 
 }  // namespace
 
-Recording read_recording_csv(int descriptor, std::string head, std::string_view source, const ChannelMap& map,
-                             std::optional<double> expected_rate, std::size_t block) {
-  CsvReader reader(source, map);
+namespace {
+
+void read_all(CsvReader& reader, int descriptor, std::string_view head, std::string_view source, std::size_t block) {
   struct stat status {};
   const bool sized = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0;
   reader.take(head);
@@ -287,7 +311,34 @@ Recording read_recording_csv(int descriptor, std::string head, std::string_view 
     taken += static_cast<std::size_t>(got);
     if (!std::exchange(room_made, true)) reader.expect(taken, static_cast<std::size_t>(status.st_size));
   }
+}
+
+void refuse_matlab(const RecordingFile& file, const std::filesystem::path& name) {
+  if (file.is_matlab()) throw InputError(name.string(), 0, "is a MATLAB file", "CSV: this program reads no other");
+}
+
+}  // namespace
+
+Recording read_recording_csv(int descriptor, std::string_view head, std::string_view source, const ChannelMap& map,
+                             std::optional<double> expected_rate, std::size_t block) {
+  CsvReader reader(source, map);
+  read_all(reader, descriptor, head, source, block);
   return reader.finish(expected_rate);
+}
+
+Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap& map,
+                             std::optional<double> expected_rate) {
+  const RecordingFile opened(file);
+  refuse_matlab(opened, file);
+  return read_recording_csv(opened.descriptor(), opened.head(), file.string(), map, expected_rate);
+}
+
+AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map) {
+  const RecordingFile opened(file);
+  refuse_matlab(opened, file);
+  CsvReader reader(file.string(), map);
+  read_all(reader, opened.descriptor(), opened.head(), file.string(), std::size_t{1} << 20U);
+  return reader.finish_as_recorded();
 }
 
 Recording parse_recording_csv(std::string_view text, std::string_view source, const ChannelMap& map,

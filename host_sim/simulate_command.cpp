@@ -6,36 +6,14 @@
 #include "host_sim/closed_loop.hpp"
 #include "host_sim/command_line.hpp"
 #include "host_sim/input_error.hpp"
-#include "host_sim/profile_file.hpp"
 #include "host_sim/progress.hpp"
 #include "host_sim/recording_columns.hpp"
-#include "host_sim/road.hpp"
+#include "host_sim/road_choice.hpp"
 #include "host_sim/trace.hpp"
 #include "host_sim/version.hpp"
 
 namespace host_sim {
 namespace {
-
-FootPointMotion road_of(const SimulateOptions& options, const RigDescription& rig, std::size_t samples) {
-  constexpr std::string_view standard = "iso8608:";
-  if (!options.road.starts_with(standard)) {
-    if (options.bandwidth || options.cut_off) {
-      throw UsageError("--bandwidth and --cut-off shape an ISO 8608 road, expected neither with a road from a file");
-    }
-    return road_from_file(options.road, options.speed, rig.sample_rate, samples);
-  }
-  IsoRoad road;
-  road.roughness = class_roughness(options.road.substr(standard.size()));
-  road.speed = options.speed;
-  road.cut_off = options.cut_off.value_or(road.cut_off);
-  road.seed = options.seed;
-  road.bandwidth = options.bandwidth.value_or(default_bandwidth(rig.rig.kind, rig.sample_rate));
-  if (road.bandwidth > 0.2 * rig.sample_rate) {
-    throw UsageError("--bandwidth is above a fifth of the sample rate, expected at most " +
-                     shortest(0.2 * rig.sample_rate) + " Hz for this rig");
-  }
-  return drive_over(road, rig.sample_rate, samples);
-}
 
 /// What a trip says to a person: reason, channel, value, limit, time.
 std::string describe(const firmware::Trip& trip) {
@@ -75,15 +53,9 @@ void print_channels(const Recording& recording) {
 
 void simulate(const SimulateOptions& options) {
   const RigDescription rig = read_rig(options.rig);
-  constexpr double most = 1e7;  // samples: the whole run is kept in memory, about 200 bytes a sample
-  const double wanted = options.duration * rig.sample_rate;
-  if (!(wanted >= 1.0 && wanted <= most)) {
-    throw UsageError("--duration " + shortest(options.duration) + " does not fit, expected " +
-                     shortest(1.0 / rig.sample_rate) + " to " + shortest(most / rig.sample_rate) +
-                     " s at the sample rate of this rig");
-  }
-  const auto samples = static_cast<std::size_t>(std::llround(wanted));
-  const FootPointMotion motion = excitation(rig.rig, road_of(options, rig, samples), rig.sample_rate);
+  const std::size_t samples = samples_of(options.duration, rig.sample_rate);
+  const RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
+  const FootPointMotion motion = excitation(rig.rig, motion_over(road, rig, samples, read_recording), rig.sample_rate);
 
   Progress progress("simulate");
   RunOptions run_options;

@@ -1,6 +1,7 @@
 // Who plays the roles of the rig.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -21,6 +22,8 @@ class Devices {
   [[nodiscard]] virtual hal::Rig roles() = 0;
   /// Lines on what a user should know, once the run has lasted; empty: nothing.
   [[nodiscard]] virtual std::string warnings() const { return {}; }
+  /// Of a recording that is replayed; 0: devices.
+  [[nodiscard]] virtual std::size_t rows() const { return 0; }
   /// What was opened, a line each.
   [[nodiscard]] virtual std::string text() const = 0;
 };

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "firmware/controller/devices.hpp"
+#include "firmware/controller/replay_devices.hpp"
 #include "firmware/controller/simulated_devices.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/gpio_roles.hpp"
@@ -177,6 +178,7 @@ class LinuxDevices final : public Devices {
 
 std::unique_ptr<Devices> open_devices(const host_sim::RigDescription& rig, const Options& options,
                                       std::string& trouble) {
+  if (!options.replay.empty()) return replay_devices(rig, options);
   if (options.simulated) return simulate_devices(rig, options);
   auto devices = std::make_unique<LinuxDevices>();
   trouble = devices->open(rig);

@@ -9,13 +9,18 @@ namespace firmware::controller {
 const char* const usage =
     R"(rig_controller drives a rig by the program that `rigtwin simulate` runs, on real lines and converters, in real time.
 
-  rig_controller --rig RIG.toml --out RUN.csv [--road iso8608:B] [--speed 27.78] [--duration 60] [--seed 1]
+  rig_controller --rig RIG.toml --out RUN.csv [--road iso8608:B | --road FILE.csv] [--speed 27.78]
+                 [--duration 60] [--seed 1] [--bandwidth HZ] [--cut-off HZ]
   rig_controller --rig RIG.toml --check     lines, converters, rights, limits: everything but motion
   rig_controller --list                     GPIO chips and lines, converters and triggers that are there
 
   --no-realtime     run without real-time rights; the recording says so
   --simulated       the rig's model in place of its devices, in real time
   --virtual-time    with --simulated: nobody sleeps, the same bits on every machine
+  --replay FILE.csv what a recording's sensors said in place of devices, in its own time; nobody sleeps. With the road of
+                    that run: the same bits as then
+
+Roads are those of `rigtwin simulate`: ISO 8608 classes A … H, or z_r [m] over t [s] or s [m] in a CSV file.
 
 Signals: TERM, INT stop the run in good order; USR1 prints the histograms.
 Exit status: 0 done, 2 wrong usage, 3 unfit rig description, 4 cannot write, 5 internal, 6 devices or rights are missing,
@@ -52,7 +57,8 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       options.virtual_time = true;
     } else {
       const bool known = word == "--rig" || word == "--out" || word == "--road" || word == "--speed" ||
-                         word == "--duration" || word == "--seed";
+                         word == "--duration" || word == "--seed" || word == "--replay" || word == "--bandwidth" ||
+                         word == "--cut-off";
       if (!known) {
         trouble = "unknown option " + std::string(word) + ", see rig_controller --help";
         return options;
@@ -69,6 +75,13 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       if (word == "--speed") fits = read(value, options.speed) && options.speed > 0.0 && options.speed < 1e3;
       if (word == "--duration")
         fits = read(value, options.duration) && options.duration > 0.0 && options.duration < 1e6;
+      if (word == "--replay") options.replay = value;
+      for (auto [name, frequency] : {std::pair{"--bandwidth", &options.bandwidth}, {"--cut-off", &options.cut_off}}) {
+        double number = 0.0;
+        if (word != name) continue;
+        fits = read(value, number) && number > 0.0;
+        *frequency = number;
+      }
       if (word == "--seed") fits = read(value, options.seed);
       if (!fits) trouble = std::string(word) + " " + std::string(value) + " does not fit, expected a number above 0";
     }
@@ -78,6 +91,11 @@ Options read_options(int argc, char** argv, std::string& trouble) {
   if (options.rig.empty()) trouble = "--rig is missing, expected a rig description";
   if (options.task == Task::run && options.out.empty()) trouble = "--out is missing, expected the recording's name";
   if (options.virtual_time && !options.simulated) trouble = "--virtual-time needs --simulated: a rig has its own time";
+  if (!options.replay.empty()) {
+    if (options.simulated) trouble = "--replay and --simulated: expected one of them";
+    if (options.replay == options.out) trouble = "--replay and --out name one file, expected two";
+    options.virtual_time = true;
+  }
   return options;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace firmware::controller {
@@ -16,8 +17,11 @@ struct Options {
   double duration = 60.0;  ///< [s]
   std::uint64_t seed = 1;
   bool realtime = true;
-  bool simulated = false;     ///< the rig's model instead of devices
-  bool virtual_time = false;  ///< simulated, and nobody sleeps
+  bool simulated = false;           ///< the rig's model instead of devices
+  bool virtual_time = false;        ///< simulated, and nobody sleeps
+  std::string replay;               ///< the recording in place of devices; empty: none
+  std::optional<double> bandwidth;  ///< of an ISO 8608 road [Hz]
+  std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]
 };
 
 /// The options, or in `trouble` the line that says what is wrong.

@@ -70,7 +70,7 @@ void Recorder::take(const Record& record) {
       number(v);
     }
   }
-  for (const hal::Time span : {record.time - record.due, record.time - oldest}) {
+  for (const hal::Time span : {record.late, record.time - oldest}) {
     buffer_ += ',';
     number(span.seconds());
   }

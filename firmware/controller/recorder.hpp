@@ -17,9 +17,10 @@ namespace firmware::controller {
 /// the recording with the last row that fits. The file lies under its own name from the start, for whoever pulls the
 /// plug.
 ///
-/// Columns: t – the loop's own grid since the run began, so that a period which began late shows as a gap –, what is
-/// measured or computed, ducts, for a quarter_car the estimates, and for every rig
-///   late [s]   how long after its instant the period began
+/// Columns: t – the loop's own grid since the run began: a step of one period, and after a late period, which moves the
+/// grid, longer by what `late` says –, what is measured or computed, ducts, for a quarter_car the estimates, and for
+/// every rig
+///   late [s]   how long after its instant the period began; the readers explain longer steps by it
 ///   age [s]    of its oldest sample
 class Recorder {
  public:

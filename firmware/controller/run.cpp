@@ -17,6 +17,7 @@
 
 #include "firmware/control_loop.hpp"
 #include "firmware/controller/devices.hpp"
+#include "firmware/controller/emergency.hpp"
 #include "firmware/controller/heap_seal.hpp"
 #include "firmware/controller/histogram.hpp"
 #include "firmware/controller/real_time.hpp"
@@ -26,7 +27,8 @@
 #include "hal/linux/iio.hpp"
 #include "host_sim/closed_loop.hpp"
 #include "host_sim/input_error.hpp"
-#include "host_sim/road.hpp"
+#include "host_sim/recording_columns.hpp"
+#include "host_sim/road_choice.hpp"
 #include "host_sim/version.hpp"
 
 namespace firmware::controller {
@@ -75,32 +77,6 @@ void notify(const char* state) {
   static_cast<void>(::sendto(socket, state, std::strlen(state), 0, reinterpret_cast<const sockaddr*>(&address), size) <
                     0);
   ::close(socket);
-}
-
-// A trap has only this: the valves to the safe position in one call, one line, and the end that the trap would have
-// been.
-hal::ValveBank* emergency_valves = nullptr;
-
-void on_trap(int signal) {
-  if (emergency_valves != nullptr) static_cast<void>(!emergency_valves->write(emergency_valves->safe_position()));
-  constexpr char words[] = "rig_controller: ended by a trap of the program; valves safe, command held, no heartbeat\n";
-  static_cast<void>(!::write(STDERR_FILENO, words, sizeof words - 1));
-  ::signal(signal, SIG_DFL);
-  ::raise(signal);
-}
-
-void catch_traps(hal::ValveBank& valves) {
-  emergency_valves = &valves;
-  static char stack[64 * 1024];
-  stack_t own{};
-  own.ss_sp = stack;
-  own.ss_size = sizeof stack;
-  ::sigaltstack(&own, nullptr);
-  struct sigaction action {};
-  action.sa_handler = on_trap;
-  action.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND);
-  ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
-  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) ::sigaction(signal, &action, nullptr);
 }
 
 /// Reads the journal in a thread of its own: recording, signals, watchdog.
@@ -210,40 +186,43 @@ void drain(const hal::Rig& roles, hal::Time period) {
   }
 }
 
-host_sim::FootPointMotion motion_of(const Options& options, const host_sim::RigDescription& rig) {
-  constexpr std::string_view standard = "iso8608:";
-  if (!options.road.starts_with(standard)) {
-    throw host_sim::UsageError("--road " + options.road + " is not known, expected iso8608:A … iso8608:H");
+host_sim::FootPointMotion motion_of(const Options& options, const host_sim::RigDescription& rig, std::size_t rows) {
+  const std::size_t samples = host_sim::samples_of(options.duration, rig.sample_rate);
+  const host_sim::RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
+  auto motion = host_sim::excitation(
+      rig.rig, host_sim::motion_over(road, rig, rows > 0 ? rows : samples, host_sim::read_csv_recording),
+      rig.sample_rate);
+  if (rows > 0 && rig.rig.kind != model::RigKind::hil && !motion.empty() && motion.front().position != 0.0) {
+    throw host_sim::UsageError("--replay of a road that begins elsewhere than at 0: its recording lacks the way there");
   }
-  const double samples = std::round(options.duration * rig.sample_rate);
-  if (!(samples >= 1.0 && samples <= 1e7)) {
-    throw host_sim::UsageError("--duration does not fit, expected 1 to 10 million samples at the rig's rate");
-  }
-  host_sim::IsoRoad road;
-  road.roughness = host_sim::class_roughness(options.road.substr(standard.size()));
-  road.speed = options.speed;
-  road.seed = options.seed;
-  road.bandwidth = host_sim::default_bandwidth(rig.rig.kind, rig.sample_rate);
-  return host_sim::excitation(rig.rig, host_sim::drive_over(road, rig.sample_rate, static_cast<std::size_t>(samples)),
-                              rig.sample_rate);
+  return motion;
 }
 
 Status drive(const Options& options, const host_sim::RigDescription& rig, Devices& devices, Verdict& verdict) {
   Settings settings = host_sim::firmware_settings(rig);
   settings.limits.late_in_a_row = rig.hardware.schedule.late_in_a_row;
-  const hal::Rig roles = devices.roles();
+  const hal::Rig opened = devices.roles();
+  RememberedCommand command(opened.command);
+  const hal::Rig roles{opened.clock, opened.sensors, opened.valves, command, opened.stop_button, opened.heartbeat};
   const ValvePlan valves = host_sim::valve_plan(rig);
   if (const auto wrong = ControlLoop::check(settings, rig.rig, roles, valves); !wrong.empty()) {
     std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
     return Status::unfit_input;
   }
-  const host_sim::FootPointMotion motion = motion_of(options, rig);
+  const host_sim::FootPointMotion motion = motion_of(options, rig, devices.rows());
   TableReference reference(motion);
   std::vector<Record> storage(journal_records);
   Journal journal(storage);
   const auto loop = std::make_unique<ControlLoop>(settings, rig.rig, roles, reference, valves, journal);
   const auto spans = std::make_unique<Spans>();
-  catch_traps(roles.valves);
+
+  hal::linux::MonotonicClock machine;
+  Retreat retreat(roles.valves, command, machine, settings.ramps, 0.5 * settings.limits.stroke, rig.period());
+  std::atomic<bool> at_rest{false};
+  const auto stop = [](void* running) { static_cast<ControlLoop*>(running)->stop(); };
+  ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
+  catch_traps({&retreat, &command, &at_rest, stop, loop.get(), rig.period()});
+  const ForgetTraps until_the_end;
 
   // Rights before anything moves. The recording's thread is made in between: it shall have the locked memory, not the
   // priority.
@@ -256,7 +235,8 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   look_at_machine(verdict, rig.hardware.schedule.cpu);
   Verdict rights = verdict;
   if (asked) schedule_loop(rights, rig.hardware.schedule.priority, rig.hardware.schedule.cpu);
-  std::fputs(asked ? rights.text().c_str() : "real time: NOT ASKED FOR (--no-realtime, --virtual-time)\n", stdout);
+  std::fputs(asked ? rights.text().c_str() : "real time: NOT ASKED FOR (--no-realtime, --virtual-time, --replay)\n",
+             stdout);
   std::fputs(devices.text().c_str(), stdout);
   std::fflush(stdout);
   if (asked && !rights.granted()) {
@@ -269,7 +249,8 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   Recorder recorder(
       options.out, rig, roles.sensors.setup(),
       {"rig_controller " + std::string(host_sim::version) + ": " + std::string(model::name(rig.rig.kind)) + ", " +
-           options.road + ", seed " + std::to_string(options.seed) + (options.simulated ? ", SIMULATED RIG" : ""),
+           options.road + ", seed " + std::to_string(options.seed) + (options.simulated ? ", SIMULATED RIG" : "") +
+           (options.replay.empty() ? "" : ", REPLAY of " + host_sim::one_line(options.replay)),
        asked ? "real time: " + rights.summary() : "NOT REAL TIME: run without real-time scheduling"},
       trouble);
   if (!trouble.empty()) {
@@ -289,11 +270,10 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   std::printf("running: %s\n", options.out.c_str());
   std::fflush(stdout);
 
-  hal::linux::MonotonicClock machine;
   const double longest_return = 3.0 * rig.controller.stroke / rig.controller.ramp + 2.0;
   hal::Time safe_since = hal::never;
   std::uint64_t periods = 0;
-  if (!options.simulated) drain(roles, settings.period);
+  if (!options.simulated && options.replay.empty()) drain(roles, settings.period);
   seal_heap(true);
   loop->start();
   for (;;) {
@@ -307,12 +287,13 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
     spans->wake_up.add((seen - due).ns);
     spans->step.add((done - woken).ns);
     ++periods;
-    while (options.virtual_time && periods - scribe.taken() > journal_records / 2)
+    while (options.virtual_time && !trapped() && periods - scribe.taken() > journal_records / 2)
       ::usleep(1000);  // nobody is in a hurry
     if (loop->mode() != Mode::safe) continue;
     if (safe_since == hal::never) safe_since = seen;
     if (loop->at_rest() || (seen - safe_since).seconds() > longest_return) break;
   }
+  at_rest.store(loop->at_rest());
   seal_heap(false);
   if (asked) ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
   notify("STOPPING=1");

@@ -1,9 +1,13 @@
 #include "hal/linux/gpio.hpp"
 
 #include <dirent.h>
+#include <poll.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <string_view>
+
+#include "hal/linux/gpio_common.hpp"
 
 namespace hal::linux {
 
@@ -21,6 +25,21 @@ std::vector<std::string> gpio_chip_paths() {
     return a.size() != b.size() ? a.size() < b.size() : a < b;  // 10 after 9
   });
   return paths;
+}
+
+std::string place_of(const std::string& chip, const std::string& line) {
+  return "GPIO line '" + line + "' of chip '" + chip + "'";
+}
+
+Fault fault_of(int error) { return error == EAGAIN || error == EINTR ? Fault::timeout : Fault::disconnected; }
+
+Result<bool> edge_waits(int descriptor) {
+  pollfd ready{descriptor, POLLIN, 0};
+  while (::poll(&ready, 1, 0) < 0) {
+    if (errno != EINTR) return fault_of(errno);
+  }
+  if ((ready.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) return Fault::disconnected;
+  return (ready.revents & POLLIN) != 0;
 }
 
 }  // namespace hal::linux

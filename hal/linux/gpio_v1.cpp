@@ -1,12 +1,11 @@
 // GPIO lines by libgpiod 1.6.
-#include <fcntl.h>
 #include <gpiod.h>
-#include <poll.h>
 
 #include <array>
 #include <cerrno>
 
 #include "hal/linux/gpio.hpp"
+#include "hal/linux/gpio_common.hpp"
 
 namespace hal::linux {
 namespace {
@@ -33,26 +32,20 @@ Chip find_chip(const std::string& label, std::string& trouble) {
   return nullptr;
 }
 
-std::string place(const std::string& chip, const std::string& line) {
-  return "GPIO line '" + line + "' of chip '" + chip + "'";
-}
-
 gpiod_line* find_line(gpiod_chip* chip, const std::string& label, const std::string& name, std::string& trouble) {
   gpiod_line* line = ::gpiod_chip_find_line(chip, name.c_str());
-  if (line == nullptr) trouble = place(label, name) + " is not there; rig_controller --list shows the names";
+  if (line == nullptr) trouble = place_of(label, name) + " is not there; rig_controller --list shows the names";
   return line;
 }
 
 std::string refusal(const std::string& chip, const std::string& name, gpiod_line* line, int error) {
   const char* user = ::gpiod_line_consumer(line);
   if (error == EBUSY) {
-    return place(chip, name) + " is busy, held by '" + (user != nullptr ? user : "the kernel") +
+    return place_of(chip, name) + " is busy, held by '" + (user != nullptr ? user : "the kernel") +
            "'; end that program or choose another line";
   }
-  return place(chip, name) + ": " + words_of(error);
+  return place_of(chip, name) + ": " + words_of(error);
 }
-
-Fault fault_of(int error) { return error == EAGAIN || error == EINTR ? Fault::timeout : Fault::disconnected; }
 
 }  // namespace
 
@@ -145,13 +138,9 @@ Opened<EdgeLine> EdgeLine::open(const Wanted& wanted) {
 Result<EdgeLine::State> EdgeLine::read() {
   State state;
   for (;;) {
-    pollfd ready{line_->descriptor, POLLIN, 0};
-    if (::poll(&ready, 1, 0) < 0) {
-      if (errno == EINTR) continue;
-      return fault_of(errno);
-    }
-    if ((ready.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) return Fault::disconnected;
-    if ((ready.revents & POLLIN) == 0) break;
+    const Result<bool> waits = edge_waits(line_->descriptor);
+    if (!waits) return waits.fault();
+    if (!*waits) break;
     gpiod_line_event event{};
     if (::gpiod_line_event_read_fd(line_->descriptor, &event) != 0) return fault_of(errno);
     if (event.event_type != GPIOD_LINE_EVENT_RISING_EDGE || state.active) continue;

@@ -1,11 +1,11 @@
 // GPIO lines by libgpiod 2.x.
 #include <gpiod.h>
-#include <poll.h>
 
 #include <array>
 #include <cerrno>
 
 #include "hal/linux/gpio.hpp"
+#include "hal/linux/gpio_common.hpp"
 
 namespace hal::linux {
 namespace {
@@ -48,13 +48,9 @@ Chip find_chip(const std::string& label, std::string& trouble) {
   return nullptr;
 }
 
-std::string place(const std::string& chip, const std::string& line) {
-  return "GPIO line '" + line + "' of chip '" + chip + "'";
-}
-
 int find_line(gpiod_chip* chip, const std::string& label, const std::string& name, std::string& trouble) {
   const int offset = ::gpiod_chip_get_line_offset_from_name(chip, name.c_str());
-  if (offset < 0) trouble = place(label, name) + " is not there; rig_controller --list shows the names";
+  if (offset < 0) trouble = place_of(label, name) + " is not there; rig_controller --list shows the names";
   return offset;
 }
 
@@ -68,12 +64,10 @@ bool is_used(gpiod_chip* chip, unsigned offset, std::string& user) {
 
 std::string refusal(const std::string& chip, const std::string& name, const std::string& user, int error) {
   if (error == EBUSY) {
-    return place(chip, name) + " is busy, held by '" + user + "'; end that program or choose another line";
+    return place_of(chip, name) + " is busy, held by '" + user + "'; end that program or choose another line";
   }
-  return place(chip, name) + ": " + words_of(error);
+  return place_of(chip, name) + ": " + words_of(error);
 }
-
-Fault fault_of(int error) { return error == EAGAIN || error == EINTR ? Fault::timeout : Fault::disconnected; }
 
 Request request(gpiod_chip* chip, gpiod_line_config* lines, const std::string& consumer) {
   const RequestConfig config(::gpiod_request_config_new());
@@ -196,13 +190,9 @@ Opened<EdgeLine> EdgeLine::open(const Wanted& wanted) {
 Result<EdgeLine::State> EdgeLine::read() {
   State state;
   for (;;) {
-    pollfd ready{::gpiod_line_request_get_fd(line_->request.get()), POLLIN, 0};
-    if (::poll(&ready, 1, 0) < 0) {
-      if (errno == EINTR) continue;
-      return fault_of(errno);
-    }
-    if ((ready.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) return Fault::disconnected;
-    if ((ready.revents & POLLIN) == 0) break;
+    const Result<bool> waits = edge_waits(::gpiod_line_request_get_fd(line_->request.get()));
+    if (!waits) return waits.fault();
+    if (!*waits) break;
     const int taken = ::gpiod_line_request_read_edge_events(line_->request.get(), line_->events.get(), 16);
     if (taken < 0) return fault_of(errno);
     for (int i = 0; i < taken; ++i) {

@@ -304,9 +304,12 @@ std::vector<std::string> remarks_of(const Case& all, const RigDescription& descr
     for (const Channel channel : e.channels) {
       const auto c = index(channel);
       if (!e.clipped[c].empty()) {
-        const auto count = std::count(e.clipped[c].begin(), e.clipped[c].end(), true);
-        remarks.push_back(e.recording.source + ": " + std::to_string(count) + " clipped samples of " +
-                          std::string(model::name(channel)) + " are left out");
+        const auto count = std::count(e.clipped[c].begin(), e.clipped[c].end(), true) -
+                           std::count(e.recording.filled.begin(), e.recording.filled.end(), true);
+        if (count > 0) {
+          remarks.push_back(e.recording.source + ": " + std::to_string(count) + " clipped samples of " +
+                            std::string(model::name(channel)) + " are left out");
+        }
       }
       if (!description.noise[c]) {
         char text[160];

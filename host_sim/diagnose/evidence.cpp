@@ -203,9 +203,10 @@ Evidence evidence_of(const RigDescription& description, Recording recording, Use
     evidence.channels.push_back(channel);
     evidence.renewals[c] = renewals_of(data);
     evidence.noise[c] = noise_of(description, recording, channel);
-    if (const auto& range = description.range[c]) {
-      std::vector<bool> clipped(data.size());
-      std::transform(data.begin(), data.end(), clipped.begin(), [&](double v) { return !range->holds(v); });
+    if (const auto& range = description.range[c]; range || !recording.filled.empty()) {
+      std::vector<bool> clipped = recording.filled;
+      clipped.resize(data.size());
+      for (std::size_t k = 0; k < data.size(); ++k) clipped[k] = clipped[k] || (range && !range->holds(data[k]));
       if (std::find(clipped.begin(), clipped.end(), true) != clipped.end()) evidence.clipped[c] = std::move(clipped);
     }
   }

@@ -76,6 +76,7 @@ std::vector<std::string> take_in(const RigDescription& description, const std::v
   std::array<bool, model::channel_count> dead{};
   for (const Recording* recording : recordings) {
     check_kind(description, *recording);
+    if (!recording->remark.empty()) remarks.push_back(recording->remark);
     for (std::size_t c = 0; c < dead.size(); ++c) {
       const Channel channel = model::channel_at(c);
       if (channel == Channel::F_act || !never_moves(recording->channels[c])) continue;

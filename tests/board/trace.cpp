@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <string_view>
 
 #include "firmware/control_loop.hpp"
 #include "hal/simulated/rig.hpp"
@@ -127,6 +128,7 @@ std::uint32_t* painted = nullptr;  // from here down
 }
 unsigned long deepest_stack() {
   const std::uint32_t* lowest = stack_end;
+  if (*lowest != unused) return 999'999;  // the stack went beyond its end, into what lies below
   while (*lowest == unused) ++lowest;
   return static_cast<unsigned long>(painted - lowest) * 4;
 }
@@ -135,6 +137,38 @@ void start_timer() {}
 void paint_stack() {}
 std::uint32_t ticks() { return 0; }
 #endif
+
+/// A line of words and whole numbers: the C library's printing is larger than the control loop.
+class Line {
+ public:
+  Line& operator<<(std::string_view words) {
+    for (const char c : words) put(c);
+    return *this;
+  }
+  Line& operator<<(unsigned long number) { return digits(number, 10, 1); }
+  Line& hexadecimal(std::uint32_t number) { return digits(number, 16, 8); }
+  ~Line() {
+    put('\n');
+    text_[size_] = '\0';
+    std::fputs(text_.data(), stdout);
+  }
+
+ private:
+  void put(char c) {
+    if (size_ + 1 < text_.size()) text_[size_++] = c;
+  }
+  Line& digits(unsigned long number, unsigned long base, int least) {
+    std::array<char, 24> reversed{};
+    int count = 0;
+    for (; number > 0 || count < least; number /= base) {
+      reversed[static_cast<std::size_t>(count++)] = "0123456789abcdef"[number % base];
+    }
+    while (count > 0) put(reversed[static_cast<std::size_t>(--count)]);
+    return *this;
+  }
+  std::array<char, 160> text_{};
+  std::size_t size_ = 0;
+};
 
 template <class T>
 class Place {  // static storage, filled when it is its turn
@@ -176,13 +210,14 @@ void run(model::RigKind kind, firmware::ControlLoop& loop, firmware::Journal& jo
 #ifdef RIGTWIN_ON_BOARD
   const unsigned long deepest = deepest_stack();
 #endif
-  std::printf("%s %lu periods, ended by %s: %08lx%08lx\n", model::name(kind).data(),
-              static_cast<unsigned long>(periods), firmware::name(loop.trip().reason).data(),
-              static_cast<unsigned long>(hash.value() >> 32U), static_cast<unsigned long>(hash.value() & 0xffffffffU));
+  (Line() << model::name(kind) << " " << static_cast<unsigned long>(periods) << " periods, ended by "
+          << firmware::name(loop.trip().reason) << ": ")
+      .hexadecimal(static_cast<std::uint32_t>(hash.value() >> 32U))
+      .hexadecimal(static_cast<std::uint32_t>(hash.value()));
 #ifdef RIGTWIN_ON_BOARD
   // -icount shift=6 makes an instruction 64 ns, the timer's clock has 25 MHz: 1.6 ticks an instruction.
-  std::printf("board: %s %lu instructions %lu bytes of stack\n", model::name(kind).data(),
-              static_cast<unsigned long>(counted * 5 / 8 / periods), deepest);
+  Line() << "board: " << model::name(kind) << " " << static_cast<unsigned long>(counted * 5 / 8 / periods)
+         << " instructions " << deepest << " bytes of stack";
 #endif
 }
 

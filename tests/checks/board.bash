@@ -15,7 +15,7 @@ arm-none-eabi-size "$program"
 expected=$("$reference")
 # -icount: time is counted in instructions, 64 ns each.
 actual=$(timeout 100 qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=6 \
-  -semihosting-config enable=on,target=native -kernel "$program" </dev/null | tr -d '\r')
+  -semihosting-config enable=on,target=native -kernel "$program" </dev/null 2>&1 | tr -d '\r')
 echo "$actual"
 status=0
 if [ "$(grep -v '^board:' <<<"$actual")" != "$expected" ] || [ -z "$expected" ]; then

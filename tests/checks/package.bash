@@ -1,6 +1,6 @@
 #!/bin/bash
 # package.bash PRESET ARCHITECTURE -- the Debian package of rig_controller for a board: of that architecture, with the program,
-# its unit, rule, limits and example rigs in their places.
+# its unit, rule, limits and example rigs in their places; `cmake --install` puts the same tree there.
 . "$(dirname "$0")/common.bash"
 preset=$1
 architecture=$2
@@ -26,6 +26,9 @@ for file in bin/rig_controller lib/systemd/system/rig_controller@.service lib/ud
   share/rig_controller/rigs/example_hil.toml share/doc/rig_controller/README.md; do
   [ -s "$folder/root/usr/$file" ] || { echo "/usr/$file is missing"; status=1; }
 done
+DESTDIR=$folder/tree cmake --install "$builds/$preset" --prefix /usr >"$folder/log" || { cat "$folder/log"; exit 1; }
+diff <(cd "$folder/root" && find . -type f | sort) <(cd "$folder/tree" && find . -type f | sort) ||
+  { echo "  ^ the package (<) and cmake --install (>) differ"; status=1; }
 machine=$(LC_ALL=C objdump -f "$folder/root/usr/bin/rig_controller" 2>/dev/null | sed -n 's/.*file format //p')
 echo "program: $machine, $(stat -c %s "$folder/root/usr/bin/rig_controller") bytes"
 dpkg-deb -I "$package" postinst | grep -q 'addgroup' || { echo "the group rig is not made"; status=1; }

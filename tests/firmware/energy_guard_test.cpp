@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "model/effects/catalogue.hpp"
 #include "tests/support/without_heap.hpp"
 
 namespace {
@@ -159,6 +160,16 @@ TEST(EnergyGuard, StartsAnew) {
   EXPECT_EQ(guard.fed(), 0.0);
   ASSERT_TRUE(spring.drive(guard, 0, 20'000, &second));
   EXPECT_EQ(second, first);
+}
+
+// The guard counts the dampers that a virtual car can have. Guides would take energy as well, but in a hil rig body and
+// wheel are numbers without any: were such an effect admitted there one day, the guard would have to know it.
+TEST(EnergyGuard, KnowsEveryDamperOfAVirtualCar) {
+  using model::RigKind;
+  EXPECT_FALSE(model::BodyGuideDamping<double>::card.rigs.contains(RigKind::hil));
+  EXPECT_FALSE(model::WheelGuideDamping<double>::card.rigs.contains(RigKind::hil));
+  EXPECT_FALSE(model::BodyGuideFriction<double>::card.rigs.contains(RigKind::hil));
+  EXPECT_FALSE(model::WheelGuideFriction<double>::card.rigs.contains(RigKind::hil));
 }
 
 TEST(EnergyGuard, TakesNoHeap) {

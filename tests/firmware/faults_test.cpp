@@ -505,6 +505,8 @@ TEST(LatePeriods, AreCountedAndNeverMadeUpFor) {
   EXPECT_EQ(rows[99].time, ms * 99);
   EXPECT_EQ(rows[100].time, ms * 100 + hal::microseconds(400));
   EXPECT_EQ(rows[100].counters.late_periods, 1U);
+  EXPECT_EQ(rows[100].late, hal::microseconds(400));
+  EXPECT_EQ(rows[101].late, hal::Time{});
   EXPECT_EQ(rows[399].time, ms * 399 + hal::microseconds(1200));
 }
 

@@ -2,6 +2,7 @@
 // lines and converters: tests/guest.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -75,6 +76,112 @@ TEST(RigController, RecordsTheBitsOfTheSimulation) {
     EXPECT_NE(last_line(ended.output).find("ended by reference_ended; valves safe, command at rest, 12000 rows"),
               std::string::npos)
         << last_line(ended.output);
+  }
+}
+
+// Law. A recording's sensors, played to the program again on the road of that run, give that recording again, to the
+// last bit, whoever wrote it: the simulation on a PC or rig_controller itself.
+TEST(RigController, ReplaysARecordingToTheBit) {
+  for (const char* name : {"paper_hil_fdva", "paper_rig_fdva", "paper_bench_fdva"}) {
+    const TemporaryFolder folder;
+    const std::string simulated = folder / "simulated.csv", replayed = folder / "replayed.csv";
+    ASSERT_EQ(
+        support::rigtwin({"simulate", "--rig", rig_file(name), "--duration", "4", "--seed", "5", "--out", simulated})
+            .status,
+        0);
+    const Ended ended = controller({"--rig", rig_file(name), "--replay", simulated, "--seed", "5", "--out", replayed});
+    ASSERT_EQ(ended.status, 0) << ended.errors;
+    EXPECT_NE(last_line(ended.output).find("ended by reference_ended"), std::string::npos) << last_line(ended.output);
+    const host_sim::Recording first = host_sim::read_recording(simulated, {}, 1000.0);
+    const host_sim::Recording second = host_sim::read_recording(replayed, {}, 1000.0);
+    EXPECT_EQ(second.time, first.time);
+    EXPECT_EQ(second.channels, first.channels) << name;
+    EXPECT_EQ(second.ducts, first.ducts) << name;
+
+    const std::string again = folder / "again.csv";
+    ASSERT_EQ(controller({"--rig", rig_file(name), "--replay", replayed, "--seed", "5", "--out", again}).status, 0);
+    const auto rows = [](const std::string& text) { return text.substr(text.find("\nt,")); };
+    EXPECT_EQ(rows(TemporaryFolder::read(again)), rows(TemporaryFolder::read(replayed))) << name;
+  }
+}
+
+// A late period is late again, and a sample that did not come is missing again: the program counts the same.
+TEST(RigController, ReplaysWhatWentWrong) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("run.csv",
+                                        "# rigtwin recording: SI units\nt,x_act [m],F [N],late [s],age [s]\n"
+                                        "0,0,0,0,0\n0.001,0,0,0.0001,0\n0.002,nan,0,0,0\n0.0054,0,0,0.0024,0\n"
+                                        "0.0064,0,0,0,0\n0.0074,0,0,0,0\n");
+  const std::string out = folder / "again.csv";
+  const Ended ended = controller({"--rig", rig_file("paper_bench_fdva"), "--replay", file, "--out", out});
+  EXPECT_EQ(ended.status, 0) << ended.errors;
+  // Bridged are the sample that is missing and, after the last row, both channels of a source that is at its end.
+  EXPECT_NE(ended.output.find("late periods 1, bridged samples 3, missed frames 1,"), std::string::npos)
+      << ended.output;
+  const std::string text = TemporaryFolder::read(out);
+  EXPECT_NE(text.find("\n0.0054,"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n0.002,"), std::string::npos) << text;
+  EXPECT_NE(text.find(",nan,"), std::string::npos) << text;
+}
+
+// Roads come by the code of `rigtwin simulate`: from a file as well, and shaped as wished.
+TEST(RigController, DrivesOverTheRoadsOfTheSimulation) {
+  const TemporaryFolder folder;
+  std::string bump = "s [m],z_r [m]\n";
+  for (int i = 0; i < 200; ++i) {
+    bump +=
+        std::to_string(0.1 * i) + "," + (i < 50 || i >= 60 ? "0" : std::to_string(0.001 * (i - 50) * (60 - i))) + "\n";
+  }
+  const std::string file = folder.write("bump.csv", bump);
+  for (const std::vector<std::string>& road :
+       {std::vector<std::string>{"--road", file, "--speed", "5"},
+        std::vector<std::string>{"--road", "iso8608:A", "--bandwidth", "20", "--cut-off", "0.5", "--duration", "3"}}) {
+    std::vector<std::string> simulate{"simulate", "--rig", rig_file("paper_rig_fdva"), "--out", folder / "a.csv"};
+    std::vector<std::string> drive{
+        "--rig", rig_file("paper_rig_fdva"), "--simulated", "--virtual-time", "--out", folder / "b.csv"};
+    simulate.insert(simulate.end(), road.begin(), road.end());
+    drive.insert(drive.end(), road.begin(), road.end());
+    ASSERT_EQ(support::rigtwin(simulate).status, 0);
+    const Ended ended = controller(drive);
+    ASSERT_EQ(ended.status, 0) << ended.errors;
+    const host_sim::Recording a = host_sim::read_recording(folder / "a.csv", {}, 1000.0);
+    EXPECT_GT(a.size(), 2000U);
+    EXPECT_EQ(host_sim::read_recording(folder / "b.csv", {}, 1000.0).channels, a.channels);
+  }
+}
+
+// Fault. A trap in the loop's thread (which a signal from outside reaches) or in the one that writes the recording:
+// valves safe, command back to rest, then the end that the trap would have been. However busy the machine is: late
+// periods do not end this run, and the way back of some millimetres has 8.5 s.
+TEST(RigController, MovesTheCommandToRestAfterATrap) {
+  for (const bool in_the_loop : {true, false}) {
+    const TemporaryFolder folder;
+    const std::string out = folder / "run.csv";
+    const std::string rig = folder.write(
+        "slow.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0", "sample_rate = 100.0") +
+                         "[controller]\nlate_in_a_row = 1000\n");
+    Controller running(
+        {"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--road", "iso8608:A", "--out", out});
+    ASSERT_TRUE(running.says("running: "));
+    const auto rows = [&] {
+      const std::string text = TemporaryFolder::read(out);
+      return std::count(text.begin(), text.end(), '\n');
+    };
+    for (int i = 0; i < 2000 && rows() < 50; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const pid_t id = running.program.id();
+    pid_t target = id;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(id) + "/task")) {
+      const pid_t thread = std::stoi(task.path().filename().string());
+      if (!in_the_loop && thread != id) target = thread;
+    }
+    ASSERT_EQ(target == id, in_the_loop);
+    ASSERT_EQ(::syscall(SYS_tgkill, id, target, in_the_loop ? SIGSEGV : SIGABRT), 0);
+    const Ended ended = running.program.wait();
+    EXPECT_EQ(ended.status, in_the_loop ? -SIGSEGV : -SIGABRT);
+    EXPECT_NE(ended.errors.find("ended by a trap of the program; valves safe, command at rest, from "),
+              std::string::npos)
+        << ended.errors;
+    EXPECT_EQ(TemporaryFolder::read(out).back(), '\n') << "whole rows";
   }
 }
 
@@ -156,9 +263,16 @@ TEST(RigController, RefusesInOneLine) {
       {{"--rig", hil, "--out", out, "--duration", "x"}, 2, "--duration x does not fit"},
       {{"--rig", hil, "--out", out, "--duration"}, 2, "--duration needs a value"},
       {{"--rig", hil, "--out", out, "--virtual-time"}, 2, "--virtual-time needs --simulated"},
-      {{"--rig", hil, "--out", out, "--simulated", "--virtual-time", "--road", "x.csv"},
+      {{"--rig", hil, "--out", out, "--simulated", "--virtual-time", "--road", "x.csv"}, 3, "x.csv: cannot be opened"},
+      {{"--rig", hil, "--out", out, "--simulated", "--virtual-time", "--road", "iso8608:K"},
        2,
-       "--road x.csv is not known"},
+       "unknown road class 'K'"},
+      {{"--rig", hil, "--out", out, "--simulated", "--virtual-time", "--road", "x.csv", "--cut-off", "1"},
+       2,
+       "--bandwidth and --cut-off shape an ISO 8608 road"},
+      {{"--rig", hil, "--out", out, "--replay", "x.csv"}, 3, "x.csv: cannot be opened"},
+      {{"--rig", hil, "--out", out, "--replay", "x.csv", "--simulated"}, 2, "--replay and --simulated"},
+      {{"--rig", hil, "--out", out, "--replay", out}, 2, "--replay and --out name one file"},
       {{"--rig", "no.toml", "--out", out}, 3, "no.toml: cannot be opened"},
       {{"--rig", hil, "--out", out}, 6, "no table [gpio]"},
       {{"--rig", hil, "--out", "/no/such/folder.csv", "--simulated", "--virtual-time"}, 4, "No such file or directory"},

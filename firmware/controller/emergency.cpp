@@ -1,0 +1,154 @@
+#include "firmware/controller/emergency.hpp"
+
+#include <pthread.h>
+#include <signal.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "firmware/ramp.hpp"
+#include "hal/linux/clock.hpp"
+
+namespace firmware::controller {
+
+hal::Result<void> RememberedCommand::do_write(const hal::Command& command) {
+  const hal::Result<void> written = output_.write(command);
+  if (written) {
+    position_.store(command.position);
+    velocity_.store(command.velocity);
+    moved_.store(true);
+  }
+  return written;
+}
+
+Retreat::Retreat(hal::ValveBank& valves, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
+                 double half_stroke, double period)
+    : valves_(valves), command_(command), clock_(clock), ramps_(ramps), half_stroke_(half_stroke), period_(period) {}
+
+void Retreat::make_valves_safe() { static_cast<void>(!valves_.write(valves_.safe_position())); }
+
+int Retreat::periods_at_most() const {
+  return static_cast<int>(std::ceil((2.0 * 1.5 * half_stroke_ / ramps_.rate + 1.0) / period_));
+}
+
+Retreat::End Retreat::go() {
+  make_valves_safe();
+  if (!command_.moved()) return End::at_rest;
+  ReturnToRest way(command_.position(), command_.velocity(), ramps_, half_stroke_, period_);
+  const hal::Time period = hal::seconds(period_);
+  hal::Time due = clock_.now();
+  int failed = 0;
+  for (int left = periods_at_most(); !way.arrived(); --left) {
+    if (left == 0) return End::not_in_time;
+    due += period;
+    clock_.sleep_until(due);
+    const hal::Result<void> written = command_.write(way.next());
+    failed = written ? 0 : failed + 1;
+    if (failed > 0 && (written.fault() != hal::Fault::timeout || failed == 3)) return End::command_lost;
+  }
+  make_valves_safe();  // another thread may have been in the middle of a write
+  return End::at_rest;
+}
+
+namespace {
+
+Emergency emergency;
+pthread_t loop_thread;
+pthread_t retreating_thread;  // valid while retreating
+std::atomic<bool> armed{false};
+std::atomic<bool> retreating{false};
+std::atomic<bool> trapped_elsewhere{false};
+
+void say(const char* words) { static_cast<void>(!::write(STDERR_FILENO, words, std::strlen(words))); }
+
+/// A length in µm, without the C library's printing.
+void say_micrometres(double metres) {
+  char digits[24];
+  char* at = digits + sizeof digits;
+  *--at = '\0';
+  auto left = static_cast<unsigned long>(std::lround(std::abs(metres) * 1e6));
+  const bool minus = metres < 0.0 && left > 0;
+  do {
+    *--at = static_cast<char>('0' + left % 10);
+    left /= 10;
+  } while (left > 0);
+  if (minus) *--at = '-';
+  say(at);
+  say(" um");
+}
+
+/// The loop goes on in its own thread: it is asked to stop, and has the time that a retreat may take.
+Retreat::End wait_for_the_loop() {
+  trapped_elsewhere.store(true);
+  emergency.stop(emergency.loop);
+  hal::linux::MonotonicClock clock;
+  const hal::Time period = hal::seconds(emergency.period);
+  for (int left = emergency.retreat->periods_at_most(); !emergency.at_rest->load(); --left) {
+    if (left == 0) return Retreat::End::not_in_time;
+    clock.sleep_until(clock.now() + period);
+  }
+  return Retreat::End::at_rest;
+}
+
+/// Whoever writes the recording gets a moment for its last rows; what hangs is ended.
+void bound(double seconds) {
+  sigset_t alarm;
+  ::sigemptyset(&alarm);
+  ::sigaddset(&alarm, SIGALRM);
+  ::signal(SIGALRM, SIG_DFL);
+  ::pthread_sigmask(SIG_UNBLOCK, &alarm, nullptr);
+  ::alarm(static_cast<unsigned>(seconds) + 2U);
+}
+
+void on_trap(int signal) {
+  if (armed.exchange(false)) {
+    retreating_thread = ::pthread_self();
+    retreating.store(true);
+    const bool ours = ::pthread_equal(::pthread_self(), loop_thread) != 0;
+    const double from = emergency.command->position();
+    emergency.retreat->make_valves_safe();
+    bound(emergency.period * emergency.retreat->periods_at_most());
+    const Retreat::End end = ours ? emergency.retreat->go() : wait_for_the_loop();
+    hal::linux::MonotonicClock clock;
+    clock.sleep_until(clock.now() + hal::milliseconds(100));
+    say("rig_controller: ended by a trap of the program; valves safe, command ");
+    if (end == Retreat::End::at_rest) {
+      say("at rest, from ");
+      say_micrometres(from);
+    } else {
+      say("NOT AT REST");
+    }
+    say(", no heartbeat\n");
+  } else if (retreating.load() && ::pthread_equal(::pthread_self(), retreating_thread) == 0) {
+    for (;;) ::pause();  // the other thread's retreat comes first; it ends this one too
+  } else {
+    say("rig_controller: ended by a trap of the program outside a run\n");
+  }
+  ::signal(signal, SIG_DFL);
+  ::raise(signal);
+}
+
+}  // namespace
+
+void catch_traps(const Emergency& given) {
+  emergency = given;
+  loop_thread = ::pthread_self();
+  armed.store(true);
+  static char stack[64 * 1024];
+  stack_t own{};
+  own.ss_sp = stack;
+  own.ss_size = sizeof stack;
+  ::sigaltstack(&own, nullptr);
+  struct sigaction action {};
+  action.sa_handler = on_trap;
+  action.sa_flags = SA_ONSTACK;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) ::sigaction(signal, &action, nullptr);
+}
+
+void forget_traps() { armed.store(false); }
+
+bool trapped() { return trapped_elsewhere.load(); }
+
+}  // namespace firmware::controller

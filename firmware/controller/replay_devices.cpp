@@ -1,0 +1,69 @@
+#include "firmware/controller/replay_devices.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "hal/replay/rig.hpp"
+#include "host_sim/closed_loop.hpp"
+#include "host_sim/recording_columns.hpp"
+#include "host_sim/simulated_rig.hpp"
+
+namespace firmware::controller {
+namespace {
+
+class ReplayDevices final : public Devices {
+ public:
+  ReplayDevices(const host_sim::RigDescription& rig, const Options& options)
+      : file_(options.replay),
+        recorded_(host_sim::read_csv_as_recorded(options.replay, rig.channels)),
+        rig_(played(rig), host_sim::simulated_sensors(rig),
+             rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0,
+             hal::Openings::from_bits(rig.controller.safe_ducts), {}) {}
+
+  [[nodiscard]] hal::Rig roles() override { return rig_.roles(); }
+  [[nodiscard]] std::string text() const override { return "REPLAY of " + file_ + ", no devices\n"; }
+  [[nodiscard]] std::size_t rows() const override { return times_.size(); }
+
+ private:
+  hal::replay::Recording played(const host_sim::RigDescription& rig) {
+    const host_sim::Recording& recorded = recorded_.recording;
+    // A late period is due when it begins; any other one began `late` after its instant.
+    hal::Time before = hal::never;
+    const hal::Time period = hal::seconds(rig.period());
+    for (std::size_t k = 0; k < recorded.size(); ++k) {
+      const hal::Time due = hal::seconds(recorded.time[k]);
+      const bool moved = before != hal::never && due != before + period;
+      times_.push_back(moved || recorded_.late.empty() ? due : due + hal::seconds(recorded_.late[k]));
+      before = due;
+    }
+    hal::replay::Recording played;
+    played.time = times_;
+    const hal::SensorSetup setup = host_sim::simulated_sensors(rig);
+    for (std::size_t i = 0; i < model::channel_count; ++i) {
+      const std::vector<double>& values = recorded.channels[i];
+      if (values.empty() || !setup[i].fitted) continue;
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        taken_[i].push_back(std::isnan(values[k]) ? hal::never : times_[k]);
+      }
+      played.columns[i] = {values, taken_[i]};
+    }
+    if (const auto wrong = played.check(); !wrong.empty()) {
+      throw host_sim::InputError(file_, 0, "cannot be replayed", wrong);
+    }
+    return played;
+  }
+
+  std::string file_;
+  host_sim::AsRecorded recorded_;
+  std::vector<hal::Time> times_;
+  std::array<std::vector<hal::Time>, model::channel_count> taken_;
+  hal::replay::Rig rig_;
+};
+
+}  // namespace
+
+std::unique_ptr<Devices> replay_devices(const host_sim::RigDescription& rig, const Options& options) {
+  return std::make_unique<ReplayDevices>(rig, options);
+}
+
+}  // namespace firmware::controller

@@ -1,0 +1,131 @@
+// What is left when the program is beyond help: valves safe, the command to rest at the given rate, an end in any case.
+#include "firmware/controller/emergency.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/support/without_heap.hpp"
+
+namespace {
+
+using firmware::Ramps;
+using firmware::controller::RememberedCommand;
+using firmware::controller::Retreat;
+
+constexpr double h = 1e-3;
+
+class Valves final : public hal::ValveBank {
+ public:
+  Valves() : ValveBank(6, hal::Openings::first(2)) {}
+  hal::Openings stand = hal::Openings::first(6);
+
+ private:
+  hal::Result<void> do_write(hal::Openings openings) override {
+    stand = openings;
+    return {};
+  }
+};
+
+class Drive final : public hal::CommandOutput {
+ public:
+  Drive() { commands.reserve(10'000); }
+  std::vector<double> commands;
+  std::vector<hal::Fault> faults;  ///< of the next writes, last first
+
+ private:
+  hal::Result<void> do_write(const hal::Command& command) override {
+    if (!faults.empty()) {
+      const hal::Fault fault = faults.back();
+      faults.pop_back();
+      return fault;
+    }
+    commands.push_back(command.position);
+    return {};
+  }
+};
+
+class Sleeper final : public hal::Clock {
+ public:
+  hal::Time time{};
+
+ private:
+  hal::Time do_now() override { return time; }
+  void do_sleep_until(hal::Time deadline) override { time = deadline; }
+};
+
+struct Scene {
+  Valves valves;
+  Drive drive;
+  RememberedCommand command{drive};
+  Sleeper clock;
+  Ramps ramps{};
+  Retreat retreat{valves, command, clock, ramps, 0.125, h};
+};
+
+// Braked at no more than the deceleration that the stroke asks for, back at no more than the given rate, at rest at the
+// end; one write a period, no heap: a signal handler has none.
+TEST(Retreat, MovesTheCommandToRestAtTheGivenRate) {
+  Scene scene;
+  ASSERT_TRUE(scene.command.write({0.04, 0.3, 0.0}));
+  EXPECT_EQ(support::without_heap([&] { return scene.retreat.go(); }), Retreat::End::at_rest);
+  EXPECT_EQ(scene.valves.stand, hal::Openings::first(2));
+  const auto& commands = scene.drive.commands;
+  ASSERT_GT(commands.size(), 2U);
+  EXPECT_EQ(commands.back(), scene.ramps.rest);
+  EXPECT_EQ(scene.clock.time, hal::milliseconds(static_cast<std::int64_t>(commands.size()) - 1)) << "one a period";
+  // 0.3 m/s at 20 m/s² stop within 15 ms; the first step is at most 0.3 mm.
+  const std::size_t braked = 16;
+  for (std::size_t k = 1; k < commands.size(); ++k) {
+    const double speed = std::abs(commands[k] - commands[k - 1]) / h;
+    EXPECT_LE(speed, (k < braked ? 0.3 : scene.ramps.rate) * (1.0 + 1e-9)) << k;
+  }
+}
+
+// A drive that was never told anything keeps its place.
+TEST(Retreat, CommandsNothingWhereNothingWasCommanded) {
+  Scene scene;
+  EXPECT_EQ(scene.retreat.go(), Retreat::End::at_rest);
+  EXPECT_TRUE(scene.drive.commands.empty());
+  EXPECT_EQ(scene.valves.stand, hal::Openings::first(2));
+}
+
+// What did not reach the drive is not where it stands.
+TEST(RememberedCommand, RemembersWhatWentOut) {
+  Scene scene;
+  ASSERT_TRUE(scene.command.write({0.01, 0.2, 0.0}));
+  scene.drive.faults = {hal::Fault::timeout};
+  EXPECT_FALSE(scene.command.write({0.02, 0.4, 0.0}));
+  EXPECT_EQ(scene.command.position(), 0.01);
+  EXPECT_EQ(scene.command.velocity(), 0.2);
+}
+
+// A time-out or two are bridged; a converter that is gone, or never answers, ends the retreat and not the program's
+// patience.
+TEST(Retreat, GivesUpWhereTheDriveIsLost) {
+  using hal::Fault;
+  const std::vector<std::pair<std::vector<Fault>, Retreat::End>> cases{
+      {{Fault::timeout, Fault::timeout}, Retreat::End::at_rest},
+      {{Fault::timeout, Fault::timeout, Fault::timeout}, Retreat::End::command_lost},
+      {{Fault::disconnected}, Retreat::End::command_lost},
+      {{Fault::refused}, Retreat::End::command_lost}};
+  for (const auto& [faults, end] : cases) {
+    Scene scene;
+    ASSERT_TRUE(scene.command.write({0.04, 0.0, 0.0}));
+    scene.drive.faults = faults;
+    EXPECT_EQ(scene.retreat.go(), end) << faults.size();
+    EXPECT_EQ(scene.valves.stand, hal::Openings::first(2)) << "whatever becomes of the command";
+  }
+}
+
+// From the end of the stroke the slowest way back takes 1.5 · 0.125 m / 0.05 m/s = 3.75 s: 8.5 s bound it.
+TEST(Retreat, IsBoundedInTime) {
+  Scene scene;
+  EXPECT_EQ(scene.retreat.periods_at_most(), 8500);
+  ASSERT_TRUE(scene.command.write({-0.125, 0.0, 0.0}));
+  EXPECT_EQ(scene.retreat.go(), Retreat::End::at_rest);
+  EXPECT_LT(scene.drive.commands.size(), 4000U);
+}
+
+}  // namespace
