@@ -100,6 +100,7 @@ Findings second_look(const Case& all, Findings found, double left, const std::fu
   smaller.later_share = 0.1;
   smaller.beam = 1;
   smaller.tried = 5;
+  smaller.compared = 3;
   // Sensors last: several of them bend any channel into place, but what a rig does has one cause for all channels.
   double least = 0.98 * left;
   for (const bool sensors : {false, true}) {
@@ -394,7 +395,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
           all_but_noise) {
     all.model_error = pooled_error(all, findings.best.fit.hypothesis);
     whiten(all, noises);
-    constexpr double enough = 30.0;  // [s]: errors of the model differ from one second to the next, unlike noise
+    constexpr double enough = 24.0;  // [s]: errors of the model differ from one second to the next, unlike noise
     const double share = telling_share(all, enough);
     const auto look = [&](const Price& smaller) {
       Case part = shorten(share);

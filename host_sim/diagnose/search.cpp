@@ -331,6 +331,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
   const double share_scanned = shorten ? telling_share(all, seconds_telling) : 1.0;
   /// One more effect beside an explanation, cheapest first; `unpromising`: those, too, that will hardly be worth it.
   const auto extended = [&](const Explanation& base, bool unpromising) {
+    const std::size_t most = unpromising ? price.compared : price.tried;
     // A promise is linear: a third of what an effect must gain is worth a fit.
     const auto least = [&](const Explanation& e) {
       const double left = std::max(e.fit.chi_squared - static_cast<double>(e.fit.residual.size()), 0.0);
@@ -340,7 +341,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
       const Case part = shorten(share_scanned);
       const Search on_part(part, common, price);
       const Explanation start = on_part.settled(base.fit.hypothesis, base.effects, 2);
-      auto list = on_part.extended(start, scales, price.tried, least(start));
+      auto list = on_part.extended(start, scales, most, least(start));
       search.simulations += on_part.simulations;
       search.tried += on_part.tried;
       for_all(list.size(), [&](std::size_t i) {
@@ -351,7 +352,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
       // What shows itself seldom may not be in the part.
       if (!list.empty() && is_worth(list.front(), base, price, price.share(base))) return list;
     }
-    return search.extended(base, scales, price.tried, least(base));
+    return search.extended(base, scales, most, least(base));
   };
 
   constexpr std::size_t most_effects = 4;

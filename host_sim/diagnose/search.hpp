@@ -21,6 +21,7 @@ struct Price {
   bool sensors = true;              ///< effects of sensors are candidates
   bool compare = true;              ///< what is found is tried without each effect, and with rivals in its place
   std::size_t beam = 2, tried = 8;  ///< explanations kept for the next effect; candidates fitted beside each
+  std::size_t compared = 8;         ///< candidates fitted in the place of each effect
 
   /// Of what is left over by an explanation, that one more effect must explain.
   [[nodiscard]] double share(const Explanation& base) const;
