@@ -3,15 +3,20 @@
 namespace host_sim::diagnose {
 
 Recording cut(const Recording& whole, std::size_t from, std::size_t to) {
-  Recording part = whole;
-  const auto keep = [&](auto& values) {
+  Recording part;  // not a copy of the whole first: of an hour that is half a gigabyte
+  part.sample_period = whole.sample_period;
+  part.comments = whole.comments;
+  part.source = whole.source;
+  part.remark = whole.remark;
+  part.ignored_columns = whole.ignored_columns;
+  const auto keep = [&](const auto& values, auto& kept) {
     if (values.empty()) return;
-    values = {values.begin() + static_cast<std::ptrdiff_t>(from), values.begin() + static_cast<std::ptrdiff_t>(to)};
+    kept.assign(values.begin() + static_cast<std::ptrdiff_t>(from), values.begin() + static_cast<std::ptrdiff_t>(to));
   };
-  keep(part.time);
-  keep(part.filled);
-  for (auto& values : part.channels) keep(values);
-  for (auto& values : part.ducts) keep(values);
+  keep(whole.time, part.time);
+  keep(whole.filled, part.filled);
+  for (std::size_t c = 0; c < whole.channels.size(); ++c) keep(whole.channels[c], part.channels[c]);
+  for (std::size_t j = 0; j < whole.ducts.size(); ++j) keep(whole.ducts[j], part.ducts[j]);
   return part;
 }
 
