@@ -396,7 +396,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     all.model_error = pooled_error(all, findings.best.fit.hypothesis);
     whiten(all, noises);
     constexpr double enough = 24.0;  // [s]: errors of the model differ from one second to the next, unlike noise
-    const double share = telling_share(all, enough);
+    const double share = telling_share(all, enough / static_cast<double>(all.fitted.size()));
     const auto look = [&](const Price& smaller) {
       Case part = shorten(share);
       for (Evidence& e : part.evidence) e.fine = 2;  // what steps get wrong is small beside the error allowed for
