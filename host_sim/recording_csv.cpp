@@ -81,7 +81,7 @@ class CsvReader {
   Recording finish(std::optional<double> expected_rate) {
     take_last_row();
     const std::string& source = recording_.source;
-    if (by_controller()) fill_gaps(recording_, late_, {source, first_row_}, expected_rate);
+    if (by_controller_) fill_gaps(recording_, late_, {source, first_row_}, expected_rate);
     check_time(recording_, rounding_, {source, first_row_}, expected_rate);
     if (!rest_.empty()) {
       recording_.remark += (recording_.remark.empty() ? one_line(source) + ": " : "; ") + "the last row is torn";
@@ -97,7 +97,7 @@ class CsvReader {
 
  private:
   void take_last_row() {
-    if (!rest_.empty() && !by_controller()) read_line(std::exchange(rest_, {}));
+    if (!rest_.empty() && !by_controller_) read_line(std::exchange(rest_, {}));
     const std::string& source = recording_.source;
     if (line_ == 0) throw InputError(source, 0, "the file is empty", "a header line such as t,z_r,F_w");
     if (columns_.empty()) throw InputError(source, line_, "there is no header line", "one such as t,z_r,F_w");
@@ -117,8 +117,6 @@ class CsvReader {
   [[noreturn]] void fail(std::string_view wrong, std::string_view expected) const {
     throw InputError(recording_.source, line_, wrong, expected);
   }
-
-  [[nodiscard]] bool by_controller() const { return late_column_; }
 
   void refuse_endless_line() {
     if (rest_.size() > longest_line) read_line(rest_);
@@ -166,8 +164,10 @@ class CsvReader {
         columns_.back() = {&values(recording_, targets[c]->quantity), *targets[c]};
       } else {
         recording_.ignored_columns.push_back(headings[c].text);
-        late_column_ = late_column_ || (own_ && headings[c].name == "late");
-        if (late_column_ && headings[c].name == "late") columns_.back() = {&late_, Target{time_quantity}};
+        if (own_ && headings[c].name == "late") {
+          by_controller_ = true;
+          columns_.back() = {&late_, Target{time_quantity}};
+        }
       }
     }
     rounding_ = {0, 0, 1.0};
@@ -208,7 +208,7 @@ class CsvReader {
       while (p != end && is_blank(*p)) ++p;
       if (p != end && *p != ',') fail_row(row);
       const double value = column.target.value(number);
-      const bool lost = by_controller() && std::isnan(value) && column.target.quantity != time_quantity;
+      const bool lost = by_controller_ && std::isnan(value) && column.target.quantity != time_quantity;
       if ((!std::isfinite(value) && !lost) || column.target.quantity >= first_duct) {
         if (const Objection objection = object_to(column.target.quantity, value)) {
           check_field_count(row);
@@ -282,19 +282,15 @@ class CsvReader {
   std::size_t line_ = 0;
   std::size_t first_row_ = 0;
   std::size_t empty_line_ = 0;
-  bool own_ = false;          // written by rigtwin
-  bool late_column_ = false;  // by rig_controller
-  std::vector<double> late_;  // of each row [s]
+  bool own_ = false;            // written by rigtwin
+  bool by_controller_ = false;  // by rig_controller: it has a column late
+  std::vector<double> late_;    // of each row [s]
 };
 
 void append(std::string& text, double value) {
   std::array<char, 32> digits;
   text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
 }
-
-}  // namespace
-
-namespace {
 
 void read_all(CsvReader& reader, int descriptor, std::string_view head, std::string_view source, std::size_t block) {
   struct stat status {};

@@ -15,6 +15,14 @@ namespace firmware::controller {
 using model::Channel;
 using model::RigKind;
 
+hal::Time oldest_sample(const Record& record) {
+  hal::Time oldest = record.time;
+  for (const hal::Time taken : record.taken) {
+    if (taken != hal::never && taken < oldest) oldest = taken;
+  }
+  return oldest;
+}
+
 Recorder::Recorder(const std::string& file, const host_sim::RigDescription& rig, const hal::SensorSetup& sensors,
                    const std::vector<std::string>& comments, std::string& trouble) {
   const RigKind kind = rig.rig.kind;
@@ -55,9 +63,7 @@ void Recorder::take(const Record& record) {
   if (record.mode != Mode::running) return;
   if (begin_ == hal::never || record.sample == 0) begin_ = record.due;
   number((record.due - begin_).seconds());
-  hal::Time oldest = record.time;
   for (std::size_t i = 0; i < model::channel_count; ++i) {
-    if (record.taken[i] != hal::never && record.taken[i] < oldest) oldest = record.taken[i];
     if (!kept_[i]) continue;
     buffer_ += ',';
     number(record.values[i]);
@@ -70,7 +76,7 @@ void Recorder::take(const Record& record) {
       number(v);
     }
   }
-  for (const hal::Time span : {record.late, record.time - oldest}) {
+  for (const hal::Time span : {record.late, record.time - oldest_sample(record)}) {
     buffer_ += ',';
     number(span.seconds());
   }

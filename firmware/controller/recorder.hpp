@@ -13,6 +13,9 @@
 
 namespace firmware::controller {
 
+/// When the oldest of a record's samples was taken; its own instant where none is older.
+[[nodiscard]] hal::Time oldest_sample(const Record& record);
+
 /// A CSV recording as `rigtwin compare` and `diagnose` read it, row by row. Whole rows only: a disk that is full ends
 /// the recording with the last row that fits. The file lies under its own name from the start, for whoever pulls the
 /// plug.

@@ -127,11 +127,7 @@ class Scribe {
         const auto record = journal_.pop();
         if (!record) break;
         taken_.fetch_add(1, std::memory_order_relaxed);
-        hal::Time oldest = record->time;
-        for (const hal::Time sampled : record->taken) {
-          if (sampled != hal::never && sampled < oldest) oldest = sampled;
-        }
-        spans_.age.add((record->time - oldest).ns);
+        spans_.age.add((record->time - oldest_sample(*record)).ns);
         recorder_.take(*record);
       }
       if (taken > 0) notify("WATCHDOG=1");

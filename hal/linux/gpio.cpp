@@ -31,6 +31,13 @@ std::string place_of(const std::string& chip, const std::string& line) {
   return "GPIO line '" + line + "' of chip '" + chip + "'";
 }
 
+std::string refusal(const std::string& chip, const std::string& line, const std::string& user, int error) {
+  if (error == EBUSY) {
+    return place_of(chip, line) + " is busy, held by '" + user + "'; end that program or choose another line";
+  }
+  return place_of(chip, line) + ": " + words_of(error);
+}
+
 Fault fault_of(int error) { return error == EAGAIN || error == EINTR ? Fault::timeout : Fault::disconnected; }
 
 Result<bool> edge_waits(int descriptor) {

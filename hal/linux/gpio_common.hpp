@@ -10,6 +10,9 @@ namespace hal::linux {
 /// "GPIO line 'stop' of chip 'rig-bank'"
 [[nodiscard]] std::string place_of(const std::string& chip, const std::string& line);
 
+/// Why a line cannot be had, and what to do: `user` is the program that holds it.
+[[nodiscard]] std::string refusal(const std::string& chip, const std::string& line, const std::string& user, int error);
+
 /// What an error of a line that was opened asks of its user.
 [[nodiscard]] Fault fault_of(int error);
 

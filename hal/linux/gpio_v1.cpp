@@ -38,13 +38,9 @@ gpiod_line* find_line(gpiod_chip* chip, const std::string& label, const std::str
   return line;
 }
 
-std::string refusal(const std::string& chip, const std::string& name, gpiod_line* line, int error) {
+std::string user_of(gpiod_line* line) {
   const char* user = ::gpiod_line_consumer(line);
-  if (error == EBUSY) {
-    return place_of(chip, name) + " is busy, held by '" + (user != nullptr ? user : "the kernel") +
-           "'; end that program or choose another line";
-  }
-  return place_of(chip, name) + ": " + words_of(error);
+  return user != nullptr ? user : "the kernel";
 }
 
 }  // namespace
@@ -92,7 +88,7 @@ Opened<OutputLines> OutputLines::open(const Wanted& wanted) {
     for (std::size_t i = 0; i < wanted.lines.size(); ++i) {  // whose fault? the one that is taken
       gpiod_line* line = lines->bulk.lines[i];
       if (opened.trouble.empty() || ::gpiod_line_is_used(line)) {
-        opened.trouble = refusal(wanted.chip, wanted.lines[i], line, error);
+        opened.trouble = refusal(wanted.chip, wanted.lines[i], user_of(line), error);
       }
       if (::gpiod_line_is_used(line)) break;
     }
@@ -127,7 +123,8 @@ Opened<EdgeLine> EdgeLine::open(const Wanted& wanted) {
   if (wanted.bias == Bias::pull_up) flags |= GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP;
   if (wanted.bias == Bias::pull_down) flags |= GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN;
   if (::gpiod_line_request_both_edges_events_flags(line->line, wanted.consumer.c_str(), flags) != 0) {
-    opened.trouble = refusal(wanted.chip, wanted.line, line->line, errno);
+    const int error = errno;
+    opened.trouble = refusal(wanted.chip, wanted.line, user_of(line->line), error);
     return opened;
   }
   line->descriptor = ::gpiod_line_event_get_fd(line->line);

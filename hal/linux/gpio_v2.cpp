@@ -62,13 +62,6 @@ bool is_used(gpiod_chip* chip, unsigned offset, std::string& user) {
   return true;
 }
 
-std::string refusal(const std::string& chip, const std::string& name, const std::string& user, int error) {
-  if (error == EBUSY) {
-    return place_of(chip, name) + " is busy, held by '" + user + "'; end that program or choose another line";
-  }
-  return place_of(chip, name) + ": " + words_of(error);
-}
-
 Request request(gpiod_chip* chip, gpiod_line_config* lines, const std::string& consumer) {
   const RequestConfig config(::gpiod_request_config_new());
   if (!config) return nullptr;

@@ -192,9 +192,9 @@ std::string subsystem_of(Channel channel, model::RigKind kind) {
   }
 }
 
-std::vector<Place> places(const Case& all, const Findings& findings, const std::string& likely) {
+std::vector<Place> places(const std::vector<BandPower>& left, const Findings& findings, const std::string& likely) {
   std::vector<Place> result;
-  const auto excesses = channel_excesses(all, findings.nothing.fit.hypothesis);
+  const auto excesses = channel_excesses(left);
   double total = 0.0;
   for (const ChannelExcess& e : excesses) total += e.excess;
   for (const ChannelExcess& e : excesses) {
@@ -406,7 +406,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
         return depends;
       };
       Findings some = search(part, given, tolerated, starts, smaller, rewhiten_part, {}, tell);
-      settle_on(all, smaller, some);
+      settle_on(all, tolerated, starts, smaller, some);
       return some;
     };
     findings = second_look(all, std::move(findings), all.model_error, look, result.remarks);
@@ -518,7 +518,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
 
   result.left_by_refit = band_powers(all, findings.nothing.fit.hypothesis);
   result.left_after = band_powers(all, fit.hypothesis);
-  result.where = places(all, findings, likely_place(result.relations));
+  result.where = places(result.left_by_refit, findings, likely_place(result.relations));
   if (!car_of_program.effects.empty()) {
     const double other = result.where.empty() ? 0.0 : 0.5;
     for (Place& place : result.where) place.share *= other;

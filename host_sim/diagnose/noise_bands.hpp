@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "model/channel.hpp"
@@ -20,11 +21,22 @@ inline constexpr std::size_t noise_bands = noise_band_edges.size() - 1;
   return above == noise_band_edges.end() ? noise_bands : static_cast<std::size_t>(above - noise_band_edges.begin()) - 1;
 }
 
-/// What is left of a channel in a band, as a multiple of the power of its noise: 1 is noise alone.
+/// Power of whitened residuals: as much as there are of them where nothing but noise is in them.
+struct Power {
+  double squares = 0.0, count = 0.0;  ///< Σ r², how many
+
+  [[nodiscard]] double ratio() const { return squares / count; }
+  [[nodiscard]] double excess() const { return squares - count; }
+  /// Of the excess [standard deviations].
+  [[nodiscard]] double significance() const { return count > 0.0 ? excess() / std::sqrt(2.0 * count) : 0.0; }
+};
+
+/// What is left of a channel in a band.
 struct BandPower {
   model::Channel channel;
-  double lowest, highest;      ///< [Hz]
-  double ratio, lower, upper;  ///< with the 95 % bounds of a χ² of that many residuals
+  double lowest, highest;  ///< [Hz]
+  Power power;
+  double lower, upper;  ///< 95 % bounds of its ratio: a χ² of that many residuals
 };
 
 }  // namespace host_sim::diagnose

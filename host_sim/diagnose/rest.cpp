@@ -11,11 +11,6 @@ namespace {
 constexpr const auto& edges = noise_band_edges;
 constexpr std::size_t bands = noise_bands;
 
-struct Power {
-  double squares = 0.0, count = 0.0;
-  [[nodiscard]] double excess() const { return squares - count; }
-  [[nodiscard]] double significance() const { return count > 0.0 ? excess() / std::sqrt(2.0 * count) : 0.0; }
-};
 using Table = std::vector<std::array<Power, bands>>;  // by channel
 
 Table table(const Case& all, const Hypothesis& hypothesis, bool held_out) {
@@ -58,7 +53,7 @@ std::vector<BandPower> band_powers(const Case& all, const Hypothesis& hypothesis
     for (std::size_t b = 0; b < bands; ++b) {
       const Power& p = powers[c][b];
       if (!(p.count > 0.0)) continue;
-      result.push_back({all.evidence.front().channels[c], edges[b], edges[b + 1], p.squares / p.count,
+      result.push_back({all.evidence.front().channels[c], edges[b], edges[b + 1], p,
                         p.squares / chi_squared(p.count, z),
                         p.squares / std::max(chi_squared(p.count, -z), 1e-3 * p.count)});
     }
@@ -66,29 +61,31 @@ std::vector<BandPower> band_powers(const Case& all, const Hypothesis& hypothesis
   return result;
 }
 
-std::vector<ChannelExcess> channel_excesses(const Case& all, const Hypothesis& hypothesis) {
-  const Table powers = table(all, hypothesis, false);
+std::vector<ChannelExcess> channel_excesses(const std::vector<BandPower>& powers) {
   std::vector<ChannelExcess> result;
-  for (std::size_t c = 0; c < powers.size(); ++c) {
-    ChannelExcess e{all.evidence.front().channels[c], 0.0, 0.0, 0.0, edges.back()};
-    for (const Power& p : powers[c]) {
-      e.excess += std::max(p.excess(), 0.0);
-      e.significance = std::max(e.significance, p.significance());
+  for (auto first = powers.begin(); first != powers.end();) {
+    const auto last =
+        std::find_if(first, powers.end(), [&](const BandPower& p) { return p.channel != first->channel; });
+    ChannelExcess e{first->channel, 0.0, 0.0, 0.0, edges.back()};
+    for (auto p = first; p != last; ++p) {
+      e.excess += std::max(p->power.excess(), 0.0);
+      e.significance = std::max(e.significance, p->power.significance());
     }
     double sum = 0.0;
     bool begun = false;
-    for (std::size_t b = 0; b < bands && e.excess > 0.0; ++b) {
-      sum += std::max(powers[c][b].excess(), 0.0);
+    for (auto p = first; p != last && e.excess > 0.0; ++p) {
+      sum += std::max(p->power.excess(), 0.0);
       if (!begun && sum >= 0.1 * e.excess) {
-        e.lowest = edges[b];
+        e.lowest = p->lowest;
         begun = true;
       }
       if (sum >= 0.9 * e.excess) {
-        e.highest = edges[b + 1];
+        e.highest = p->highest;
         break;
       }
     }
     result.push_back(e);
+    first = last;
   }
   return result;
 }

@@ -19,7 +19,7 @@ struct ChannelExcess {
   double significance;     ///< of the strongest band [standard deviations]
   double lowest, highest;  ///< band that holds the middle 80 % of it [Hz]
 };
-[[nodiscard]] std::vector<ChannelExcess> channel_excesses(const Case& all, const Hypothesis& hypothesis);
+[[nodiscard]] std::vector<ChannelExcess> channel_excesses(const std::vector<BandPower>& powers);
 
 /// By channel and band, of the fitted windows; bands without a residual are left out.
 [[nodiscard]] std::vector<BandPower> band_powers(const Case& all, const Hypothesis& hypothesis);

@@ -100,6 +100,11 @@ std::vector<PlacedEffect> read_back(const Hypothesis& hypothesis, std::vector<Pl
   return effects;
 }
 
+std::vector<Unknown> in_a_row(std::vector<Unknown> first, const std::vector<Unknown>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
 class Search {
  public:
   Search(const Case& all, std::vector<Unknown> common, const Price& price)
@@ -240,24 +245,23 @@ class Search {
     for (std::size_t i = 0; i < all_.fit.size(); ++i) {
       const Whitening& whitening = all_.fit[i];
       const std::size_t channels = all_.evidence[all_.fitted[i]].channels.size();
-      std::vector<std::array<std::pair<double, double>, noise_bands + 1>> power(channels);
+      std::vector<std::array<Power, noise_bands + 1>> powers(channels);
       for (std::size_t k = 0; k < whitening.bins(); ++k) {
         const std::size_t b = noise_band_of(whitening.frequency(k));
         for (std::size_t c = 0; c < channels; ++c) {
           const double square = e.fit.residual.segment<2>(at).squaredNorm();
           at += 2;
-          power[c][b].first += square;
-          power[c][b].second += 2.0;
+          powers[c][b].squares += square;
+          powers[c][b].count += 2.0;
         }
       }
-      for (const auto& of_channel : power) {
-        for (const auto& [squares, count] : of_channel) {
-          if (squares - count > beyond * std::sqrt(2.0 * count)) return false;
+      for (const auto& of_channel : powers) {
+        for (const Power& power : of_channel) {
+          if (power.significance() > beyond) return false;
         }
       }
     }
-    const auto count = static_cast<double>(e.fit.residual.size());
-    return e.fit.chi_squared - count < beyond * std::sqrt(2.0 * count);
+    return Power{e.fit.chi_squared, static_cast<double>(e.fit.residual.size())}.significance() < beyond;
   }
 
   mutable std::atomic<std::size_t> simulations{0};  ///< so far
@@ -314,8 +318,7 @@ std::vector<Rival> rivals_of(const Search& search, const Explanation& best, std:
 Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
                 const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten,
                 const Shorten& shorten, const Tell& tell) {
-  std::vector<Unknown> common = tolerated;
-  common.insert(common.end(), starts.begin(), starts.end());
+  const std::vector<Unknown> common = in_a_row(tolerated, starts);
   const Search search(all, common, price);
   Findings findings;
   Explanation& nothing = findings.nothing;
@@ -444,16 +447,14 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
   return findings;
 }
 
-void settle_on(const Case& all, const Price& price, Findings& findings) {
+void settle_on(const Case& all, const std::vector<Unknown>& tolerated, const std::vector<Unknown>& starts,
+               const Price& price, Findings& findings) {
+  const Search search(all, in_a_row(tolerated, starts), price);
   const double before = findings.best.cost(price);
   const auto part = static_cast<double>(findings.best.fit.residual.size());
-  for (Explanation* e : {&findings.nothing, &findings.best}) {
-    Fit whole = fit(all, e->fit.hypothesis, e->fit.unknowns, 8);
-    refresh_slope(all, whole);
-    findings.simulations += whole.simulations;
-    e->effects = read_back(whole.hypothesis, std::move(e->effects));
-    e->fit = std::move(whole);
-  }
+  search.settle(findings.nothing, 8);
+  search.settle(findings.best, 8);
+  findings.simulations += search.simulations;
   const double larger = static_cast<double>(findings.best.fit.residual.size()) / part;
   const double after = findings.best.cost(price);
   for (auto& rivals : findings.rivals) {

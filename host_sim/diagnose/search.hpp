@@ -72,6 +72,7 @@ using Shorten = std::function<Case(double share)>;
 
 /// What was found in a part of the recordings, fitted again in the whole of them; rivals keep their distance, in
 /// proportion to the number of residuals.
-void settle_on(const Case& all, const Price& price, Findings& findings);
+void settle_on(const Case& all, const std::vector<Unknown>& tolerated, const std::vector<Unknown>& starts,
+               const Price& price, Findings& findings);
 
 }  // namespace host_sim::diagnose

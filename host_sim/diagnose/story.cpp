@@ -111,9 +111,9 @@ Panel left_over(const std::string& when, const std::vector<BandPower>& powers, b
     }
     report::Curve& curve = panel.curves.back();
     curve.x.push_back(std::sqrt(std::max(p.lowest, 0.25 * p.highest) * p.highest));
-    curve.y.push_back(p.ratio);
-    curve.lower_error.push_back(p.ratio - p.lower);
-    curve.upper_error.push_back(p.upper - p.ratio);
+    curve.y.push_back(p.power.ratio());
+    curve.lower_error.push_back(p.power.ratio() - p.lower);
+    curve.upper_error.push_back(p.upper - p.power.ratio());
   }
   panel.guides.push_back({report::Guide::Along::y, 1.0, "noise"});
   return panel;
