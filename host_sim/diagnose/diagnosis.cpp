@@ -6,6 +6,7 @@
 
 #include "host_sim/diagnose/carried_noise.hpp"
 #include "host_sim/diagnose/experiment.hpp"
+#include "host_sim/diagnose/foot_point.hpp"
 #include "host_sim/diagnose/intake.hpp"
 #include "host_sim/diagnose/parallel.hpp"
 #include "host_sim/diagnose/piece.hpp"
@@ -134,6 +135,16 @@ Findings second_look(const Case& all, Findings found, double left, const std::fu
   return found;
 }
 
+/// How likely it is that something which is not in the catalogue looks like an effect that gained so much of χ².
+///
+/// Were the law a neighbour of the effect's that shares all but q of its power, q gain of χ² would be left over, and be
+/// seen from `seen` on. Of rigs that have something to find so many have something that is not in the catalogue, and
+/// before anything is known its q is as likely to be around 0.001 as around 0.1 (uniform in log q, 0.001 … 1).
+double outside_chance(double gain, double seen) {
+  constexpr double outside = 0.2, closest = 1e-3;
+  return outside * std::clamp(std::log(seen / (std::max(gain, 1e-9) * closest)) / std::log(1.0 / closest), 0.0, 1.0);
+}
+
 /// rms of the error over the held-out windows, by channel, relative to the rms of the channel.
 std::map<Channel, double> errors(const Case& all, const Hypothesis& hypothesis) {
   const auto responses = respond(all, hypothesis);
@@ -154,7 +165,13 @@ std::map<Channel, double> noise_floors(const Case& all, const std::vector<Carrie
     for (const std::size_t r : all.judged) {
       const Evidence& e = all.evidence[r];
       for (std::size_t k = e.judge.from; k < e.judge.to; ++k) data += std::pow(e.recording[channel][k], 2);
-      noise += (e.noise[c] * e.noise[c] + noises[r].variance[c]) * static_cast<double>(e.judge.size());
+      double variance = e.noise[c] * e.noise[c] + noises[r].variance[c];
+      // z_r alone does not tell of faster motion than this.
+      if (channel == Channel::zdd_r) {
+        variance += variance_above(acceleration_edge * e.acceleration_known, e.recording[channel], e.judge, e.noise[c],
+                                   e.drive.period);
+      }
+      noise += variance * static_cast<double>(e.judge.size());
     }
     result[channel] = data > 0.0 ? std::sqrt(noise / data) : 0.0;
   }
@@ -399,7 +416,8 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     const double share = telling_share(all, enough / static_cast<double>(all.fitted.size()));
     const auto look = [&](const Price& smaller) {
       Case part = shorten(share);
-      for (Evidence& e : part.evidence) e.fine = 2;  // what steps get wrong is small beside the error allowed for
+      for (Evidence& e : part.evidence)
+        e.fine = (e.fine + 1) / 2;  // what steps get wrong is small beside the error allowed for
       const auto rewhiten_part = [&](const Hypothesis& hypothesis) {
         const bool depends = rewhiten(hypothesis);
         if (depends) whiten(part, noises);
@@ -459,6 +477,9 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   for (const auto& [path, car] : car_of_program.parameters) {
     result.parameters[path] = {car.value, car.value - 1.96 * car.error, car.value + 1.96 * car.error};
   }
+  // A rest in two bands of one channel: what must be left over to be seen.
+  const double per_band = 2.0 * count / static_cast<double>(noise_bands * all.evidence.front().channels.size());
+  const double seen = std::max(significant * std::sqrt(2.0 * per_band), loud_share * per_band);
   bool close = false;
   for (std::size_t i = 0; i < findings.best.effects.size(); ++i) {
     NamedEffect named{findings.best.effects[i], {}, 0.0, {}};
@@ -485,7 +506,10 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
       }
       named.alternatives.push_back(std::move(alternative));
     }
-    named.confidence = 0.999 / (1.0 + against) * worth;
+    // A hold is seen in the values themselves.
+    const bool certain = is_hold(*named.effect.entry) || i >= findings.gains.size();
+    const double known_law = certain ? 1.0 : 1.0 - outside_chance(findings.gains[i] / temper, seen);
+    named.confidence = 0.999 / (1.0 + against) * worth * known_law;
     result.effects.push_back(std::move(named));
   }
   // What the program itself computes is known without noise.

@@ -105,7 +105,15 @@ std::optional<Renewals> renewals_of(const std::vector<double>& samples) {
   std::vector<std::size_t> gaps;
   for (std::size_t i = 1; i < r.at.size(); ++i) gaps.push_back(r.at[i] - r.at[i - 1]);
   std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
-  r.period = static_cast<double>(gaps[gaps.size() / 2]);
+  // The mean of what is no gap of two turns: of gaps of 2 and 3 samples neither is the period.
+  const std::size_t single = gaps[gaps.size() / 2] * 3 / 2;
+  double sum = 0.0, count = 0.0;
+  for (const std::size_t gap : gaps) {
+    if (gap > single) continue;
+    sum += static_cast<double>(gap);
+    count += 1.0;
+  }
+  r.period = sum / count;
   const auto span = static_cast<double>(r.at.back() - r.at.front());
   for (int round = 0; round < 2; ++round) {
     r.turn.assign(1, 0.0);
@@ -192,6 +200,8 @@ Evidence evidence_of(const RigDescription& description, Recording recording, Use
   }
   Evidence evidence;
   evidence.drive = drive_of(rig, recording);
+  constexpr double cornered_step = 0.25e-3;  // [s]
+  evidence.fine = std::max(1, static_cast<int>(std::lround(evidence.drive.period / cornered_step)));
   prepare_input(evidence, description, recording, disagree);
   evidence.at_rest = begins_at_rest(rig, evidence.drive, recording);
   std::vector<Channel> answered = response_channels(rig.kind, evidence.drive);

@@ -73,8 +73,8 @@ struct Evidence {
   /// Where z_r alone tells its acceleration: up to which frequency [Hz] it is above its noise. 0: not needed.
   double acceleration_known = 0.0;
   /// Steps of the model in a sample where contacts stick or free play ends: inside of a step it knows that only at the
-  /// step's end, an error ∝ h that would be taken for an effect.
-  int fine = 4;
+  /// step's end, an error ∝ h that would be taken for an effect. A quarter of a millisecond each.
+  int fine = 1;
 
   [[nodiscard]] bool explains(model::Channel channel) const {
     return std::find(channels.begin(), channels.end(), channel) != channels.end();

@@ -193,7 +193,7 @@ Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int mo
   const Eigen::Index known = known_slope.cols();
   if (known > 0) result.slope.leftCols(known) = known_slope;
 
-  double trust = 1.0;  // of the logarithmic coordinates: a factor of e in one step at most
+  double trust = 1.0;  // share of what a slope may be believed for
   int age = -1;        // steps for which the slopes have been kept; −1: they are to be found
   for (int step = 0; step < most && n > 0; ++step) {
     if (age < 0) {
@@ -207,12 +207,12 @@ Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int mo
     for (Eigen::Index i = 0; i < n; ++i) {
       const Unknown& unknown = result.unknowns[static_cast<std::size_t>(i)];
       u(i) = unknown.get(result.hypothesis);
-      lower(i) = unknown.lower - u(i);
-      upper(i) = unknown.upper - u(i);
-      if (unknown.role == Unknown::Role::effect) {
-        lower(i) = std::max(lower(i), -trust);
-        upper(i) = std::min(upper(i), trust);
-      }
+      // Another fit, with bounds of its own, may have gone beyond these.
+      lower(i) = std::min(unknown.lower - u(i), 0.0);
+      upper(i) = std::max(unknown.upper - u(i), 0.0);
+      const double reach = trust * unknown.reach(u(i));
+      lower(i) = std::max(lower(i), -reach);
+      upper(i) = std::min(upper(i), reach);
     }
     const Eigen::VectorXd d = bounded_step(h, g, lower, upper);
     const double promised = -2.0 * g.dot(d) - d.dot(h * d);

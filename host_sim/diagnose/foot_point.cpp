@@ -129,4 +129,17 @@ void smooth_acceleration(FootPointMotion& motion, double highest, double period)
   for (std::size_t k = 0; k < motion.size(); ++k) motion[k].acceleration = smooth[k];
 }
 
+double variance_above(double highest, const std::vector<double>& acceleration, Window window, double noise,
+                      double period) {
+  FootPointMotion motion(window.size());
+  for (std::size_t k = 0; k < window.size(); ++k) motion[k].acceleration = acceleration[window.from + k];
+  smooth_acceleration(motion, highest, period);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < window.size(); ++k) {
+    sum += std::pow(acceleration[window.from + k] - motion[k].acceleration, 2);
+  }
+  const double share_above = std::max(1.0 - 2.0 * highest * period, 0.0);  // of white noise
+  return std::max(sum / static_cast<double>(window.size()) - noise * noise * share_above, 0.0);
+}
+
 }  // namespace host_sim::diagnose

@@ -36,4 +36,8 @@ namespace host_sim::diagnose {
 /// filter of ±0.1 s, the ends as they are.
 void smooth_acceleration(FootPointMotion& motion, double highest, double period);
 
+/// What that filter takes away from a measured acceleration with white noise, as a variance without the noise's.
+[[nodiscard]] double variance_above(double highest, const std::vector<double>& acceleration, Window window,
+                                    double noise, double period);
+
 }  // namespace host_sim::diagnose

@@ -31,6 +31,12 @@ bool Unknown::at_bound(const Hypothesis& hypothesis) const {
   return u <= lower + 1e-9 || u >= upper - 1e-9;
 }
 
+double Unknown::reach(double u) const {
+  if (role == Role::start) return 3.0;
+  if (role == Role::tolerated || (sensor && !logarithmic)) return INFINITY;
+  return logarithmic ? 1.0 : std::max(1.0, std::abs(u));
+}
+
 std::vector<Unknown> tolerated_unknowns(const RigDescription& description) {
   std::vector<Unknown> unknowns;
   model::RigParameters<double> part = explained_part(description.rig);
@@ -60,7 +66,7 @@ std::vector<Unknown> start_unknowns(const RigDescription& description, const std
       if (state < 4 && rig.kind == model::RigKind::component_bench) continue;
       if (state >= 4 && !(rig.has_fdva && rig.fdva.open_ducts > 0)) continue;
       const double scale = size * (state % 2 == 1 ? 20.0 : 1.0);
-      unknowns.push_back({Unknown::Role::start, "", r, state, {}, 0.0, scale, false, -100.0, 100.0, 1e-3});
+      unknowns.push_back({Unknown::Role::start, "", r, state, {}, 0.0, scale, false, -10.0, 10.0, 1e-3});
     }
   }
   return unknowns;

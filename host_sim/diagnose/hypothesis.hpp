@@ -41,6 +41,9 @@ struct Unknown {
 
   [[nodiscard]] double value(double u) const;
   [[nodiscard]] double coordinate(double value) const;
+  /// How far from u a slope may be believed: a factor of e, twice the value, a start not much larger than the motion;
+  /// what enters linearly, or has bounds close by, any distance.
+  [[nodiscard]] double reach(double u) const;
   void put(Hypothesis& hypothesis, double u) const;
   [[nodiscard]] double get(const Hypothesis& hypothesis) const;  ///< u
   [[nodiscard]] bool at_bound(const Hypothesis& hypothesis) const;

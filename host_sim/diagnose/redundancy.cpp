@@ -153,7 +153,7 @@ class Relations {
     const std::size_t length = good_fft_size(static_cast<std::size_t>(block_length * rate));
     const std::size_t p = columns.moved.size();
 
-    BlockTransform transform(hann_window(length), Detrend::mean);
+    BlockTransform transform(hann_window(length), Detrend::none);
     const double resolution = rate / static_cast<double>(length);
     const auto bins = std::min(transform.bins(), static_cast<std::size_t>(top / resolution) + 1);
     std::vector<Eigen::MatrixXcd> spectra(
@@ -171,10 +171,16 @@ class Relations {
         }
         blocks += 1.0;
         std::vector<std::vector<std::complex<double>>> lines;
-        const auto add = [&](const Series& s) {
-          const auto line = transform(std::span(s).subspan(from, length));
-          lines.emplace_back(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(bins));
+        // Freed from the mean as the window weights it: a constant c is c W₀ at 0 and −c W₀/2 at the next line. The
+        // plain mean of a derivative is the difference of its ends, which would carry fast noise down here.
+        const auto transformed = [&](const Series& s) {
+          const auto all = transform(std::span(s).subspan(from, length));
+          std::vector<std::complex<double>> line(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(bins));
+          line[1] += 0.5 * line[0];
+          line[0] = 0.0;
+          return line;
         };
+        const auto add = [&](const Series& s) { lines.push_back(transformed(s)); };
         add(columns.residual[r].values);
         for (const auto& moved : columns.moved) add(moved[r]);
         for (std::size_t k = 0; k < bins; ++k) {
@@ -186,7 +192,7 @@ class Relations {
           }
         }
         if (columns.force_noise[r].empty()) continue;
-        const auto line = transform(std::span(columns.force_noise[r]).subspan(from, length));
+        const auto line = transformed(columns.force_noise[r]);
         for (std::size_t k = 0; k < bins; ++k) noise[k] += scale * std::norm(line[k]);
       }
     }

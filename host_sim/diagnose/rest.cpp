@@ -103,7 +103,7 @@ Rest rest_of(const Case& all, const Hypothesis& hypothesis) {
         z = std::min(z, 2.0 * judged[c][b].significance());
         share = std::min(share, judged[c][b].excess() / std::max(judged[c][b].count, 1.0));
       }
-      if (share < 0.15 || z <= rest.strongest) continue;
+      if (share < loud_share || z <= rest.strongest) continue;
       rest.strongest = z;
       char words[160];
       std::snprintf(words, sizeof words, "%s, %.3g to %.3g Hz: %.1f times the power of its noise",

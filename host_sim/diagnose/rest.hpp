@@ -11,6 +11,8 @@ namespace host_sim::diagnose {
 
 /// Standard deviations by which power must be above noise to count.
 inline constexpr double significant = 8.0;
+/// And by what share of the noise: no simulation's own error reaches that.
+inline constexpr double loud_share = 0.15;
 
 /// A channel's power beyond its noise in the fitted windows, in units of its noise.
 struct ChannelExcess {

@@ -411,6 +411,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
   for (int round = 0; round < 4 && price.compare && !best.effects.empty(); ++round) {
     bool changed = false;
     findings.rivals.assign(best.effects.size(), {});
+    findings.gains.assign(best.effects.size(), 0.0);
     for (std::size_t i = 0; i < best.effects.size() && !changed; ++i) {
       report(0.6 + 0.3 * static_cast<double>(i) / static_cast<double>(best.effects.size()),
              "rivals of " + std::string(best.effects[i].entry->name));
@@ -432,7 +433,9 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
         changed = true;
         break;
       }
-      if (!changed) findings.rivals[i] = rivals_of(search, best, i, others, price);
+      if (changed) break;
+      findings.rivals[i] = rivals_of(search, best, i, others, price);
+      findings.gains[i] = rest.fit.chi_squared - best.fit.chi_squared;
     }
     if (!changed) break;
     if (rewhiten(best.fit.hypothesis)) {
@@ -460,6 +463,7 @@ void settle_on(const Case& all, const std::vector<Unknown>& tolerated, const std
   for (auto& rivals : findings.rivals) {
     for (Rival& rival : rivals) rival.cost = after + larger * (rival.cost - before);
   }
+  for (double& gain : findings.gains) gain *= larger;
 }
 
 }  // namespace host_sim::diagnose

@@ -46,6 +46,7 @@ struct Findings {
   Explanation nothing;  ///< only the tolerated parameters refitted
   Explanation best;
   std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
+  std::vector<double> gains;  ///< of each effect in `best`: what χ² is larger by without it, all else refitted
   std::size_t simulations = 0;
   std::size_t tried = 0;  ///< candidates
 };

@@ -10,7 +10,9 @@ namespace {
 using nlohmann::ordered_json;
 
 ordered_json to_json(const Run& run) {
-  return {{"seed", run.seed}, {"duration", run.wanted.duration}, {"weak", run.wanted.weak}};
+  ordered_json json{{"seed", run.seed}, {"duration", run.wanted.duration}, {"weak", run.wanted.weak}};
+  if (run.wanted.varied) json["varied"] = true;
+  return json;
 }
 
 }  // namespace

@@ -100,6 +100,7 @@ int main(int argc, char** argv) {
   app.add_option("--groups", options.groups, "Only groups whose name holds one of these texts");
   app.add_option("--part", options.part, "Only part K of N, as 1/5");
   app.add_option("--duration", options.run.wanted.duration, "Length of a recording [s]")->capture_default_str();
+  app.add_flag("--varied", options.run.wanted.varied, "Other rigs, roads, noise and sample rates");
   app.add_flag("--weak", options.run.wanted.weak, "Effects of 30 … 100 σ in all");
   app.add_option("--jobs", options.jobs, "Recordings at once")->capture_default_str();
   app.add_option("--most-seconds", options.most_seconds, "For one recording; more is a failure")->capture_default_str();

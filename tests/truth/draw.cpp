@@ -143,6 +143,31 @@ Change change_between(const Truth& truth, const Record& with, const Record& with
   return change;
 }
 
+/// Another rig altogether: between two thirds and one and a half times everything but the FDVA's geometry, which sets
+/// its resonance and moves by a tenth; tolerances half to twice as wide.
+void vary_rig(Truth& truth, Random& random) {
+  for (auto& [path, value] : truth.nominal) {
+    if (path.ends_with("ducts")) continue;
+    const double spread = path.starts_with("fdva.") ? 1.1 : 1.5;
+    value = value > 0.0 ? rounded(value * random.logarithmic(1.0 / spread, spread)) : 0.0;
+  }
+  for (auto& [path, relative] : truth.tolerance) relative = rounded(relative * random.logarithmic(0.5, 2.0));
+}
+
+/// Other sensors: a third to three times the noise, each by itself; 500 Hz, 1 or 2 kHz.
+void vary_sensors(Truth& truth, Random& random) {
+  for (auto& [channel, rms] : truth.noise) rms = rounded(rms * random.logarithmic(1.0 / 3.0, 3.0));
+  truth.sample_rate = 500.0 * static_cast<double>(1 << random.below(3));
+}
+
+/// Another road: class A to C, driven faster or slower, cut elsewhere; another command.
+void vary_road(RecordPlan& plan, Kind kind, bool any_level, Random& random) {
+  const bool bench = kind == Kind::component_bench;
+  if (any_level) plan.level *= random.logarithmic(0.5, 2.0);
+  plan.corner = (bench ? 2.0 : 0.35) * random.logarithmic(0.5, 2.0);
+  plan.cut = (bench ? 25.0 : 40.0) * random.logarithmic(0.6, 1.6);
+}
+
 void draw_rig(Truth& truth, Random& random, double tyre_level, const Wanted& wanted) {
   const Kind kind = truth.kind;
   const bool bench = kind == Kind::component_bench;
@@ -184,6 +209,7 @@ void draw_rig(Truth& truth, Random& random, double tyre_level, const Wanted& wan
     tolerance["fdva.oil_viscosity"] = 0.2;
     tolerance["fdva.minor_loss"] = 0.2;
   }
+  if (wanted.varied && tyre_level == 0.0) vary_rig(truth, random);
   truth.actual = n;
   for (const auto& [path, relative] : tolerance) truth.actual[path] *= 1.0 + relative * random.uniform(-0.95, 0.95);
 
@@ -195,6 +221,7 @@ void draw_rig(Truth& truth, Random& random, double tyre_level, const Wanted& wan
   } else {
     truth.noise = {{"F", 10.0}, {"x_act", 2e-5}};
   }
+  if (wanted.varied) vary_sensors(truth, random);
 
   const int count = random.chance(0.3) ? 2 : 1;
   for (int i = 0; i < count; ++i) {
@@ -202,6 +229,7 @@ void draw_rig(Truth& truth, Random& random, double tyre_level, const Wanted& wan
     plan.duration = count == 1 ? wanted.duration : std::round(wanted.duration * 2.0 / 3.0);
     plan.level = bench ? random.uniform(0.005, 0.008) : random.uniform(0.85, 1.1);
     if (tyre_level > 0.0) plan.level = tyre_level;
+    if (wanted.varied) vary_road(plan, kind, tyre_level == 0.0, random);
     if (i == 1) plan.level *= 0.6;
     plan.road_seed = random.next() % 1000000U;
     plan.noise_seed = random.next() % 1000000U;
@@ -222,6 +250,10 @@ Hidden draw_hidden(const Candidate& candidate, const std::string& channel, const
   Hidden hidden{candidate, channel, {}, 1.0};
   for (const Candidate::Parameter& p : candidate.parameters) hidden.drawn[p.key] = random.logarithmic(p.low, p.high);
   if (candidate.either_sign) hidden.sign = random.sign();
+  if (candidate.name == "sensor_hold") {  // of less than two samples nothing would be held
+    hidden.candidate.least = std::max(candidate.least, 2.5 / truth.sample_rate);
+    hidden.drawn["period"] = std::max(hidden.drawn["period"], hidden.candidate.least);
+  }
   // More than the tolerance of the damping it adds to, or nothing would need it.
   const auto tolerance = truth.tolerance.find("suspension.damping");
   if (candidate.name == "viscous_damping" && tolerance != truth.tolerance.end()) {
@@ -257,6 +289,15 @@ std::vector<std::pair<Candidate, std::string>> candidates_of(Kind kind, bool out
   return all;
 }
 
+/// By how much weaker than usual an effect may become and still be that effect: a hold needs more than a sample, times
+/// must stay above the step of the simulation, a resonance within sight of the band.
+double widening(const Candidate& candidate) {
+  if (candidate.name == "sensor_hold") return 1.25;
+  if (candidate.name == "actuator_resonance") return 3.0;
+  if (candidate.strength == "time_constant" || candidate.strength == "delay") return 10.0;
+  return 30.0;
+}
+
 /// Scales one hidden thing until it is as large as wanted.
 void scale(Truth& truth, std::vector<Hidden>& all, std::size_t which, const std::map<std::string, double>& rms,
            const Wanted& wanted, Random& random) {
@@ -266,6 +307,8 @@ void scale(Truth& truth, std::vector<Hidden>& all, std::size_t which, const std:
     return sum;
   }();
   const double weak_wish = random.logarithmic(35.0, 90.0);
+  double too_small = 0.0;  // of the strength; 0: not known yet
+  double too_large = 0.0;
   std::vector<Hidden> others = all;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(which));
   put(truth, others, rms);
@@ -273,7 +316,7 @@ void scale(Truth& truth, std::vector<Hidden>& all, std::size_t which, const std:
 
   Hidden& hidden = all[which];
   const Candidate& c = hidden.candidate;
-  for (int tries = 0; tries < 10; ++tries) {
+  for (int tries = 0; tries < (wanted.weak ? 20 : 10); ++tries) {
     put(truth, all, rms);
     const Change change = change_between(truth, glance(truth), without);
     truth.size = change.largest;
@@ -291,8 +334,11 @@ void scale(Truth& truth, std::vector<Hidden>& all, std::size_t which, const std:
     }
     double& value = hidden.drawn[c.strength];
     const double before = value;
-    const double widen = wanted.weak ? 30.0 : 1.0;
+    const double widen = wanted.weak ? widening(c) : 1.0;
+    (factor < 1.0 ? too_large : too_small) = before;
     value *= c.exponent > 0 ? factor : 1.0 / factor;
+    // Some grow from nothing to much within a tenth of their strength: a limit that is just reached.
+    if (wanted.weak && too_small > 0.0 && too_large > 0.0) value = std::sqrt(too_small * too_large);
     value = std::clamp(value, c.exponent > 0 ? c.least / widen : c.least, c.exponent > 0 ? c.most : c.most * widen);
     if (value != before) continue;
     if (change.bounded && change.largest < 3.0 && hidden.sign < 0.0 && !wanted.weak) {

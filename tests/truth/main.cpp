@@ -6,7 +6,7 @@
 
 #include "tests/truth/truth.hpp"
 
-/// rigtwin_truth GROUP SEED OUTDIR [--weak] [--duration SECONDS] | --groups
+/// rigtwin_truth GROUP SEED OUTDIR [--varied] [--weak] [--duration SECONDS] | --groups
 int main(int argc, char** argv) {
   try {
     if (argc == 2 && std::string(argv[1]) == "--groups") {
@@ -14,12 +14,14 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (argc < 4) {
-      std::fputs("rigtwin_truth GROUP SEED OUTDIR [--weak] [--duration SECONDS] | rigtwin_truth --groups\n", stderr);
+      std::fputs("rigtwin_truth GROUP SEED OUTDIR [--varied] [--weak] [--duration SECONDS] | rigtwin_truth --groups\n",
+                 stderr);
       return 2;
     }
     truth::Wanted wanted;
     for (int i = 4; i < argc; ++i) {
       const std::string option = argv[i];
+      if (option == "--varied") wanted.varied = true;
       if (option == "--weak") wanted.weak = true;
       if (option == "--duration" && i + 1 < argc) wanted.duration = std::stod(argv[++i]);
     }

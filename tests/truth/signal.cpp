@@ -57,9 +57,9 @@ Motion ramp(double u) {
           420.0 * u2 * (1.0 + u * (-4.0 + u * (5.0 - 2.0 * u)))};
 }
 
-double road_spectrum(double f) {
+double road_spectrum(double f, double corner) {
   const double roughness = 64e-6 * 0.1 * 0.1 * 27.78;
-  const double high_pass = std::pow(f / 0.35, 4);
+  const double high_pass = std::pow(f / corner, 4);
   return roughness / (f * f) * high_pass / (1.0 + high_pass);
 }
 
@@ -70,14 +70,15 @@ Signal::Signal(const RecordPlan& plan, bool bench) {
   std::size_t n = 4096;
   while (n < count) n *= 2;
   const double spacing = 1.0 / (static_cast<double>(n) * step);
-  const double last = bench ? 25.0 : 40.0;
+  const double corner = plan.corner > 0.0 ? plan.corner : (bench ? 2.0 : 0.35);
+  const double last = plan.cut > 0.0 ? plan.cut : (bench ? 25.0 : 40.0);
 
   Random random(plan.road_seed);
   std::vector<Complex> amplitude(n);
   double power = 0.0;
   for (std::size_t k = 1; static_cast<double>(k) * spacing <= last; ++k) {
     const double f = static_cast<double>(k) * spacing;
-    const double rms = std::sqrt((bench ? 1.0 / (f * f + 4.0) : road_spectrum(f)) * spacing);
+    const double rms = std::sqrt((bench ? 1.0 / (f * f + corner * corner) : road_spectrum(f, corner)) * spacing);
     const double a = random.normal();
     amplitude[k] = rms * Complex{a, random.normal()};
     power += rms * rms;

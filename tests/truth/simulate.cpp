@@ -30,8 +30,8 @@ double true_value(const std::string& channel, const Rig::Values& v, const Rig::S
 }
 
 Record run(const Truth& truth, const Numbers& numbers, const RecordPlan& plan, const Fineness& fineness) {
-  const int fine = fineness.steps_per_sample;
   const double sample = 1.0 / truth.sample_rate;
+  const int fine = static_cast<int>(std::ceil(fineness.steps_per_millisecond * 1e3 * sample));
   const Signal signal(plan, truth.kind == Kind::component_bench);
   const auto warm = static_cast<std::size_t>(std::lround(plan.warm * truth.sample_rate));
   const auto count = static_cast<std::size_t>(std::lround(plan.duration * truth.sample_rate));

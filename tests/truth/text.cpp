@@ -75,7 +75,7 @@ std::string csv(const Truth& truth, const Record& record) {
   }
   text += "\n";
   for (std::size_t i = 0; i < record.time.size(); ++i) {
-    text += digits("%.3f", record.time[i]);
+    text += digits(truth.sample_rate > 1000.0 ? "%.4f" : "%.3f", record.time[i]);
     for (const std::vector<double>* column : columns) text += digits(",%.9g", (*column)[i]);
     text += "\n";
   }
@@ -111,6 +111,8 @@ std::string truth_json(const Truth& truth) {
                                {"road_seed", plan.road_seed},
                                {"noise_seed", plan.noise_seed},
                                {"t0", plan.start}};
+    if (plan.corner > 0.0) one["corner"] = plan.corner;
+    if (plan.cut > 0.0) one["cut"] = plan.cut;
     if (truth.kind == Kind::component_bench) {
       one["bench_rms"] = plan.level;
       one["mod_depth"] = plan.modulation_depth;

@@ -28,6 +28,8 @@ struct RecordPlan {
   std::uint64_t noise_seed = 2;     ///< noise, phases of holds
   double warm = 0.0;                ///< [s] run before the first sample; 0: from rest, with a ramp of 1 s
   double start = 0.0;               ///< t of the first sample [s]
+  double corner = 0.0;              ///< [Hz] below which the spectrum falls (road), is flat (command); 0: 0.35, 2
+  double cut = 0.0;                 ///< [Hz] above which there is nothing; 0: 40 (road), 25 (command)
   double modulation_depth = 0.0;    ///< bench only: amplitude 1 + depth sin(2π t / period + phase)
   double modulation_period = 15.0;  ///< [s]
   double modulation_phase = 0.0;    ///< [rad]
@@ -39,7 +41,7 @@ struct Truth {
   std::string group;
   Kind kind = Kind::quarter_car;
   bool fdva = false;                                       ///< an FDVA beside the spring-damper
-  double sample_rate = 1000.0;                             ///< [Hz]; no other is supported
+  double sample_rate = 1000.0;                             ///< [Hz]; divides 20 kHz
   std::map<std::string, double> nominal;                   ///< by path, "body.mass"; what rig.toml says
   std::map<std::string, double> actual;                    ///< by path; inside the tolerances
   std::map<std::string, double> tolerance;                 ///< by path, relative
@@ -63,14 +65,15 @@ struct Record {
 
 /// How fine simulate works; the tests halve the step.
 struct Fineness {
-  int steps_per_sample = 20;  ///< ≥ 1
-  bool noise = true;          ///< false: noise left out, sensor effects kept
+  int steps_per_millisecond = 20;  ///< ≥ 1
+  bool noise = true;               ///< false: noise left out, sensor effects kept
 };
 
 /// How large the drawn effect is.
 struct Wanted {
   bool weak = false;       ///< 30 … 100 σ in all instead of 3 … 300 times the noise of a channel
   double duration = 30.0;  ///< [s] of a single record; of two, each has two thirds
+  bool varied = false;     ///< other rigs, roads, noise and sample rates than those of the samples
 };
 
 /// "quarter_car", "hil", "component_bench".

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -446,6 +447,32 @@ TEST(TruthGroups, CanBeWeak) {
   const Truth t = truth::draw("single:quarter_car:viscous_damping", 1, {true, 30.0});
   EXPECT_GT(t.size * std::sqrt(30000.0), 10.0);
   EXPECT_LT(t.size * std::sqrt(30000.0), 100.0);
+}
+
+// Law. Varied rigs differ in what is promised, by what is promised; and simulate to finite numbers at their rate.
+TEST(TruthGroups, CanBeOtherRigsRoadsAndSensors) {
+  std::set<double> rates, masses;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Truth usual = truth::draw("none:quarter_car", seed);
+    Truth varied = truth::draw("none:quarter_car", seed, {false, 1.0, true});
+    rates.insert(varied.sample_rate);
+    masses.insert(varied.nominal.at("body.mass"));
+    for (const auto& [channel, rms] : varied.noise) {
+      EXPECT_LT(std::abs(std::log(rms / usual.noise.at(channel))), std::log(3.02)) << seed << " " << channel;
+    }
+    for (const auto& [path, value] : varied.nominal) {
+      EXPECT_LT(std::abs(std::log(value / usual.nominal.at(path))), std::log(1.52)) << seed << " " << path;
+    }
+    varied.records.resize(1);
+    varied.records[0].warm = 0.0;
+    const truth::Record record = truth::simulate(varied)[0];
+    ASSERT_EQ(static_cast<double>(record.time.size()), varied.records[0].duration * varied.sample_rate) << seed;
+    for (const auto& [channel, values] : record.channels) {
+      EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); })) << channel;
+    }
+  }
+  EXPECT_EQ(rates, (std::set<double>{500.0, 1000.0, 2000.0}));
+  EXPECT_EQ(masses.size(), 8U);
 }
 
 // Fault. A group there is not, and an effect on a rig that has no such part, are refused.

@@ -177,6 +177,13 @@ TEST(HoldPeriod, IsReadOffTheRenewals) {
   EXPECT_NEAR(held->value, 4.3e-3, held->half_width);
   EXPECT_LT(held->half_width, 0.2 / 1395.0 * period);
   EXPECT_FALSE(diagnose::hold_period(evidence, Channel::x_act));
+  // Turns of 1 and 2, or of 2 and 3 samples, of which none is the period.
+  for (const double samples : {1.7, 2.5}) {
+    const diagnose::Evidence fast = held_recording(samples);
+    ASSERT_TRUE(fast.renewals[index(Channel::F)]) << samples;
+    EXPECT_TRUE(fast.renewals[index(Channel::F)]->regular) << samples;
+    EXPECT_NEAR(fast.renewals[index(Channel::F)]->period, samples, 1e-3) << samples;
+  }
 }
 
 // Law. Known noise becomes χ² = n; noise with a known common source too, and its channels become independent.
@@ -328,6 +335,14 @@ TEST(FootPoint, KnowsItsAccelerationAsFarAsItsDisplacementIsAboveNoise) {
   }
   // White noise of σ_z through ω² up to 30 … 40 Hz: σ_z (2π 35)² √(2 · 35/1000/5) = 0.11 m/s²; second differences: 49.
   EXPECT_LT(std::sqrt(error), 0.3);
+
+  // Above 40 Hz a sine of 60 Hz counts with half the square of its amplitude (the filter's edge is ± 10 Hz wide), one
+  // of 12 Hz and white noise with nothing; the variance of 20 000 samples of that scatters by 1 %.
+  auto shaken = sine(3.0, 60.0, 20'000);
+  const auto slow = sine(5.0, 12.0, 20'000);
+  for (std::size_t k = 0; k < shaken.size(); ++k) shaken[k] += slow[k] + 0.5 * noise();
+  const diagnose::Window all{0, shaken.size()};
+  EXPECT_NEAR(diagnose::variance_above(40.0, shaken, all, 0.5, period), 4.5, 0.1) << "seed 3";
 }
 
 }  // namespace
