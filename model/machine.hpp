@@ -11,11 +11,13 @@ namespace model {
 ///
 ///   (1)  T ẋ₁ + x₁ = u                              lag; x₁ = u without it
 ///   (2)  ẍ₂ + 2ζω ẋ₂ + ω² x₂ = ω² x₁,  ω = 2πf      resonance; x₂ = x₁ without it
-///   (3)  x_act(k+1) = x_act(k) + clamp(x₂(k+1) − x_act(k), ± v h)
+///   (3)  x_act(k+1) = x_act(k) + clamp(x₂(k+1) − x_act(k), ± (v h − d)),  d = (v − ẋ_act)² h / 2(ẋ₂ − ẋ_act)
 ///
-/// (1), (2) are exact for an input that moves on the cubic between two samples. The velocity that (3) gives is that of
-/// x₂ while it does not limit, ± v while it does. State 3×1 [x₁ m, x₂ m, ẋ₂ m/s]; input u: delayed command, position
-/// and velocity; output: position and velocity.
+/// (1), (2) are exact for an input that moves on the cubic between two samples. d is what a step lacks that begins
+/// below the limit, ẋ_act < v, and ends above it, ẋ₂ > v, the velocity growing evenly between (0 in all others,
+/// mirrored below −v): without it the machine would be ahead by up to ẍ h²/2 until it has caught up; with it by h³
+/// times the third derivative. The velocity that (3) gives is that of x₂ while it does not limit, ± v while it does.
+/// State 3×1 [x₁ m, x₂ m, ẋ₂ m/s]; input u: delayed command, position and velocity; output: position and velocity.
 template <class S>
 class Machine {
  public:
@@ -78,15 +80,24 @@ class Machine {
     }
     Stroke<S> out = output(x, now);
     if (path_.rate_limit > S(0)) {
-      const S most = path_.rate_limit * period_;
       const S way = out.position - reached.position;
-      if (way > most) out = {reached.position + most, path_.rate_limit};
-      if (way < -most) out = {reached.position - most, -path_.rate_limit};
+      const S up = longest_way(reached.velocity, out.velocity), down = longest_way(-reached.velocity, -out.velocity);
+      if (way > up) {
+        out = {reached.position + up, path_.rate_limit};
+      } else if (way < -down) {
+        out = {reached.position - down, -path_.rate_limit};
+      }
     }
     return out;
   }
 
  private:
+  /// v h − d
+  [[nodiscard]] S longest_way(S before, S after) const {
+    const S v = path_.rate_limit, most = v * period_;
+    return before < v && after > v ? most - (v - before) * (v - before) * period_ / (S(2) * (after - before)) : most;
+  }
+
   MachinePath<S> path_{};
   S period_{1};
   S omega_{};

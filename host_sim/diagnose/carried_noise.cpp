@@ -66,8 +66,9 @@ CarriedNoise carried_noise(const Evidence& evidence, const Hypothesis& hypothesi
     Spectra outputs;
     for (const model::Channel channel : evidence.channels) {
       const auto c = index(channel);
-      for (std::size_t k = window.from; k < window.to; ++k) {
-        carried.variance[c] += std::pow(disturbed[c][k] - clean[c][k], 2) / static_cast<double>(times * window.size());
+      const Window known = evidence.known(channel, window);
+      for (std::size_t k = known.from; k < known.to; ++k) {
+        carried.variance[c] += std::pow(disturbed[c][k] - clean[c][k], 2) / static_cast<double>(times * known.size());
       }
       outputs.push_back(spectrum_of([&](std::size_t k) { return disturbed[c][k] - clean[c][k]; }));
     }

@@ -59,6 +59,7 @@ struct Misfit {
 
   void add(const Evidence& e, Channel channel, const Response& response, Window window) {
     const auto c = index(channel);
+    window = e.known(channel, window);
     for (std::size_t k = window.from; k < window.to; ++k) {
       if (!e.clipped[c].empty() && e.clipped[c][k]) continue;
       const double measured = e.recording[channel][k];
@@ -164,14 +165,15 @@ std::map<Channel, double> noise_floors(const Case& all, const std::vector<Carrie
     double noise = 0.0, data = 0.0;
     for (const std::size_t r : all.judged) {
       const Evidence& e = all.evidence[r];
-      for (std::size_t k = e.judge.from; k < e.judge.to; ++k) data += std::pow(e.recording[channel][k], 2);
+      const Window judge = e.known(channel, e.judge);
+      for (std::size_t k = judge.from; k < judge.to; ++k) data += std::pow(e.recording[channel][k], 2);
       double variance = e.noise[c] * e.noise[c] + noises[r].variance[c];
       // z_r alone does not tell of faster motion than this.
       if (channel == Channel::zdd_r) {
-        variance += variance_above(acceleration_edge * e.acceleration_known, e.recording[channel], e.judge, e.noise[c],
+        variance += variance_above(acceleration_edge * e.acceleration_known, e.recording[channel], judge, e.noise[c],
                                    e.drive.period);
       }
-      noise += variance * static_cast<double>(e.judge.size());
+      noise += variance * static_cast<double>(judge.size());
     }
     result[channel] = data > 0.0 ? std::sqrt(noise / data) : 0.0;
   }

@@ -28,6 +28,8 @@ struct Window {
 
 /// Where the acceleration of z_r alone is cut off, above what is known of it: the filter falls over ± 10 Hz.
 inline constexpr double acceleration_edge = 1.5;
+/// And to either side of a sample how far that filter reaches [s].
+inline constexpr double acceleration_reach = 0.1;
 
 /// rms of the noise that the driving motion carries [SI]; 0: none, or not known.
 struct InputNoise {
@@ -76,6 +78,14 @@ struct Evidence {
   /// step's end, an error ∝ h that would be taken for an effect. A quarter of a millisecond each.
   int fine = 1;
 
+  /// Where in a window a channel can be explained: not z̈_r at the ends of a recording, where its filter lacks samples.
+  [[nodiscard]] Window known(model::Channel channel, Window window) const {
+    if (channel != model::Channel::zdd_r || !(acceleration_known > 0.0)) return window;
+    const auto margin = static_cast<std::size_t>(acceleration_reach / drive.period);
+    window.from = std::max(window.from, margin);
+    window.to = std::max(window.from, std::min(window.to, size() - std::min(size(), margin)));
+    return window;
+  }
   [[nodiscard]] bool explains(model::Channel channel) const {
     return std::find(channels.begin(), channels.end(), channel) != channels.end();
   }

@@ -107,7 +107,7 @@ double known_up_to(const std::vector<double>& displacement, double noise, double
 }
 
 void smooth_acceleration(FootPointMotion& motion, double highest, double period) {
-  const auto reach = static_cast<std::ptrdiff_t>(0.1 / period);
+  const auto reach = static_cast<std::ptrdiff_t>(acceleration_reach / period);
   std::vector<double> weights;
   double sum = 0.0;
   for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
@@ -131,12 +131,13 @@ void smooth_acceleration(FootPointMotion& motion, double highest, double period)
 
 double variance_above(double highest, const std::vector<double>& acceleration, Window window, double noise,
                       double period) {
-  FootPointMotion motion(window.size());
-  for (std::size_t k = 0; k < window.size(); ++k) motion[k].acceleration = acceleration[window.from + k];
+  if (window.size() == 0) return 0.0;
+  FootPointMotion motion(acceleration.size());
+  for (std::size_t k = 0; k < motion.size(); ++k) motion[k].acceleration = acceleration[k];
   smooth_acceleration(motion, highest, period);
   double sum = 0.0;
-  for (std::size_t k = 0; k < window.size(); ++k) {
-    sum += std::pow(acceleration[window.from + k] - motion[k].acceleration, 2);
+  for (std::size_t k = window.from; k < window.to; ++k) {
+    sum += std::pow(acceleration[k] - motion[k].acceleration, 2);
   }
   const double share_above = std::max(1.0 - 2.0 * highest * period, 0.0);  // of white noise
   return std::max(sum / static_cast<double>(window.size()) - noise * noise * share_above, 0.0);

@@ -33,10 +33,11 @@ namespace host_sim::diagnose {
 [[nodiscard]] double known_up_to(const std::vector<double>& displacement, double noise, double period);
 
 /// z̈ of a motion through samples, up to `highest` [Hz]: above, the noise of a displacement grows with f². A symmetric
-/// filter of ±0.1 s, the ends as they are.
+/// filter of ± acceleration_reach; at the ends the last value goes on.
 void smooth_acceleration(FootPointMotion& motion, double highest, double period);
 
-/// What that filter takes away from a measured acceleration with white noise, as a variance without the noise's.
+/// What that filter takes away from a measured acceleration with white noise, as a variance over a window without the
+/// noise's.
 [[nodiscard]] double variance_above(double highest, const std::vector<double>& acceleration, Window window,
                                     double noise, double period);
 

@@ -28,27 +28,11 @@ bool has_corners(const Rig& rig) {
   return corners;
 }
 
-namespace {
-
-/// Steps of the model in a sample.
-int steps_of(const Rig& rig, const Evidence& evidence) {
-  if (!has_corners(rig)) return 1;
-  model::MachinePath<double> machine;
-  rig.effects.act_on(machine);
-  // A step in which the motion gets faster than the limit ends too far ahead, by up to ẍ h²/2, and stays so until the
-  // limit lets go.
-  int steps = machine.rate_limit > 0.0 ? 4 * evidence.fine : evidence.fine;
-  while (steps > 1 && find_rig_fault(rig, evidence.drive.period / steps)) steps /= 2;
-  return steps;
-}
-
-}  // namespace
-
 Response true_channels(const Rig& rig, const Evidence& evidence, const Drive& drive, const InitialState& start,
                        std::size_t samples) {
   Rig bare = rig;
   bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
-  const int parts = steps_of(bare, evidence);
+  const int parts = has_corners(bare) && !find_rig_fault(bare, drive.period / evidence.fine) ? evidence.fine : 1;
   Response response = host_sim::respond(bare, drive, start, samples, parts);
   if (evidence.explains(Channel::zdd_r)) {
     auto& acceleration = response[index(Channel::zdd_r)];

@@ -251,7 +251,7 @@ Hidden draw_hidden(const Candidate& candidate, const std::string& channel, const
   for (const Candidate::Parameter& p : candidate.parameters) hidden.drawn[p.key] = random.logarithmic(p.low, p.high);
   if (candidate.either_sign) hidden.sign = random.sign();
   if (candidate.name == "sensor_hold") {  // of less than two samples nothing would be held
-    hidden.candidate.least = std::max(candidate.least, 2.5 / truth.sample_rate);
+    hidden.candidate.least = std::max(candidate.least, 2.6 / truth.sample_rate);
     hidden.drawn["period"] = std::max(hidden.drawn["period"], hidden.candidate.least);
   }
   // More than the tolerance of the damping it adds to, or nothing would need it.
