@@ -10,7 +10,7 @@ namespace firmware::controller {
 
 /// A second control loop that is stepped just before the real one.
 ///
-/// After a millisecond of sleep the caches hold what others have left there: fetching the 13 KiB of instructions of a
+/// After a millisecond of sleep the caches hold what others have left there: fetching the 12 KiB of instructions of a
 /// period takes several times as long as executing them, and how long depends on the others. The second loop runs the
 /// same instructions a moment earlier, in mode running, on a rig in memory whose sensors show nothing but zeros and
 /// whose outputs lead nowhere: it has no way to the real one. Then it asks for the memory of the real loop, without
