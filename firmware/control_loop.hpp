@@ -36,7 +36,7 @@ namespace firmware {
 /// Static memory, no heap after construction, no exceptions, the same work every period.
 class ControlLoop {
  public:
-  using VirtualCar = model::RigModel<double>;
+  using VirtualCar = model::VirtualCar<double>;
 
   /// What makes the parts unfit for each other (what, and what is expected), or an empty text.
   [[nodiscard]] static std::string_view check(const Settings& settings, const model::RigParameters<double>& parameters,

@@ -79,6 +79,9 @@ class Journal {
     return true;
   }
 
+  /// From the loop only: where the next record will lie.
+  [[nodiscard]] const Record& next() const { return storage_[write_place_]; }
+
   /// From the reader only: the oldest record not yet read.
   [[nodiscard]] std::optional<Record> pop() {
     const std::size_t read = read_.load(std::memory_order_relaxed);

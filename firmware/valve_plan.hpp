@@ -27,16 +27,19 @@ class ValvePlan {
   };
 
   /// The same openings all the time.
-  explicit ValvePlan(hal::Openings always = {}) : first_(always) {}
+  explicit constexpr ValvePlan(hal::Openings always = {}) : first_(always) {}
 
   /// `first`, then the changes: see check().
-  ValvePlan(hal::Openings first, std::span<const Change> changes) : first_(first), size_(changes.size()) {
+  constexpr ValvePlan(hal::Openings first, std::span<const Change> changes) : first_(first), size_(changes.size()) {
     model::require(check(changes).empty(), "a valve plan that passes its check");
-    for (std::size_t i = 0; i < size_; ++i) changes_[i] = changes[i];
+    for (std::size_t i = 0; i < size_; ++i) {
+      at_[i] = changes[i].at;
+      open_[i] = changes[i].open;
+    }
   }
 
   /// What is wrong with a list of changes, or an empty text.
-  [[nodiscard]] static std::string_view check(std::span<const Change> changes) {
+  [[nodiscard]] static constexpr std::string_view check(std::span<const Change> changes) {
     if (changes.size() > capacity) return "a valve plan holds at most 256 changes";
     for (std::size_t i = 0; i < changes.size(); ++i) {
       if (changes[i].at < hal::Time{}) return "a valve plan changes at times of at least 0 s";
@@ -46,31 +49,32 @@ class ValvePlan {
   }
 
   /// True when no opening of the plan needs more than the first `installed` ducts.
-  [[nodiscard]] bool within(std::size_t installed) const {
+  [[nodiscard]] constexpr bool within(std::size_t installed) const {
     bool fits = first_.within(installed);
-    for (std::size_t i = 0; i < size_; ++i) fits = fits && changes_[i].open.within(installed);
+    for (std::size_t i = 0; i < size_; ++i) fits = fits && open_[i].within(installed);
     return fits;
   }
 
   /// Openings at a time since the run began, by bisection: nine comparisons for a full plan.
-  [[nodiscard]] hal::Openings at(hal::Time since_start) const {
+  [[nodiscard]] constexpr hal::Openings at(hal::Time since_start) const {
     std::size_t passed = 0;  // changes before this one have taken place
     std::size_t end = size_;
     while (passed < end) {
       const std::size_t middle = passed + (end - passed) / 2;
-      if (changes_[middle].at <= since_start) {
+      if (at_[middle] <= since_start) {
         passed = middle + 1;
       } else {
         end = middle;
       }
     }
-    return passed == 0 ? first_ : changes_[passed - 1].open;
+    return passed == 0 ? first_ : open_[passed - 1];
   }
 
  private:
   hal::Openings first_;
   std::size_t size_ = 0;
-  std::array<Change, capacity> changes_{};
+  std::array<hal::Time, capacity> at_{};  ///< side by side: 9 bytes a change, and a search stays in these
+  std::array<hal::Openings, capacity> open_{};
 };
 
 }  // namespace firmware

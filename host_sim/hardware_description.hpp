@@ -10,9 +10,10 @@ namespace host_sim {
 
 /// [controller]: how the program runs.
 struct ScheduleDescription {
-  int priority = 80;      ///< SCHED_FIFO, 1 … 99
-  int cpu = -1;           ///< on which the loop runs; −1: any
-  int late_in_a_row = 5;  ///< so many late periods in a row end the run
+  int priority = 80;           ///< SCHED_FIFO, 1 … 99
+  int cpu = -1;                ///< on which the loop runs; −1: any
+  int late_in_a_row = 5;       ///< so many late periods in a row end the run
+  double wake_early = 200e-6;  ///< before a period, to rehearse it, at most so long [s] and a quarter of it; 0: not
   double allowed_delay =
       0.0;  ///< of sample age and computation together [s]: what `rigtwin stability` says is left; 0: unknown
 };

@@ -114,6 +114,12 @@ class Reader {
     return value;
   }
 
+  double not_negative(std::string_view key) {
+    const double value = number(key);
+    if (!(value >= 0.0)) fail(key, path(key) + " = " + shortest(value) + " does not fit", "a number >= 0 in SI units");
+    return value;
+  }
+
   /// A whole number within bounds.
   int whole_in(std::string_view key, int lowest, int highest) {
     const auto value = as_whole(need(key, "a whole number"));
@@ -541,6 +547,7 @@ void read_hardware(Reader& top, const Rig& rig, HardwareDescription& hardware) {
     if (controller->has("priority")) schedule.priority = controller->whole_in("priority", 1, 99);
     if (controller->has("cpu")) schedule.cpu = controller->whole_in("cpu", 0, 1023);
     if (controller->has("late_in_a_row")) schedule.late_in_a_row = controller->whole_in("late_in_a_row", 1, 1000000);
+    if (controller->has("wake_early")) schedule.wake_early = controller->not_negative("wake_early");
     if (controller->has("allowed_delay")) schedule.allowed_delay = controller->positive("allowed_delay");
     controller->finish();
   }

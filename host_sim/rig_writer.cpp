@@ -151,6 +151,7 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   if (schedule.late_in_a_row != usual.late_in_a_row) {
     out.line("late_in_a_row", std::to_string(schedule.late_in_a_row));
   }
+  if (schedule.wake_early != usual.wake_early) out.line("wake_early", real(schedule.wake_early));
   if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
   if (hardware.gpio) {
     const GpioDescription& gpio = *hardware.gpio;

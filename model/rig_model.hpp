@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 
 #include "model/channel.hpp"
 #include "model/delay_line.hpp"
@@ -28,6 +29,16 @@ enum class Extent : unsigned char {
   virtual_car,   ///< hil: only the car, its suspension force is measured (the firmware)
   test_machine,  ///< hil: only machine and component, the deflection is commanded (the simulated rig)
 };
+
+/// Which of these extents a model can take; what it cannot costs neither code nor memory.
+enum class Scope : unsigned char {
+  every_extent,  ///< of every kind of rig: simulation, identification
+  virtual_car,   ///< Extent::virtual_car alone, no machine, component, sensor or delay line: what a controller carries
+};
+
+/// In the place of a part that a model of smaller scope does not have.
+template <class Part>
+struct Without {};
 
 /// Why parameters cannot be a rig: `table`.`key` must be `expected`.
 struct RigFault {
@@ -67,10 +78,13 @@ template <class S>
 ///
 /// Memory: all inside; DelayCapacity [samples] bounds the delay of the machine. After every 64 steps what has died away
 /// below 1e-100 becomes zero, so that a silent rig never computes with denormal numbers.
-template <class S = double, std::size_t DelayCapacity = 512>
+template <class S = double, std::size_t DelayCapacity = 512, Scope scope = Scope::every_extent>
 class RigModel {
  public:
   using Line = DelayLine<Stroke<S>, DelayCapacity, S>;
+  static constexpr bool car_alone = scope == Scope::virtual_car;
+  template <class Part>
+  using UnlessCarAlone = std::conditional_t<car_alone, Without<Part>, Part>;
 
   /// Inputs at the end of a step.
   struct Input {
@@ -93,15 +107,15 @@ class RigModel {
     DuctFlows<S> ducts{};
     Recent<S> tyre_load{}, suspension_load{};  ///< what laws add to (3) and (5) [N]
     typename FrictionContacts<S>::Forces friction{};
-    Line line{};
+    [[no_unique_address]] UnlessCarAlone<Line> line{};
     Stroke<S> delayed{};  ///< x_cmd behind the delay
     typename Machine<S>::State machine = Machine<S>::State::Zero();
     Recent<S> free_play{}, free_play_rate{};  ///< δ [m], δ̇ [m/s]
-    typename Sensors<S>::State sensors{};
+    [[no_unique_address]] UnlessCarAlone<typename Sensors<S>::State> sensors{};
     std::uint32_t steps = 0;
   };
 
-  RigModel(const RigParameters<S>& rig, S period, Extent extent = Extent::whole_rig);
+  RigModel(const RigParameters<S>& rig, S period, Extent extent = car_alone ? Extent::virtual_car : Extent::whole_rig);
 
   /// At rest in the static equilibrium above a foot point at `z_r`, or with the machine resting at `deflection` (the
   /// component included: its coil spring is relaxed by the piston's travel y = deflection).
@@ -121,7 +135,9 @@ class RigModel {
   void open_ducts(State& x, OpenDucts open) const;
 
   /// From now on the machine's delay slides to `delay` [s].
-  void set_delay(State& x, S delay) const { x.line.set(delay / period_); }
+  void set_delay(State& x, S delay) const {
+    if constexpr (!car_alone) x.line.set(delay / period_);
+  }
 
   /// True values at this instant.
   [[nodiscard]] Signals<S> signals(const State& x) const;
@@ -135,7 +151,7 @@ class RigModel {
   [[nodiscard]] S energy(const State& x) const;
 
   /// Behind the delay of the test machine.
-  [[nodiscard]] const Machine<S>& machine() const { return machine_; }
+  [[nodiscard]] const UnlessCarAlone<Machine<S>>& machine() const { return machine_; }
   [[nodiscard]] const RigEquations<S>& equations() const { return equations_; }
   [[nodiscard]] const RigParameters<S>& parameters() const { return rig_; }
   [[nodiscard]] S period() const { return period_; }
@@ -172,9 +188,11 @@ class RigModel {
     Block<S, N, Friction::contacts> friction;
   };
 
-  [[nodiscard]] bool joined() const { return rig_.kind == RigKind::quarter_car; }
-  [[nodiscard]] bool has_car() const { return rig_.kind == RigKind::hil && extent_ != Extent::test_machine; }
-  [[nodiscard]] bool has_machine() const { return !joined() && extent_ != Extent::virtual_car; }
+  [[nodiscard]] bool joined() const { return !car_alone && rig_.kind == RigKind::quarter_car; }
+  [[nodiscard]] bool has_car() const {
+    return car_alone || (rig_.kind == RigKind::hil && extent_ != Extent::test_machine);
+  }
+  [[nodiscard]] bool has_machine() const { return !car_alone && !joined() && extent_ != Extent::virtual_car; }
 
   [[nodiscard]] CarStep car_step() const;
   template <int N>
@@ -185,6 +203,8 @@ class RigModel {
   void step_with_laws(State& x, const Input& in) const;
   template <bool WithLaws>
   void advance(State& x, const Input& in) const;
+  template <bool WithLaws>
+  void advance_rig(State& x, const Input& in) const;
   template <bool WithLaws, int N>
   void advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const;
   template <bool WithLaws>
@@ -196,6 +216,7 @@ class RigModel {
   template <int N>
   void rub(const Block<S, N, Friction::contacts>& columns, State& x, const Column<S, 8>& before) const;
   void refresh_laws(State& x) const;
+  void start_machine(State& x, const Stroke<S>& reached) const;
   void start_laws(State& x) const;
   void flush(State& x) const;
 
@@ -238,15 +259,19 @@ class RigModel {
   bool has_delay_ = false;
   bool has_free_play_ = false;
   Friction contacts_;
-  Machine<S> machine_;
-  Sensors<S> sensors_;
+  [[no_unique_address]] UnlessCarAlone<Machine<S>> machine_{};
+  [[no_unique_address]] UnlessCarAlone<Sensors<S>> sensors_{};
   typename DuctFlows<S>::Step duct_step_{};
   CarStep car_{};
-  std::array<ComponentStep<2>, counts> component_{};
-  std::array<JoinedStep<6>, counts> joined_{};
-  std::array<ComponentStep<4>, counts> elaborate_component_{};
-  std::array<JoinedStep<8>, counts> elaborate_joined_{};
+  [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<2>, counts>> component_{};
+  [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<6>, counts>> joined_{};
+  [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<4>, counts>> elaborate_component_{};
+  [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<8>, counts>> elaborate_joined_{};
 };
+
+/// The car of a hil rig as numbers, for the controller: RigModel's own code, and nothing else of it.
+template <class S = double>
+using VirtualCar = RigModel<S, 512, Scope::virtual_car>;
 
 }  // namespace model
 
@@ -255,9 +280,10 @@ class RigModel {
 
 namespace model {
 
-// Compiled once, in rig_model.cpp.
+// Compiled once, in rig_model.cpp and virtual_car.cpp.
 extern template std::optional<RigFault> find_fault(const RigParameters<double>& rig, double period,
                                                    std::size_t longest);
 extern template class RigModel<double>;
+extern template class RigModel<double, 512, Scope::virtual_car>;
 
 }  // namespace model

@@ -5,8 +5,8 @@
 
 namespace model {
 
-template <class S, std::size_t D>
-RigModel<S, D>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
+template <class S, std::size_t D, Scope scope>
+RigModel<S, D, scope>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
     : rig_(rig),
       equations_(rig),
       period_(period),
@@ -14,6 +14,7 @@ RigModel<S, D>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
       static_load_(QuarterCar<S>::static_wheel_load(equations_.car())) {
   require(!find_fault(rig, period, Line::longest), "a rig that passes find_fault");
   require(extent == Extent::whole_rig || rig.kind == RigKind::hil, "only a hil rig is modelled in parts");
+  require(!car_alone || extent == Extent::virtual_car, "an extent within the scope of the model");
 
   MachinePath<S> machine{};
   WheelLoadSensor<S> wheel_load{};
@@ -22,8 +23,10 @@ RigModel<S, D>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
   delay_ = machine.delay / period;
   has_delay_ = delay_ > S(0);
   mass_beyond_sensor_ = wheel_load.mass_beyond;
-  machine_ = Machine<S>(machine, period);
-  if (extent != Extent::virtual_car) sensors_ = Sensors<S>(rig.effects.sensor_paths(), period);
+  if constexpr (!car_alone) {
+    machine_ = Machine<S>(machine, period);
+    if (extent != Extent::virtual_car) sensors_ = Sensors<S>(rig.effects.sensor_paths(), period);
+  }
   has_free_play_ = equations_.suspension().free_play > S(0);
   rig.effects.for_each([&](const auto& slot) {
     if constexpr (requires { slot.effect.tyre_force(S{}, S{}, S{}); }) has_tyre_law_ = has_tyre_law_ || slot.active;
@@ -34,28 +37,31 @@ RigModel<S, D>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
   const auto& guides = equations_.guides();
   contacts_ = Friction({equations_.suspension().dry_friction, equations_.piston().dry_friction,
                         guides.wheel_dry_friction, guides.body_dry_friction});
-  has_laws_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
-              sensors_.any() || !equations_.plain();
-
-  if (equations_.has_fdva()) {
-    duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
-  }
   if (has_car()) car_ = car_step();
-  const int installed = equations_.has_fdva() ? equations_.fdva().ducts : 0;
-  for (int open = 0; open <= installed; ++open) {
-    const auto n = static_cast<std::size_t>(open);
-    if (equations_.plain()) {
-      if (joined()) joined_[n] = joined_step<6>(open);
-      if (has_machine()) component_[n] = component_step<2>(open);
-    } else {
-      if (joined()) elaborate_joined_[n] = joined_step<8>(open);
-      if (has_machine()) elaborate_component_[n] = component_step<4>(open);
+  if constexpr (car_alone) {
+    has_laws_ = has_tyre_law_;
+  } else {
+    has_laws_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
+                sensors_.any() || !equations_.plain();
+    if (equations_.has_fdva()) {
+      duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
+    }
+    const int installed = equations_.has_fdva() ? equations_.fdva().ducts : 0;
+    for (int open = 0; open <= installed; ++open) {
+      const auto n = static_cast<std::size_t>(open);
+      if (equations_.plain()) {
+        if (joined()) joined_[n] = joined_step<6>(open);
+        if (has_machine()) component_[n] = component_step<2>(open);
+      } else {
+        if (joined()) elaborate_joined_[n] = joined_step<8>(open);
+        if (has_machine()) elaborate_component_[n] = component_step<4>(open);
+      }
     }
   }
 }
 
-template <class S, std::size_t D>
-auto RigModel<S, D>::car_step() const -> CarStep {
+template <class S, std::size_t D, Scope scope>
+auto RigModel<S, D, scope>::car_step() const -> CarStep {
   using Drive = typename Equations::CarDrive;
   const auto rates = [this](const Column<S, 4>& x, const Drive& in) { return equations_.car(x, in); };
   using Columns = StepColumns<S, 4>;
@@ -66,9 +72,9 @@ auto RigModel<S, D>::car_step() const -> CarStep {
           step.template continued<3>(Columns::entry(Drive{.tyre_force = S(1)}, rates))};
 }
 
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <int N>
-auto RigModel<S, D>::component_step(int open) const -> ComponentStep<N> {
+auto RigModel<S, D, scope>::component_step(int open) const -> ComponentStep<N> {
   using Drive = typename Equations::ComponentDrive;
   const auto rates = [this, open](const Column<S, N>& c, const Drive& in) -> Column<S, N> {
     typename Equations::ComponentState all = Equations::ComponentState::Zero();
@@ -91,9 +97,9 @@ auto RigModel<S, D>::component_step(int open) const -> ComponentStep<N> {
   return m;
 }
 
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <int N>
-auto RigModel<S, D>::joined_step(int open) const -> JoinedStep<N> {
+auto RigModel<S, D, scope>::joined_step(int open) const -> JoinedStep<N> {
   using Drive = typename Equations::JoinedDrive;
   const auto rates = [this, open](const Column<S, N>& x, const Drive& in) -> Column<S, N> {
     typename Equations::JoinedState all = Equations::JoinedState::Zero();
@@ -119,68 +125,90 @@ auto RigModel<S, D>::joined_step(int open) const -> JoinedStep<N> {
   return m;
 }
 
-template <class S, std::size_t D>
-auto RigModel<S, D>::start(S z_r, S deflection) const -> State {
+template <class S, std::size_t D, Scope scope>
+auto RigModel<S, D, scope>::start(S z_r, S deflection) const -> State {
   Column<S, 6> core;
   core << z_r, S(0), z_r, S(0), (joined() || has_car() ? S(0) : deflection), S(0);
   return start(core, Motion<S>{z_r, S(0), S(0)}, Stroke<S>{joined() || has_car() ? S(0) : deflection, S(0)});
 }
 
-template <class S, std::size_t D>
-auto RigModel<S, D>::start(const Column<S, 6>& core, const Motion<S>& foot_point, const Stroke<S>& reached) const
+template <class S, std::size_t D, Scope scope>
+auto RigModel<S, D, scope>::start(const Column<S, 6>& core, const Motion<S>& foot_point, const Stroke<S>& reached) const
     -> State {
   State x;
   x.core.template head<6>() = core;
   x.foot_point = foot_point;
   x.reached = reached;
-  x.line.start(reached, delay_);
-  for (std::size_t i = 0; i <= Line::longest; ++i) {
-    x.line.ago(i).position = reached.position + reached.velocity * period_ * (delay_ - S(i));
-  }
-  x.command = has_delay_ ? x.line.ago(0) : reached;
-  x.delayed = reached;
-  x.machine = machine_.start(reached);
-  x.ducts.start(first_ducts(equations_.has_fdva() ? equations_.fdva().open_ducts : 0));
-  if (x.ducts.open_count() == 0) x.core(5) = S(0);
-  const S outside = outer_stroke(x).position;
-  x.core(6) = x.core(7) = outside;
-  if (equations_.has_mount()) {  // (5b) at rest, where the relaxing branch carries nothing: one linear equation of e
-    typename Equations::ComponentState c = x.core.template tail<4>();
-    const auto rate_at = [&](S inside) {
-      c(2) = c(3) = inside;
-      return equations_.component(c, {.deflection = outside}, x.ducts.open_count())(3);
-    };
-    const S at_zero = rate_at(S(0));
-    const S per_metre = rate_at(S(1)) - at_zero;
-    x.core(6) = x.core(7) = -at_zero / per_metre;
-  }
-  start_laws(x);
-  x.received_force = has_machine() ? component_force<true>(x) : S(0);
-  if (sensors_.any()) {
-    sensors_.start(x.sensors, channels(x, x.received_force, mass_beyond_sensor_), nullptr);
-    if (has_machine()) x.received_force = sensors_.reading(x.sensors, Channel::F, x.received_force);
+  if constexpr (car_alone) {
+    if (has_tyre_law_) x.tyre_load.start(tyre_law(x));
+  } else {
+    start_machine(x, reached);
   }
   return x;
 }
 
-template <class S, std::size_t D>
-void RigModel<S, D>::step(State& x, const Input& in) const {
+/// Machine and component of a state that has car, foot point and stroke.
+template <class S, std::size_t D, Scope scope>
+void RigModel<S, D, scope>::start_machine(State& x, const Stroke<S>& reached) const {
+  if constexpr (!car_alone) {
+    x.line.start(reached, delay_);
+    for (std::size_t i = 0; i <= Line::longest; ++i) {
+      x.line.ago(i).position = reached.position + reached.velocity * period_ * (delay_ - S(i));
+    }
+    x.command = has_delay_ ? x.line.ago(0) : reached;
+    x.delayed = reached;
+    x.machine = machine_.start(reached);
+    x.ducts.start(first_ducts(equations_.has_fdva() ? equations_.fdva().open_ducts : 0));
+    if (x.ducts.open_count() == 0) x.core(5) = S(0);
+    const S outside = outer_stroke(x).position;
+    x.core(6) = x.core(7) = outside;
+    if (equations_.has_mount()) {  // (5b) at rest, where the relaxing branch carries nothing: one linear equation of e
+      typename Equations::ComponentState c = x.core.template tail<4>();
+      const auto rate_at = [&](S inside) {
+        c(2) = c(3) = inside;
+        return equations_.component(c, {.deflection = outside}, x.ducts.open_count())(3);
+      };
+      const S at_zero = rate_at(S(0));
+      const S per_metre = rate_at(S(1)) - at_zero;
+      x.core(6) = x.core(7) = -at_zero / per_metre;
+    }
+    start_laws(x);
+    x.received_force = has_machine() ? component_force<true>(x) : S(0);
+    if (sensors_.any()) {
+      sensors_.start(x.sensors, channels(x, x.received_force, mass_beyond_sensor_), nullptr);
+      if (has_machine()) x.received_force = sensors_.reading(x.sensors, Channel::F, x.received_force);
+    }
+  }
+}
+
+template <class S, std::size_t D, Scope scope>
+void RigModel<S, D, scope>::step(State& x, const Input& in) const {
   if (has_laws_) return step_with_laws(x, in);
   advance<false>(x, in);
   if ((++x.steps & 63U) == 0U) flush(x);
 }
 
-template <class S, std::size_t D>
-RIGTWIN_APART void RigModel<S, D>::step_with_laws(State& x, const Input& in) const {
+template <class S, std::size_t D, Scope scope>
+RIGTWIN_APART void RigModel<S, D, scope>::step_with_laws(State& x, const Input& in) const {
   advance<true>(x, in);
   if ((++x.steps & 63U) == 0U) flush(x);
 }
 
 /// WithLaws: the rig has something beside a linear component with quadratic duct losses and a machine that is late.
 /// Without it a step is a straight line.
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <bool WithLaws>
-RIGTWIN_INLINE void RigModel<S, D>::advance(State& x, const Input& in) const {
+RIGTWIN_INLINE void RigModel<S, D, scope>::advance(State& x, const Input& in) const {
+  if constexpr (car_alone) {
+    advance_car<WithLaws>(x, in);
+  } else {
+    advance_rig<WithLaws>(x, in);
+  }
+}
+
+template <class S, std::size_t D, Scope scope>
+template <bool WithLaws>
+RIGTWIN_INLINE void RigModel<S, D, scope>::advance_rig(State& x, const Input& in) const {
   if (joined()) {
     if (WithLaws && !equations_.plain()) {
       advance_joined<WithLaws>(elaborate_joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
@@ -203,18 +231,20 @@ RIGTWIN_INLINE void RigModel<S, D>::advance(State& x, const Input& in) const {
 }
 
 /// The readings of this instant; that of F goes around the loop.
-template <class S, std::size_t D>
-RIGTWIN_APART void RigModel<S, D>::sense(State& x, const Signals<S>* noise) const {
-  const S force = x.received_force;
-  sensors_.step(x.sensors, channels(x, force, mass_beyond_sensor_), noise);
-  if (!has_machine()) return;
-  x.received_force =
-      sensors_.reading(x.sensors, Channel::F, noise != nullptr ? force + (*noise)[index(Channel::F)] : force);
+template <class S, std::size_t D, Scope scope>
+RIGTWIN_APART void RigModel<S, D, scope>::sense(State& x, const Signals<S>* noise) const {
+  if constexpr (!car_alone) {
+    const S force = x.received_force;
+    sensors_.step(x.sensors, channels(x, force, mass_beyond_sensor_), noise);
+    if (!has_machine()) return;
+    x.received_force =
+        sensors_.reading(x.sensors, Channel::F, noise != nullptr ? force + (*noise)[index(Channel::F)] : force);
+  }
 }
 
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <bool WithLaws, int N>
-RIGTWIN_INLINE void RigModel<S, D>::advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const {
+RIGTWIN_INLINE void RigModel<S, D, scope>::advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const {
   Packed<S, N> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
   m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
   if (WithLaws && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load));
@@ -240,10 +270,10 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_joined(const JoinedStep<N>& m, State
 
 /// Dry friction of the step that led from `before` to x without it. With a top mount it rubs where the component is
 /// deflected inside, on e, which has no mass: its travel in the step takes the place of a velocity.
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <int N>
-RIGTWIN_APART void RigModel<S, D>::rub(const Block<S, N, Friction::contacts>& columns, State& x,
-                                       const Column<S, 8>& before) const {
+RIGTWIN_APART void RigModel<S, D, scope>::rub(const Block<S, N, Friction::contacts>& columns, State& x,
+                                              const Column<S, 8>& before) const {
   constexpr int before_component = N > 4 ? 0 : 4;  // N = 6, 8: car and component; 2, 4: component alone
   constexpr int travel = N > 4 ? 4 : 0;
   Column<S, N> all = x.core.template segment<N>(before_component);
@@ -274,9 +304,9 @@ RIGTWIN_APART void RigModel<S, D>::rub(const Block<S, N, Friction::contacts>& co
   x.core.template segment<N>(before_component) = all;
 }
 
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <bool WithLaws>
-RIGTWIN_INLINE void RigModel<S, D>::advance_car(State& x, const Input& in) const {
+RIGTWIN_INLINE void RigModel<S, D, scope>::advance_car(State& x, const Input& in) const {
   Packed<S, 4> next = car_.foot_point.times(driven_by(x.foot_point, in.foot_point));
   if (WithLaws && has_tyre_law_) car_.tyre.add_to(next, newest_three(x.tyre_load));
   car_.force.add_to(next, {x.received_force});
@@ -286,9 +316,9 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_car(State& x, const Input& in) const
   if (WithLaws && has_tyre_law_) x.tyre_load.push(tyre_law(x));
 }
 
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <bool WithLaws>
-RIGTWIN_INLINE void RigModel<S, D>::advance_machine(State& x, const Stroke<S>& command) const {
+RIGTWIN_INLINE void RigModel<S, D, scope>::advance_machine(State& x, const Stroke<S>& command) const {
   if (!has_car()) x.command = command;
   Stroke<S> reached = command;
   if (has_delay_) {
@@ -309,10 +339,10 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_machine(State& x, const Stroke<S>& c
   if constexpr (WithLaws) refresh_laws(x);
 }
 
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <bool WithLaws, int N>
-RIGTWIN_INLINE void RigModel<S, D>::advance_component(const ComponentStep<N>& m, State& x,
-                                                      const Stroke<S>& reached) const {
+RIGTWIN_INLINE void RigModel<S, D, scope>::advance_component(const ComponentStep<N>& m, State& x,
+                                                             const Stroke<S>& reached) const {
   Packed<S, N> c = m.state.times(entries<N>(x.core, 4));
   if (equations_.has_fdva()) m.losses.add_to(c, newest_four(x.ducts.losses()));
   if (WithLaws && has_free_play_ && !equations_.has_mount()) {
@@ -341,14 +371,14 @@ RIGTWIN_INLINE void RigModel<S, D>::advance_component(const ComponentStep<N>& m,
   if (equations_.has_fdva()) x.ducts.advance(x.core(5), duct_step_);
 }
 
-template <class S, std::size_t D>
-void RigModel<S, D>::open_ducts(State& x, OpenDucts open) const {
+template <class S, std::size_t D, Scope scope>
+void RigModel<S, D, scope>::open_ducts(State& x, OpenDucts open) const {
   require(equations_.has_fdva() && (open >> equations_.fdva().ducts) == 0, "only installed ducts can be opened");
   if (open != x.ducts.open()) x.core(5) = x.ducts.switch_to(open, x.core(5), duct_step_);
 }
 
-template <class S, std::size_t D>
-S RigModel<S, D>::tyre_law(const State& x) const {
+template <class S, std::size_t D, Scope scope>
+S RigModel<S, D, scope>::tyre_law(const State& x) const {
   const S deflection = x.foot_point.position - x.core(0);
   const S linear = equations_.tyre_force(x.core.template head<4>(), x.foot_point.position, x.foot_point.velocity);
   S force = linear;
@@ -360,8 +390,8 @@ S RigModel<S, D>::tyre_law(const State& x) const {
   return force - linear;
 }
 
-template <class S, std::size_t D>
-S RigModel<S, D>::suspension_law(const Stroke<S>& seen) const {
+template <class S, std::size_t D, Scope scope>
+S RigModel<S, D, scope>::suspension_law(const Stroke<S>& seen) const {
   S force = S(0);
   rig_.effects.for_each([&](const auto& slot) {
     if constexpr (requires { slot.effect.suspension_force(seen.position, seen.velocity); }) {
@@ -372,8 +402,8 @@ S RigModel<S, D>::suspension_law(const Stroke<S>& seen) const {
 }
 
 /// What free play takes away from an inner stroke: all of it inside, half the gap outside.
-template <class S, std::size_t D>
-Stroke<S> RigModel<S, D>::offset(const Stroke<S>& inner) const {
+template <class S, std::size_t D, Scope scope>
+Stroke<S> RigModel<S, D, scope>::offset(const Stroke<S>& inner) const {
   const S half = S(0.5) * equations_.suspension().free_play;
   if (inner.position > half) return {-half, S(0)};
   if (inner.position < -half) return {half, S(0)};
@@ -381,16 +411,16 @@ Stroke<S> RigModel<S, D>::offset(const Stroke<S>& inner) const {
 }
 
 /// e and ė: behind the top mount, before the free play.
-template <class S, std::size_t D>
-Stroke<S> RigModel<S, D>::inner_stroke(const State& x) const {
+template <class S, std::size_t D, Scope scope>
+Stroke<S> RigModel<S, D, scope>::inner_stroke(const State& x) const {
   if (!equations_.has_mount()) return outer_stroke(x);
   const auto rate = equations_.component(x.core.template tail<4>(), component_drive(x), x.ducts.open_count());
   return {x.core(7), rate(3)};
 }
 
 /// The loads of this instant on the component.
-template <class S, std::size_t D>
-auto RigModel<S, D>::component_drive(const State& x) const -> typename Equations::ComponentDrive {
+template <class S, std::size_t D, Scope scope>
+auto RigModel<S, D, scope>::component_drive(const State& x) const -> typename Equations::ComponentDrive {
   const Stroke<S> outside = outer_stroke(x);
   S parallel = x.friction[Friction::suspension];
   if (has_suspension_law_) parallel += x.suspension_load.now;
@@ -403,8 +433,8 @@ auto RigModel<S, D>::component_drive(const State& x) const -> typename Equations
           .free_play_rate = x.free_play_rate.now};
 }
 
-template <class S, std::size_t D>
-void RigModel<S, D>::refresh_laws(State& x) const {
+template <class S, std::size_t D, Scope scope>
+void RigModel<S, D, scope>::refresh_laws(State& x) const {
   if (has_tyre_law_ && joined()) x.tyre_load.push(tyre_law(x));
   if (!has_suspension_law_ && !has_free_play_) return;
   Stroke<S> seen = inner_stroke(x);
@@ -417,8 +447,8 @@ void RigModel<S, D>::refresh_laws(State& x) const {
   if (has_suspension_law_) x.suspension_load.push(suspension_law(seen));
 }
 
-template <class S, std::size_t D>
-void RigModel<S, D>::start_laws(State& x) const {
+template <class S, std::size_t D, Scope scope>
+void RigModel<S, D, scope>::start_laws(State& x) const {
   if (has_tyre_law_ && has_car()) x.tyre_load.start(tyre_law(x));
   constexpr int samples = 4;  // now, before, earlier, earliest
   for (int i = 0; i < samples; ++i) {
@@ -431,15 +461,15 @@ void RigModel<S, D>::start_laws(State& x) const {
 }
 
 /// F of a test machine's component. Where the deflection is prescribed dry friction follows the sign of its velocity.
-template <class S, std::size_t D>
+template <class S, std::size_t D, Scope scope>
 template <bool WithLaws>
-RIGTWIN_INLINE S RigModel<S, D>::component_force(const State& x) const {
+RIGTWIN_INLINE S RigModel<S, D, scope>::component_force(const State& x) const {
   if (!WithLaws) return equations_.plain_force(x.core(4), x.reached.position, x.reached.velocity);
   return prescribed_force(x);
 }
 
-template <class S, std::size_t D>
-RIGTWIN_APART S RigModel<S, D>::prescribed_force(const State& x) const {
+template <class S, std::size_t D, Scope scope>
+RIGTWIN_APART S RigModel<S, D, scope>::prescribed_force(const State& x) const {
   S force = equations_.component_force(x.core.template tail<4>(), component_drive(x));
   if (equations_.has_mount()) return force;
   const S friction = contacts_.limits()[Friction::suspension];
@@ -451,8 +481,8 @@ RIGTWIN_APART S RigModel<S, D>::prescribed_force(const State& x) const {
   return force;
 }
 
-template <class S, std::size_t D>
-RIGTWIN_INLINE S RigModel<S, D>::suspension_force(const State& x) const {
+template <class S, std::size_t D, Scope scope>
+RIGTWIN_INLINE S RigModel<S, D, scope>::suspension_force(const State& x) const {
   if (!joined()) return has_machine() ? component_force<true>(x) : x.received_force;
   if (!has_laws_) {
     const Stroke<S> d = deflection(x);
@@ -461,25 +491,27 @@ RIGTWIN_INLINE S RigModel<S, D>::suspension_force(const State& x) const {
   return equations_.component_force(x.core.template tail<4>(), component_drive(x)) + x.actuator_force;
 }
 
-template <class S, std::size_t D>
-Signals<S> RigModel<S, D>::signals(const State& x) const {
+template <class S, std::size_t D, Scope scope>
+Signals<S> RigModel<S, D, scope>::signals(const State& x) const {
   return channels(x, has_machine() ? component_force<true>(x) : x.received_force, S(0));
 }
 
-template <class S, std::size_t D>
-Signals<S> RigModel<S, D>::measured(const State& x, const Signals<S>* noise) const {
+template <class S, std::size_t D, Scope scope>
+Signals<S> RigModel<S, D, scope>::measured(const State& x, const Signals<S>* noise) const {
   Signals<S> s = channels(x, x.received_force, mass_beyond_sensor_);
   if (noise != nullptr) {
     for (std::size_t c = 0; c < channel_count; ++c) s[c] += (*noise)[c];
     if (!joined() && has_machine()) s[index(Channel::F)] = x.received_force;  // got its noise in the step
   }
-  if (sensors_.any()) sensors_.read(x.sensors, s);
+  if constexpr (!car_alone) {
+    if (sensors_.any()) sensors_.read(x.sensors, s);
+  }
   return s;
 }
 
 /// `force`: F of a rig with a test machine; `mass_beyond`: between the sensor of F_w and the wheel spring.
-template <class S, std::size_t D>
-RIGTWIN_INLINE Signals<S> RigModel<S, D>::channels(const State& x, S force, S mass_beyond) const {
+template <class S, std::size_t D, Scope scope>
+RIGTWIN_INLINE Signals<S> RigModel<S, D, scope>::channels(const State& x, S force, S mass_beyond) const {
   Signals<S> s;
   if (joined()) {
     fill_car(s, x, suspension_force(x), mass_beyond);
@@ -498,8 +530,9 @@ RIGTWIN_INLINE Signals<S> RigModel<S, D>::channels(const State& x, S force, S ma
   return s;
 }
 
-template <class S, std::size_t D>
-RIGTWIN_INLINE void RigModel<S, D>::fill_car(Signals<S>& s, const State& x, S suspension_force, S mass_beyond) const {
+template <class S, std::size_t D, Scope scope>
+RIGTWIN_INLINE void RigModel<S, D, scope>::fill_car(Signals<S>& s, const State& x, S suspension_force,
+                                                    S mass_beyond) const {
   const S law = has_tyre_law_ ? x.tyre_load.now : S(0);
   const Column<S, 4> car = x.core.template head<4>();
   const S z_r = x.foot_point.position, v_r = x.foot_point.velocity;
@@ -517,8 +550,8 @@ RIGTWIN_INLINE void RigModel<S, D>::fill_car(Signals<S>& s, const State& x, S su
   s[index(Channel::F_act)] = x.actuator_force;
 }
 
-template <class S, std::size_t D>
-S RigModel<S, D>::energy(const State& x) const {
+template <class S, std::size_t D, Scope scope>
+S RigModel<S, D, scope>::energy(const State& x) const {
   S e = S(0);
   Stroke<S> d = x.reached;
   if (joined() || has_car()) {
@@ -536,8 +569,8 @@ S RigModel<S, D>::energy(const State& x) const {
   return e;
 }
 
-template <class S, std::size_t D>
-RIGTWIN_APART void RigModel<S, D>::flush(State& x) const {
+template <class S, std::size_t D, Scope scope>
+RIGTWIN_APART void RigModel<S, D, scope>::flush(State& x) const {
   const S least = S(1e-100);
   const auto flush_one = [least](S& value) {
     if (value < least && value > -least) value = S(0);
@@ -551,12 +584,14 @@ RIGTWIN_APART void RigModel<S, D>::flush(State& x) const {
   }
   flush_one(x.foot_point.position);
   flush_one(x.foot_point.velocity);
-  x.ducts.flush(least);
-  if (sensors_.any()) sensors_.flush(x.sensors, least);
-  if (has_delay_ && x.core(0) == S(0) && x.core(2) == S(0)) {  // else the line would wake the rig up again
-    for (std::size_t i = 0; i < Line::longest && i < 64; ++i) {
-      flush_one(x.line.ago(i).position);
-      flush_one(x.line.ago(i).velocity);
+  if constexpr (!car_alone) {
+    x.ducts.flush(least);
+    if (sensors_.any()) sensors_.flush(x.sensors, least);
+    if (has_delay_ && x.core(0) == S(0) && x.core(2) == S(0)) {  // else the line would wake the rig up again
+      for (std::size_t i = 0; i < Line::longest && i < 64; ++i) {
+        flush_one(x.line.ago(i).position);
+        flush_one(x.line.ago(i).velocity);
+      }
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -17,11 +18,13 @@
 
 #include "firmware/control_loop.hpp"
 #include "firmware/controller/devices.hpp"
+#include "firmware/controller/early_wake.hpp"
 #include "firmware/controller/emergency.hpp"
 #include "firmware/controller/heap_seal.hpp"
 #include "firmware/controller/histogram.hpp"
 #include "firmware/controller/real_time.hpp"
 #include "firmware/controller/recorder.hpp"
+#include "firmware/controller/rehearsal.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/gpio.hpp"
 #include "hal/linux/iio.hpp"
@@ -182,6 +185,21 @@ void drain(const hal::Rig& roles, hal::Time period) {
   }
 }
 
+/// Sleeps until a moment before a period is due, rehearses it where there is time left, and waits for its instant
+/// without sleeping. How late the sleep ended.
+hal::Time wake_before(hal::Time due, EarlyWake& wake, hal::Clock& machine, Rehearsal& rehearsal) {
+  const hal::Time wanted = due - wake.early();
+  machine.sleep_until(wanted);
+  const hal::Time woken = machine.now();
+  if (wake.there_is_time(due - woken)) {
+    rehearsal.step();
+    wake.rehearsed(due - machine.now());
+  }
+  while (machine.now() < due) {
+  }
+  return woken - wanted;
+}
+
 host_sim::FootPointMotion motion_of(const Options& options, const host_sim::RigDescription& rig, std::size_t rows) {
   const std::size_t samples = host_sim::samples_of(options.duration, rig.sample_rate);
   const host_sim::RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
@@ -211,6 +229,11 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   Journal journal(storage);
   const auto loop = std::make_unique<ControlLoop>(settings, rig.rig, roles, reference, valves, journal);
   const auto spans = std::make_unique<Spans>();
+  const bool asked = options.realtime && !options.virtual_time;
+  EarlyWake wake(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period())));
+  const auto rehearsal = asked && wake.early() > hal::Time{}
+                             ? std::make_unique<Rehearsal>(*loop, journal, settings, rig.rig, roles.sensors.setup())
+                             : nullptr;
 
   hal::linux::MonotonicClock machine;
   Retreat retreat(roles.valves, command, machine, settings.ramps, 0.5 * settings.limits.stroke, rig.period());
@@ -226,7 +249,6 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   ::sigemptyset(&ours);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) ::sigaddset(&ours, signal);
   ::pthread_sigmask(SIG_BLOCK, &ours, nullptr);
-  const bool asked = options.realtime && !options.virtual_time;
   if (asked) lock_memory(verdict);
   look_at_machine(verdict, rig.hardware.schedule.cpu);
   Verdict rights = verdict;
@@ -274,13 +296,20 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   loop->start();
   for (;;) {
     const hal::Time due = loop->due();
-    roles.clock.sleep_until(due);
-    const hal::Time woken = machine.now();
-    const hal::Time seen = roles.clock.now();
+    hal::Time woken{}, seen{};
+    if (rehearsal && periods > 0) {
+      spans->wake_up.add(wake_before(due, wake, machine, *rehearsal).ns);
+      seen = roles.clock.now();
+      woken = machine.now();
+    } else {
+      roles.clock.sleep_until(due);
+      woken = machine.now();
+      seen = roles.clock.now();
+      spans->wake_up.add((seen - due).ns);
+    }
     loop->step();
     if (broken_seals() > 0 && scribe.cause() == Cause::none) scribe.blame(Cause::heap);
     const hal::Time done = machine.now();
-    spans->wake_up.add((seen - due).ns);
     spans->step.add((done - woken).ns);
     ++periods;
     while (options.virtual_time && !trapped() && periods - scribe.taken() > journal_records / 2)

@@ -6,6 +6,7 @@
 namespace hal::simulated {
 
 Frame ChannelFaults::apply(const Frame& shown, Time instant) {
+  if (plan_.channels.empty()) return shown;
   newest_ = (newest_ + 1) % delay_capacity;
   history_[newest_] = shown;
 

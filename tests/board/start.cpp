@@ -27,7 +27,9 @@ void ask_debugger(std::uint32_t operation, const void* what) {
 }  // namespace
 
 [[noreturn]] void fault() { leave(99); }
-// In place of newlib's, which would bring files, buffers and a heap.
+// In place of newlib's, which would bring files, buffers and a heap. What stands for a stream is read through this
+// pointer (address 0 is flash), and asked nothing.
+struct _reent* _impure_ptr = nullptr;  // NOLINT(readability-identifier-naming,bugprone-reserved-identifier)
 [[noreturn]] void abort() { leave(98); }
 int fputs(const char* text, FILE* /*stream*/) {
   ask_debugger(0x04, text);

@@ -142,6 +142,7 @@ sensor_age = 0.0005
 priority = 70
 cpu = 3
 late_in_a_row = 7
+wake_early = 2e-05
 allowed_delay = 0.004
 [gpio]
 chip = "bank \"A\""
@@ -197,6 +198,7 @@ offset = 0.125
   EXPECT_EQ(hardware.schedule.priority, 70);
   EXPECT_EQ(hardware.schedule.cpu, 3);
   EXPECT_EQ(hardware.schedule.late_in_a_row, 7);
+  EXPECT_EQ(hardware.schedule.wake_early, 2e-5);
   EXPECT_EQ(hardware.schedule.allowed_delay, 0.004);
   ASSERT_TRUE(hardware.gpio);
   EXPECT_EQ(hardware.gpio->chip, "bank \"A\"");

@@ -49,14 +49,19 @@ Rig::Input input_of(const Motion<double>& road) {
 }
 
 // Law. The firmware computes the car, the rig the component: force received → car → deflection → machine. Together they
-// are the closed rig, to the bit, so that one measurement can be replayed through either.
+// are the closed rig, to the bit, so that one measurement can be replayed through either. The car that a controller
+// carries, without the code and the memory of a whole rig, is that car.
 TEST(RigModel, SplitsIntoCarAndMachineWithoutChangingABit) {
   for (const bool with_effects : {false, true}) {
     auto rig = with_effects ? everything(RigKind::hil) : support::fdva_rig(RigKind::hil);
     const Rig whole(rig, period), car(rig, period, Extent::virtual_car), machine(rig, period, Extent::test_machine);
+    const model::VirtualCar<> alone(rig, period);
     auto x = whole.start(), c = car.start(), m = machine.start();
+    auto a = alone.start();
     const auto road = support::random_road(256e-6, period, 5.0, 61);
     for (std::size_t k = 0; k < road.size(); ++k) {
+      alone.receive_force(a, machine.measured(m)[index(Channel::F)]);
+      alone.step(a, {.foot_point = road[k]});
       whole.step(x, input_of(road[k]));
       car.receive_force(c, machine.measured(m)[index(Channel::F)]);
       car.step(c, input_of(road[k]));
@@ -72,9 +77,16 @@ TEST(RigModel, SplitsIntoCarAndMachineWithoutChangingABit) {
       for (const Channel channel : {Channel::x_cmd, Channel::x_act, Channel::F}) {
         ASSERT_EQ(at(closed, channel), at(of_machine, channel)) << name(channel) << ", sample " << k << ", seed 61";
       }
+      alone.receive_force(a, c.received_force);
+      ASSERT_EQ(alone.signals(a), car.signals(c)) << "sample " << k << ", seed 61";
+      ASSERT_EQ(alone.energy(a), car.energy(c)) << "sample " << k << ", seed 61";
     }
   }
 }
+
+// Memory. What a controller carries is small: a delay line alone has 8 KiB, a rig's matrices 33.
+static_assert(sizeof(model::VirtualCar<>) + sizeof(model::VirtualCar<>::State) < 4096);
+static_assert(sizeof(Rig) + sizeof(Rig::State) > 40960);
 
 // Law. A rig at rest stays at rest, on any level and with any deflection in its machine. (Not a hil rig with dry
 // friction: its sharp law takes the sign of a velocity that is rounding, and the sampled loop answers with a small

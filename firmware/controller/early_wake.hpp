@@ -1,0 +1,53 @@
+// How long before a period its thread wakes up.
+#pragma once
+
+#include "hal/time.hpp"
+
+namespace firmware::controller {
+
+/// A span that is too short once in a thousand times: raised by a step when it was, lowered by a 999th of it when not.
+class RarelyTooShort {
+ public:
+  constexpr RarelyTooShort(hal::Time first, hal::Time least, hal::Time most, hal::Time step)
+      : span_(first), least_(least), most_(most), step_(step) {}
+
+  constexpr void follow(bool too_short) {
+    span_ = too_short ? span_ + step_ : span_ - hal::nanoseconds(step_.ns / 999);
+    if (span_ < least_) span_ = least_;
+    if (span_ > most_) span_ = most_;
+  }
+  [[nodiscard]] constexpr hal::Time span() const { return span_; }
+
+ private:
+  hal::Time span_, least_, most_, step_;
+};
+
+/// Wakes up early enough to rehearse a period, and hardly earlier: what it waits for the instant it does not sleep.
+///
+///   wake up at  due − early()      early: the rehearsal and the machine's wake-up latency, of 999 periods in 1000
+///   rehearse where there_is_time   the rehearsal's own time, of 999 in 1000
+class EarlyWake {
+ public:
+  explicit constexpr EarlyWake(hal::Time most)
+      : early_(most < hal::microseconds(20) ? most : hal::microseconds(20), hal::Time{}, most, hal::microseconds(10)),
+        rehearsal_(hal::microseconds(10), hal::microseconds(5), most + hal::microseconds(10), hal::microseconds(2)) {}
+
+  [[nodiscard]] constexpr hal::Time early() const { return early_.span(); }
+
+  /// The sleep has ended `left` before the period is due.
+  [[nodiscard]] constexpr bool there_is_time(hal::Time left) {
+    const bool time = left >= rehearsal_.span();
+    early_.follow(!time);
+    if (!time) rehearsal_.follow(false);
+    return time;
+  }
+
+  /// The rehearsal has ended `left` before the period is due; less than 0: after it.
+  constexpr void rehearsed(hal::Time left) { rehearsal_.follow(left < hal::Time{}); }
+
+ private:
+  RarelyTooShort early_;
+  RarelyTooShort rehearsal_;
+};
+
+}  // namespace firmware::controller

@@ -1,0 +1,7 @@
+#include "model/rig_model.hpp"
+
+namespace model {
+
+template class RigModel<double, 512, Scope::virtual_car>;
+
+}  // namespace model

@@ -1,0 +1,157 @@
+// What a board carries: the control loop for all rig kinds on a handful of registers, and no model of the rig around
+// it. This program is what loop.ld holds to 64 KiB of flash and 16 KiB of RAM.
+#include <optional>
+
+#include "tests/board/run.hpp"
+
+namespace {
+
+/// The rig as registers, and what is behind them: a drive that goes where it is told, a spring and a damper.
+struct Registers {
+  hal::Time now{};
+  hal::Command command{};
+  hal::Openings openings{};
+  std::uint32_t beats = 0;
+};
+
+struct Clock final : hal::Clock {
+  explicit Clock(Registers& r) : registers(r) {}
+  hal::Time do_now() override { return registers.now; }
+  void do_sleep_until(hal::Time deadline) override { registers.now = deadline; }
+  Registers& registers;
+};
+
+struct Sensors final : hal::SensorSource {
+  Sensors(Registers& r, const hal::SensorSetup& setup) : SensorSource(setup), registers(r) {}
+  hal::Result<hal::Frame> do_read() override {
+    const auto& drive = registers.command;
+    // The wheel follows the drive, the body the wheel; more ducts, more force.
+    wheel += 0.3 * (drive.position - wheel);
+    body += 0.02 * (wheel - body);
+    const double force = 31500.0 * drive.position + (500.0 + 10.0 * registers.openings.bits()) * drive.velocity;
+    hal::Frame frame;
+    const auto show = [&](model::Channel channel, double value) {
+      if (fitted(model::index(channel))) {
+        frame.channels[model::index(channel)] = {value, registers.now, hal::Quality::good};
+      }
+    };
+    show(model::Channel::z_r, drive.position);
+    show(model::Channel::zdd_r, drive.acceleration);
+    show(model::Channel::zdd_w, 0.3 * drive.acceleration);
+    show(model::Channel::zdd_b, 0.02 * drive.acceleration);
+    show(model::Channel::dz_w, drive.position - wheel);
+    show(model::Channel::dz_b, wheel - body);
+    show(model::Channel::F_w, 200e3 * (drive.position - wheel));
+    show(model::Channel::x_act, drive.position);
+    show(model::Channel::F, force);
+    return frame;
+  }
+  Registers& registers;
+  double wheel = 0.0, body = 0.0;
+};
+
+struct Valves final : hal::ValveBank {
+  explicit Valves(Registers& r) : ValveBank(6, hal::Openings::first(0)), registers(r) {}
+  hal::Result<void> do_write(hal::Openings openings) override {
+    registers.openings = openings;
+    return {};
+  }
+  Registers& registers;
+};
+
+struct Drive final : hal::CommandOutput {
+  explicit Drive(Registers& r) : registers(r) {}
+  hal::Result<void> do_write(const hal::Command& command) override {
+    registers.command = command;
+    return {};
+  }
+  Registers& registers;
+};
+
+struct Button final : hal::StopButton {
+  hal::Result<Level> do_read() override { return Level{}; }
+};
+
+struct Heartbeat final : hal::Heartbeat {
+  explicit Heartbeat(Registers& r) : registers(r) {}
+  hal::Result<void> do_beat() override {
+    ++registers.beats;
+    return {};
+  }
+  Registers& registers;
+};
+
+/// Two waves, each a pointer turned by the same angle every sample: 1.2 and 7 Hz.
+class Waves final : public firmware::Reference {
+  std::optional<firmware::Motion> do_at(std::uint64_t sample) override {
+    if (sample >= board::samples) return std::nullopt;
+    firmware::Motion motion{};
+    for (Wave& wave : waves_) {
+      if (sample > 0) {
+        const double cosine = wave.cosine * wave.turn_cosine - wave.sine * wave.turn_sine;
+        wave.sine = wave.sine * wave.turn_cosine + wave.cosine * wave.turn_sine;
+        wave.cosine = cosine;
+      }
+      motion.position += wave.amplitude * wave.sine;
+      motion.velocity += wave.amplitude * wave.omega * wave.cosine;
+      motion.acceleration -= wave.amplitude * wave.omega * wave.omega * wave.sine;
+    }
+    return motion;
+  }
+  struct Wave {
+    double amplitude, omega, turn_cosine, turn_sine;
+    double cosine = 1.0, sine = 0.0;
+  };
+  std::array<Wave, 2> waves_{{{10e-3, 7.5398223686155035, 0.99997157567, 0.00753975092},
+                              {1e-3, 43.982297150257104, 0.99903295476, 0.04396811802}}};
+};
+
+struct Board {
+  explicit Board(const hal::SensorSetup& setup) : sensors(registers, setup) {}
+  hal::Rig roles() { return {clock, sensors, valves, drive, button, heartbeat}; }
+
+  Registers registers{};
+  Clock clock{registers};
+  Sensors sensors;
+  Valves valves{registers};
+  Drive drive{registers};
+  Button button{};
+  Heartbeat heartbeat{registers};
+};
+
+constexpr std::array<model::RigParameters<double>, 3> rigs{board::paper_rig(model::RigKind::hil),
+                                                           board::paper_rig(model::RigKind::quarter_car),
+                                                           board::paper_rig(model::RigKind::component_bench)};
+
+hal::SensorSetup fitted(model::RigKind kind) {
+  hal::SensorSetup setup;
+  board::fit_sensors(kind, [&](model::Channel c) { setup[model::index(c)].fitted = true; });
+  return setup;
+}
+
+void ride(const model::RigParameters<double>& parameters) {
+  board::paint_stack();
+  static std::optional<Board> rig;
+  static std::optional<Waves> waves;
+  static std::optional<firmware::ControlLoop> loop;
+  static firmware::JournalStorage<2> storage;
+  firmware::Journal journal(storage);
+  firmware::Settings settings;
+  settings.limits.speed = 5.0;
+  rig.emplace(fitted(parameters.kind));
+  loop.emplace(settings, parameters, rig->roles(), waves.emplace(), board::valves, journal);
+  const unsigned long deepest = board::deepest_stack();
+  board::run(model::name(parameters.kind), *loop, journal, rig->clock, deepest);
+}
+
+}  // namespace
+
+extern "C" int trace() {
+  board::start_timer();
+  for (const auto& rig : rigs) ride(rig);
+  return 0;
+}
+
+#ifndef RIGTWIN_ON_BOARD
+int main() { return trace(); }
+#endif
