@@ -3,6 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 builds=${RIGTWIN_BUILDS:-build}
+jobs=${RIGTWIN_JOBS:-$(nproc)}  # 1 where other tests run beside this one
 
 skip() {
   echo "skipped: $*"
@@ -37,7 +38,7 @@ build() {
   (
     flock 9
     configure "$preset"
-    cmake --build "$builds/$preset" --parallel "$(nproc)" ${1+--target "$@"}
+    cmake --build "$builds/$preset" --parallel "$jobs" ${1+--target "$@"}
   ) 9>"$builds/$preset.lock"
 }
 

@@ -29,7 +29,7 @@ if [ "$(cat "$modules/made" 2>/dev/null)" != "$wanted" ]; then
   sed -i "s|^include .*/usr/src/|include $fetched/kernel/usr/src/|" "$headers/Makefile"
   find "$fetched/source" -name '*.[ch]' -exec cp {} "$modules" \;
   cp tests/guest/Kbuild tests/guest/*.c "$modules"
-  make -s -j"$(nproc)" -C "$headers" M="$modules" ARCH=arm64 CROSS_COMPILE=aarch64-linux-gnu- modules >"$modules/log" 2>&1 ||
+  make -s -j"$jobs" -C "$headers" M="$modules" ARCH=arm64 CROSS_COMPILE=aarch64-linux-gnu- modules >"$modules/log" 2>&1 ||
     { tail -n 30 "$modules/log"; exit 1; }
   echo "$wanted" >"$modules/made"
 fi

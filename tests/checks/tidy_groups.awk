@@ -1,12 +1,14 @@
 # tidy_groups.awk FOLDER=… most=… FILE… compile_commands.json -- groups of sources that can be read as one: the same compiler
 # options, no name defined twice in their unnamed namespaces. Writes for each FOLDER/N.cpp, which includes them, and
 # FOLDER/compile_commands.json; prints for each its path and its sources, which are given absolute.
+# Without compile_commands.json, which stands last, all are compiled alike: it prints each group's sources, nothing else.
 # From the sources as clang-format leaves them: what stands in the first column of an unnamed namespace defines a name.
 
 FNR == 1 { in_unnamed = 0 }
 
 FILENAME !~ /\.json$/ {
   if (FNR == 1) files[++count] = FILENAME
+  if (/^using namespace [a-z_:]*;/) opened[count] = opened[count] " " $3  # is open for all that follow
   if (/^namespace \{/) in_unnamed = 1
   if (/^\}  \/\/ namespace$/) in_unnamed = 0
   if (/^using [A-Za-z_0-9:]*::[A-Za-z_0-9]*;/) {
@@ -14,7 +16,7 @@ FILENAME !~ /\.json$/ {
     sub(/;.*/, "", name)
     sub(/.*::/, "&=", name)  # what is meant=name: the same thing may be used by several
     names[count] = names[count] " " name
-  } else if (in_unnamed && /^[A-Za-z\[]/ && !/^(template|namespace|using namespace)/) {
+  } else if (in_unnamed && /^[A-Za-z\[]/ && !/^(template|namespace|using namespace|TEST|TYPED_TEST|INSTANTIATE)/) {
     line = $0
     while (sub(/<[^<>]*>/, "", line)) {}
     sub(/ *(\(|\{| = |;|\[[^\[]*\]( =|;|\{)| : ).*/, "", line)
@@ -33,10 +35,12 @@ FILENAME !~ /\.json$/ {
 
 END {
   for (i = 1; i <= count; ++i) {
-    if (!(files[i] in command_of)) continue  # compiled nowhere
+    if (FOLDER != "" && !(files[i] in command_of)) continue  # compiled nowhere
     kind = command_of[files[i]]
     sub(/ -o .*/, "", kind)
     gsub(/ -O[0-3]/, "", kind)
+    command = kind
+    kind = kind opened[i]
     defined = split(names[i], list, " ")
     for (g = 1; g <= groups; ++g) {
       if (kind_of[g] != kind || size[g] >= most) continue
@@ -47,7 +51,10 @@ END {
       }
       if (free) break
     }
-    if (g > groups) kind_of[groups = g] = kind
+    if (g > groups) {
+      kind_of[groups = g] = kind
+      common[g] = command
+    }
     for (n = 1; n <= defined; ++n) {
       split(list[n], meant, "=")
       taken[g, meant[2]] = meant[1]
@@ -55,13 +62,17 @@ END {
     ++size[g]
     members[g] = members[g] " " files[i]
   }
+  if (FOLDER == "") {
+    for (g = 1; g <= groups; ++g) print substr(members[g], 2)
+    exit
+  }
   printf "[" > (FOLDER "/compile_commands.json")
   for (g = 1; g <= groups; ++g) {
     path = FOLDER "/" g ".cpp"
     amount = split(members[g], list, " ")
     for (n = 1; n <= amount; ++n) printf "#include \"%s\"\n", list[n] > path
     close(path)
-    printf "%s\n{\"directory\": \"%s\",\n%s -c %s\",\n\"file\": \"%s\"}", (g > 1 ? "," : ""), FOLDER, kind_of[g], path, path > (FOLDER "/compile_commands.json")
+    printf "%s\n{\"directory\": \"%s\",\n%s -c %s\",\n\"file\": \"%s\"}", (g > 1 ? "," : ""), FOLDER, common[g], path, path > (FOLDER "/compile_commands.json")
     print path members[g]
   }
   printf "\n]\n" > (FOLDER "/compile_commands.json")

@@ -32,7 +32,7 @@ struct Controller {
       : program(streams, arguments, {}, path) {}
   /// Waits until the program has said this.
   bool says(const std::string& words) {
-    for (int i = 0; i < 1000 && program.running(); ++i) {
+    for (int i = 0; i < 10000 && program.running(); ++i) {
       if (TemporaryFolder::read(streams / "stdout.txt").find(words) != std::string::npos) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
