@@ -166,6 +166,54 @@ class Search {
     return scanned;
   }
 
+  /// A hold renewed by a clock of its own, in step with the recorder: where between two samples its values are taken
+  /// only they tell. Golden section over what the renewals allow; all else makes way inside its bounds, since a little
+  /// damping looks like a little time.
+  void set_clock(Explanation& e, Channel channel) const {
+    const auto c = index(channel);
+    if (!e.fit.hypothesis.clocks[c].own) return;
+    const Fit& now = e.fit;
+    const Eigen::MatrixXd h = now.slope.transpose() * now.slope;
+    Eigen::VectorXd lower(h.rows()), upper(h.rows());
+    for (Eigen::Index i = 0; i < h.rows(); ++i) {
+      const Unknown& unknown = now.unknowns[static_cast<std::size_t>(i)];
+      const double u = unknown.get(now.hypothesis);
+      lower(i) = std::min(unknown.lower - u, 0.0);
+      upper(i) = std::max(unknown.upper - u, 0.0);
+    }
+    const auto power = [&](double place) {
+      Hypothesis other = e.fit.hypothesis;
+      other.clocks[c].place = place;
+      const Eigen::VectorXd r = residuals(all_, predict_sensor(all_, other, now.prediction, channel));
+      const Eigen::VectorXd g = now.slope.transpose() * r;
+      const Eigen::VectorXd d = bounded_step(h, g, lower, upper);
+      return r.squaredNorm() + 2.0 * g.dot(d) + d.dot(h * d);
+    };
+    constexpr double golden = 0.6180339887498949;
+    double from = -1.0, to = 1.0, left = to - golden * (to - from), right = from + golden * (to - from);
+    double at_left = power(left), at_right = power(right);
+    constexpr int rounds = 10;  // to 2 % of the room there is
+    for (int i = 0; i < rounds; ++i) {
+      if (at_left < at_right) {
+        to = right;
+        right = left;
+        at_right = at_left;
+        left = to - golden * (to - from);
+        at_left = power(left);
+      } else {
+        from = left;
+        left = right;
+        at_left = at_right;
+        right = from + golden * (to - from);
+        at_right = power(right);
+      }
+    }
+    if (std::min(at_left, at_right) >= now.chi_squared) return;
+    Hypothesis placed_better = now.hypothesis;
+    placed_better.clocks[c].place = at_left < at_right ? left : right;
+    e = fitted(placed_better, e.effects, 6);
+  }
+
   /// A candidate beside an explanation, fitted from its best start or two; slopes of what is there are kept.
   [[nodiscard]] Explanation refined(const Explanation& base, const Scanned& scanned) const {
     Explanation best;
@@ -176,6 +224,7 @@ class Search {
       effects.push_back(placed(scanned.candidate, scanned.starts[s].second));
       Explanation other =
           fitted(with(base.fit.hypothesis, effects.back(), scanned.starts[s].second.clock), effects, 8, base.fit.slope);
+      if (is_hold(*scanned.candidate.entry)) set_clock(other, *scanned.candidate.channel);
       if (other.fit.chi_squared < best.fit.chi_squared) best = std::move(other);
     }
     return best;
@@ -205,10 +254,15 @@ class Search {
     return list;
   }
 
+  /// Whether an effect is a hold that the values themselves show, repeated in regular turns: nothing else repeats them,
+  /// so it has no rivals, however alike they are below 90 Hz.
+  [[nodiscard]] bool is_seen(const PlacedEffect& effect) const {
+    return is_hold(*effect.entry) && repeats(*effect.channel);
+  }
+
   /// The hold of a channel whose renewals are regular, where it is not there yet.
   [[nodiscard]] std::optional<Explanation> held(const Explanation& base, const Scales& scales, Channel channel) const {
-    const auto& renewals = all_.evidence.front().renewals[index(channel)];
-    if (!renewals || !renewals->regular) return std::nullopt;
+    if (!repeats(channel)) return std::nullopt;
     for (Scanned& scanned : scan(base, scales)) {
       if (scanned.candidate.channel == channel && is_hold(*scanned.candidate.entry)) {
         const Explanation refined_one = refined(base, scanned);
@@ -268,6 +322,11 @@ class Search {
   mutable std::atomic<std::size_t> tried{0};        ///< candidates, so far
 
  private:
+  [[nodiscard]] bool repeats(Channel channel) const {
+    const auto& renewals = all_.evidence.front().renewals[index(channel)];
+    return renewals && renewals->regular;
+  }
+
   const Case& all_;
   std::vector<Unknown> common_;
   const Price& price_;
@@ -413,6 +472,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
     findings.rivals.assign(best.effects.size(), {});
     findings.gains.assign(best.effects.size(), 0.0);
     for (std::size_t i = 0; i < best.effects.size() && !changed; ++i) {
+      if (search.is_seen(best.effects[i])) continue;
       report(0.6 + 0.3 * static_cast<double>(i) / static_cast<double>(best.effects.size()),
              "rivals of " + std::string(best.effects[i].entry->name));
       const bool only_one = best.effects.size() == 1;
