@@ -16,8 +16,10 @@ namespace model {
 /// (1), (2) are exact for an input that moves on the cubic between two samples. d is what a step lacks that begins
 /// below the limit, ẋ_act < v, and ends above it, ẋ₂ > v, the velocity growing evenly between (0 in all others,
 /// mirrored below −v): without it the machine would be ahead by up to ẍ h²/2 until it has caught up; with it by h³
-/// times the third derivative. The velocity that (3) gives is that of x₂ while it does not limit, ± v while it does.
-/// State 3×1 [x₁ m, x₂ m, ẋ₂ m/s]; input u: delayed command, position and velocity; output: position and velocity.
+/// times the third derivative. Likewise a step in which it catches up with what comes towards it faster than v goes up
+/// until they meet and down from there. The velocity that (3) gives is that of x₂ while it does not limit, ± v while it
+/// does. State 3×1 [x₁ m, x₂ m, ẋ₂ m/s]; input u: delayed command, position and velocity; output: position and
+/// velocity.
 template <class S>
 class Machine {
  public:
@@ -81,6 +83,12 @@ class Machine {
     Stroke<S> out = output(x, now);
     if (path_.rate_limit > S(0)) {
       const S way = out.position - reached.position;
+      if (const S turn = turning(reached.velocity, out.velocity, way); turn > S(0)) {
+        return {reached.position + path_.rate_limit * (S(2) * turn - period_), -path_.rate_limit};
+      }
+      if (const S turn = turning(-reached.velocity, -out.velocity, -way); turn > S(0)) {
+        return {reached.position - path_.rate_limit * (S(2) * turn - period_), path_.rate_limit};
+      }
       const S up = longest_way(reached.velocity, out.velocity), down = longest_way(-reached.velocity, -out.velocity);
       if (way > up) {
         out = {reached.position + up, path_.rate_limit};
@@ -92,6 +100,15 @@ class Machine {
   }
 
  private:
+  /// How long into a step a machine that goes up at its limit meets what it follows, which comes down faster still;
+  /// from there it goes down at its limit. 0: it does not.
+  [[nodiscard]] S turning(S before, S after, S way) const {
+    const S v = path_.rate_limit;
+    if (!(before == v && after < -v)) return S(0);
+    const S met = (way - after * period_) / (v - after);
+    return met > S(0) && met < period_ ? met : S(0);
+  }
+
   /// v h − d
   [[nodiscard]] S longest_way(S before, S after) const {
     const S v = path_.rate_limit, most = v * period_;

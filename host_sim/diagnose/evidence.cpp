@@ -123,6 +123,7 @@ std::optional<Renewals> renewals_of(const std::vector<double>& samples) {
     }
     r.period = span / r.turn.back();
   }
+  if (r.period < 0.95 * held) return std::nullopt;  // what stays long at one value now and then: a limit
   // Room for t_0 at a period: concave in it.
   const auto room = [&r](double period) {
     double lowest = -INFINITY, highest = INFINITY;

@@ -177,6 +177,10 @@ TEST(HoldPeriod, IsReadOffTheRenewals) {
   EXPECT_NEAR(held->value, 4.3e-3, held->half_width);
   EXPECT_LT(held->half_width, 0.2 / 1395.0 * period);
   EXPECT_FALSE(diagnose::hold_period(evidence, Channel::x_act));
+  // What a limit cuts off repeats itself, too, most of the time even; but it is new with every sample in between.
+  auto limited = sine(1.0, 3.0, 6000);
+  for (double& v : limited) v = std::clamp(v, -0.4, 0.4);
+  EXPECT_FALSE(diagnose::renewals_of(limited));
   // Turns of 1 and 2, or of 2 and 3 samples, of which none is the period.
   for (const double samples : {1.7, 2.5}) {
     const diagnose::Evidence fast = held_recording(samples);
