@@ -168,6 +168,28 @@ TEST(Diagnosis, FindsANegativeOffsetAndAGainBelowOne) {
   }
 }
 
+// Law. The less an effect gains, the more of a law that is not in the catalogue would go unseen beside it. An offset of
+// 3 N in 10 N of noise gains 2 (3/10)² · 12 000 = 2160 of χ² (2: the line at 0 Hz has no imaginary part). A rest is
+// seen from some 200 on: a law that shares all but 0.09 of the power would not be, ln 90/ln 1000 of the fifth that is
+// outside. An offset of 120 N gains 3.5e6, beside which nothing could hide that is worth a name.
+TEST(Diagnosis, IsLessSureOfWhatIsWeak) {
+  RigDescription d = support::rig("paper_hil_fdva");
+  remove_effect(d.rig, *find_effect("actuator_delay"), std::nullopt);
+  d.noise[index(Channel::F)] = 10.0;
+  d.noise[index(Channel::x_act)] = 2e-5;
+  const auto confidence = [&](double offset) {
+    Recording r = recorded(reference_of(d), d, 24);
+    for (double& F : r[Channel::F]) F += offset;
+    const Diagnosis found = diagnose::diagnose(d, {{std::move(r), Use::shared}});
+    EXPECT_EQ(found.effects.size(), 1U) << offset;
+    if (found.effects.size() != 1) return 0.0;
+    EXPECT_EQ(found.effects[0].effect.entry->name, "sensor_offset") << offset;
+    return found.effects[0].confidence;
+  };
+  EXPECT_NEAR(confidence(3.0), 1.0 - 0.2 * std::log(90.0) / std::log(1000.0), 0.02);  // 10 % of χ², noise: 0.003
+  EXPECT_GT(confidence(-120.0), 0.99);
+}
+
 // The samples that lie beside the project: verdict and effects.
 TEST(Diagnosis, NamesWhatIsHiddenInTheSamples) {
   if (!std::filesystem::exists(support::shared / "samples")) GTEST_SKIP() << "../shared/samples is missing";
