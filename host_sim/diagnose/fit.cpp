@@ -207,12 +207,9 @@ Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int mo
     for (Eigen::Index i = 0; i < n; ++i) {
       const Unknown& unknown = result.unknowns[static_cast<std::size_t>(i)];
       u(i) = unknown.get(result.hypothesis);
-      // Another fit, with bounds of its own, may have gone beyond these.
-      lower(i) = std::min(unknown.lower - u(i), 0.0);
-      upper(i) = std::max(unknown.upper - u(i), 0.0);
-      const double reach = trust * unknown.reach(u(i));
-      lower(i) = std::max(lower(i), -reach);
-      upper(i) = std::min(upper(i), reach);
+      const Unknown::Room room = unknown.room(u(i), trust);
+      lower(i) = room.lower;
+      upper(i) = room.upper;
     }
     const Eigen::VectorXd d = bounded_step(h, g, lower, upper);
     const double promised = -2.0 * g.dot(d) - d.dot(h * d);

@@ -37,6 +37,11 @@ double Unknown::reach(double u) const {
   return logarithmic ? 1.0 : std::max(1.0, std::abs(u));
 }
 
+Unknown::Room Unknown::room(double u, double trust) const {
+  const double far = trust * reach(u);
+  return {std::max(std::min(lower - u, 0.0), -far), std::min(std::max(upper - u, 0.0), far)};
+}
+
 std::vector<Unknown> tolerated_unknowns(const RigDescription& description) {
   std::vector<Unknown> unknowns;
   model::RigParameters<double> part = explained_part(description.rig);

@@ -44,6 +44,12 @@ struct Unknown {
   /// How far from u a slope may be believed: a factor of e, twice the value, a start not much larger than the motion;
   /// what enters linearly, or has bounds close by, any distance.
   [[nodiscard]] double reach(double u) const;
+  /// What a step from u may be: inside the bounds and a share `trust` of reach(u), 0 in any case: another fit, with
+  /// bounds of its own, may have left u beyond these.
+  struct Room {
+    double lower, upper;
+  };
+  [[nodiscard]] Room room(double u, double trust) const;
   void put(Hypothesis& hypothesis, double u) const;
   [[nodiscard]] double get(const Hypothesis& hypothesis) const;  ///< u
   [[nodiscard]] bool at_bound(const Hypothesis& hypothesis) const;

@@ -177,9 +177,9 @@ class Search {
     Eigen::VectorXd lower(h.rows()), upper(h.rows());
     for (Eigen::Index i = 0; i < h.rows(); ++i) {
       const Unknown& unknown = now.unknowns[static_cast<std::size_t>(i)];
-      const double u = unknown.get(now.hypothesis);
-      lower(i) = std::min(unknown.lower - u, 0.0);
-      upper(i) = std::max(unknown.upper - u, 0.0);
+      const Unknown::Room room = unknown.room(unknown.get(now.hypothesis), 1.0);
+      lower(i) = room.lower;
+      upper(i) = room.upper;
     }
     const auto power = [&](double place) {
       Hypothesis other = e.fit.hypothesis;

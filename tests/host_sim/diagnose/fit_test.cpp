@@ -50,22 +50,6 @@ TEST(Fit, ReachesAnOffsetFarFromItsStart) {
   EXPECT_NEAR(fit.unknowns[0].value(fit.unknowns[0].get(fit.hypothesis)), -400.0, 0.6);
 }
 
-// Law. A hypothesis from elsewhere may lie beyond the bounds of this fit, which are relative to its own start: it comes
-// back inside, and never gets worse.
-TEST(Fit, ComesBackFromBeyondItsBounds) {
-  const Bench bench = bench_with({"sensor_lag", "F", {{"time_constant", 2e-3}}});
-  const PlacedEffect start{find_effect("sensor_lag"), Channel::F, {1e-3}};
-  diagnose::Hypothesis beyond = bench.hypothesis;
-  put_effect(beyond.rig, {start.entry, start.channel, {1.1e-9}});
-  const auto unknowns = diagnose::effect_unknowns(start);
-  ASSERT_LT(unknowns[0].get(beyond), unknowns[0].lower);
-  const double before = diagnose::residuals(bench.all, diagnose::predict(bench.all, beyond)).squaredNorm();
-  const diagnose::Fit fit = diagnose::fit(bench.all, beyond, unknowns, 12);
-  EXPECT_LE(fit.chi_squared, before);
-  EXPECT_GE(unknowns[0].get(fit.hypothesis), unknowns[0].get(beyond));
-  EXPECT_TRUE(fit.residual.allFinite());
-}
-
 // Law. Starts of a motion stay near the motion: ten times as large at most, three in one step.
 TEST(Unknown, KnowsHowFarItsSlopeMayBeBelieved) {
   diagnose::Unknown u{};
@@ -80,6 +64,29 @@ TEST(Unknown, KnowsHowFarItsSlopeMayBeBelieved) {
   u.role = diagnose::Unknown::Role::effect;
   u.sensor = Channel::F;
   EXPECT_TRUE(std::isinf(u.reach(1.0)));
+}
+
+// Law. A hypothesis from elsewhere may lie beyond the bounds of this fit, which are relative to its own start. Its step
+// may stay where it is or come back, and never has less than no room: then a parameter without a slope would run away.
+TEST(Unknown, HasRoomForAStepEvenBeyondItsBounds) {
+  const PlacedEffect lag{find_effect("sensor_lag"), Channel::F, {1e-3}};
+  const diagnose::Unknown u = diagnose::effect_unknowns(lag)[0];
+  for (const double at : {u.lower - 1.7, u.lower - 0.2, u.lower, 0.0, u.upper, u.upper + 3.0}) {
+    for (const double trust : {1.0, 0.25}) {
+      const auto [lower, upper] = u.room(at, trust);
+      EXPECT_LE(lower, 0.0) << at;
+      EXPECT_GE(upper, 0.0) << at;
+      EXPECT_GE(lower, -trust) << at;
+      EXPECT_LE(upper, trust) << at;
+      if (at <= u.lower) {
+        EXPECT_EQ(lower, 0.0) << at;
+        EXPECT_EQ(upper, trust) << at;
+      }
+      if (at >= u.upper) {
+        EXPECT_EQ(upper, 0.0) << at;
+      }
+    }
+  }
 }
 
 }  // namespace

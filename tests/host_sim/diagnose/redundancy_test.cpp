@@ -60,6 +60,10 @@ TEST(Redundancy, HoldsWhereNothingIsHidden) {
   // At 2 kHz, with a deflection sensor so noisy that the ends of a block differ in their velocity by more than the
   // accelerations at 0.5 Hz.
   for (const Residue& r : relations("none:quarter_car", 8, true)) EXPECT_FALSE(r.loud()) << r.relation << " varied";
+  // An offset, which the window would let through to the next line.
+  for (const Residue& r : relations("single:quarter_car:sensor_offset:zdd_b")) {
+    EXPECT_FALSE(r.loud()) << r.relation << " with an offset, " << r.significance;
+  }
   // An absorber's losses at their bounds: a force that is not linear in them.
   for (const Residue& r : relations("none:component_bench", 5)) EXPECT_FALSE(r.loud()) << r.relation << " seed 5";
 }
