@@ -67,19 +67,12 @@ Starts sensor_starts(std::string_view name, const Case& all, Channel channel, co
   Starts starts;
   if (const auto held = hold_period(all.evidence, channel)) {
     starts.push_back({{held->value}});
-    double slack = 0.0;
-    bool regular = true;
-    for (const Evidence& e : all.evidence) {
-      if (const auto& renewals = e.renewals[index(channel)]) {
-        slack = std::max(slack, renewals->slack);
-        regular = regular && renewals->regular;
-      }
-    }
-    // Instants that are known to a tenth of a sample are known; else some are tried.
+    const bool regular = std::all_of(all.evidence.begin(), all.evidence.end(), [channel](const Evidence& e) {
+      const auto& renewals = e.renewals[index(channel)];
+      return !renewals || renewals->regular;
+    });
+    // By a clock of its own; where between two samples its values are taken the search finds.
     if (regular) starts.push_back({{held->value}, {true, 0.0}});
-    for (const double place : {-0.8, -0.4, 0.4, 0.8}) {
-      if (regular && slack > 0.1) starts.push_back({{held->value}, {true, place}});
-    }
   }
   return starts;  // a hold shows by repeated values, or it is not there
 }

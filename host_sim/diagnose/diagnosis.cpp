@@ -418,8 +418,8 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     const double share = telling_share(all, enough / static_cast<double>(all.fitted.size()));
     const auto look = [&](const Price& smaller) {
       Case part = shorten(share);
-      for (Evidence& e : part.evidence)
-        e.fine = (e.fine + 1) / 2;  // what steps get wrong is small beside the error allowed for
+      // What steps get wrong is small beside the error allowed for.
+      for (Evidence& e : part.evidence) e.fine = (e.fine + 1) / 2;
       const auto rewhiten_part = [&](const Hypothesis& hypothesis) {
         const bool depends = rewhiten(hypothesis);
         if (depends) whiten(part, noises);
@@ -509,7 +509,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
       named.alternatives.push_back(std::move(alternative));
     }
     // A hold is seen in the values themselves.
-    const bool certain = is_hold(*named.effect.entry) || i >= findings.gains.size();
+    const bool certain = is_hold(*named.effect.entry);
     const double known_law = certain ? 1.0 : 1.0 - outside_chance(findings.gains[i] / temper, seen);
     named.confidence = 0.999 / (1.0 + against) * worth * known_law;
     result.effects.push_back(std::move(named));

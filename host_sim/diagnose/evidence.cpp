@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host_sim/diagnose/foot_point.hpp"
+#include "host_sim/diagnose/golden_section.hpp"
 #include "host_sim/input_error.hpp"
 
 namespace host_sim::diagnose {
@@ -139,17 +140,8 @@ std::optional<Renewals> renewals_of(const std::vector<double>& samples) {
     return highest - lowest;
   };
   const double reach = 1.5 / r.turn.back();
-  double a = r.period - reach, b = r.period + reach;
-  constexpr double golden = 0.6180339887498949;
-  for (int i = 0; i < 60; ++i) {
-    const double left = b - golden * (b - a), right = a + golden * (b - a);
-    if (width(left) < width(right)) {
-      a = left;
-    } else {
-      b = right;
-    }
-  }
-  const double widest = 0.5 * (a + b);
+  const double widest =
+      golden_section([&](double period) { return -width(period); }, r.period - reach, r.period + reach, 60).at;
   if (width(widest) > 0.0) {
     r.regular = true;
     const auto border = [&](double outside) {

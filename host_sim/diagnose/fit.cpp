@@ -64,8 +64,20 @@ std::vector<Response> respond(const Case& all, const Hypothesis& hypothesis) {
   return responses;
 }
 
-Eigen::VectorXd bounded_step(const Eigen::MatrixXd& h, const Eigen::VectorXd& g, const Eigen::VectorXd& lower,
-                             const Eigen::VectorXd& upper) {
+Box box_of(const std::vector<Unknown>& unknowns, const Hypothesis& hypothesis, double trust) {
+  const auto n = static_cast<Eigen::Index>(unknowns.size());
+  Box box{Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Unknown& unknown = unknowns[static_cast<std::size_t>(i)];
+    const Unknown::Room room = unknown.room(unknown.get(hypothesis), trust);
+    box.lower(i) = room.lower;
+    box.upper(i) = room.upper;
+  }
+  return box;
+}
+
+Eigen::VectorXd bounded_step(const Eigen::MatrixXd& h, const Eigen::VectorXd& g, const Box& box) {
+  const auto& [lower, upper] = box;
   const Eigen::Index n = g.size();
   enum class At : unsigned char { inside, bottom, top };
   std::vector<At> at(static_cast<std::size_t>(n), At::inside);
@@ -203,15 +215,8 @@ Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int mo
     }
     const Eigen::MatrixXd h = result.slope.transpose() * result.slope;
     const Eigen::VectorXd g = result.slope.transpose() * result.residual;
-    Eigen::VectorXd u(n), lower(n), upper(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Unknown& unknown = result.unknowns[static_cast<std::size_t>(i)];
-      u(i) = unknown.get(result.hypothesis);
-      const Unknown::Room room = unknown.room(u(i), trust);
-      lower(i) = room.lower;
-      upper(i) = room.upper;
-    }
-    const Eigen::VectorXd d = bounded_step(h, g, lower, upper);
+    const Box box = box_of(result.unknowns, result.hypothesis, trust);
+    const Eigen::VectorXd d = bounded_step(h, g, box);
     const double promised = -2.0 * g.dot(d) - d.dot(h * d);
     const double before = result.chi_squared;
     const double enough = 0.01 + 1e-6 * before;
@@ -220,7 +225,8 @@ Fit fit(const Case& all, Hypothesis start, std::vector<Unknown> unknowns, int mo
     for (int attempt = 0; attempt < 5 && promised > 0.1 * enough; ++attempt, share *= 0.35) {
       Hypothesis next = result.hypothesis;
       for (Eigen::Index i = 0; i < n; ++i) {
-        result.unknowns[static_cast<std::size_t>(i)].put(next, u(i) + share * d(i));
+        const Unknown& unknown = result.unknowns[static_cast<std::size_t>(i)];
+        unknown.put(next, unknown.get(result.hypothesis) + share * d(i));
       }
       if (find_rig_fault(next.rig, all.evidence.front().drive.period)) continue;
       Prediction prediction = predict(all, next);

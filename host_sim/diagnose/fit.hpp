@@ -38,9 +38,15 @@ struct Prediction {
 /// Readings of every recording in full.
 [[nodiscard]] std::vector<Response> respond(const Case& all, const Hypothesis& hypothesis);
 
-/// The minimum of ½|r + J d|² with lower <= d <= upper, from its normal equations H = JᵀJ, g = Jᵀr (active set).
-[[nodiscard]] Eigen::VectorXd bounded_step(const Eigen::MatrixXd& h, const Eigen::VectorXd& g,
-                                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+/// How far each coordinate may go: lower <= d <= upper.
+struct Box {
+  Eigen::VectorXd lower, upper;
+};
+/// … of unknowns from where a hypothesis has them, `trust` being the share of what slopes may be believed for.
+[[nodiscard]] Box box_of(const std::vector<Unknown>& unknowns, const Hypothesis& hypothesis, double trust);
+
+/// The minimum of ½|r + J d|² in a box, from its normal equations H = JᵀJ, g = Jᵀr (active set).
+[[nodiscard]] Eigen::VectorXd bounded_step(const Eigen::MatrixXd& h, const Eigen::VectorXd& g, const Box& box);
 
 /// A fitted hypothesis.
 struct Fit {

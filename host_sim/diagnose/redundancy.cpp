@@ -215,8 +215,8 @@ class Relations {
       g += s.cross[k].bottomLeftCorner(m, 1).real() / s.noise[k];
     }
     h.diagonal() *= 1.0 + 1e-9;
-    return bounded_step(h, g, Eigen::Map<const Eigen::VectorXd>(columns.lower.data(), m),
-                        Eigen::Map<const Eigen::VectorXd>(columns.upper.data(), m));
+    const auto vector_of = [m](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), m); };
+    return bounded_step(h, g, {vector_of(columns.lower), vector_of(columns.upper)});
   }
 
   [[nodiscard]] Columns columns_of(const Relation& relation, const std::map<std::string, double>& deviations) const {

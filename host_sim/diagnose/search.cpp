@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "host_sim/diagnose/golden_section.hpp"
 #include "host_sim/diagnose/noise_bands.hpp"
 #include "host_sim/diagnose/parallel.hpp"
 #include "host_sim/diagnose/readings.hpp"
@@ -171,47 +172,25 @@ class Search {
   /// damping looks like a little time.
   void set_clock(Explanation& e, Channel channel) const {
     const auto c = index(channel);
-    if (!e.fit.hypothesis.clocks[c].own) return;
     const Fit& now = e.fit;
+    if (!now.hypothesis.clocks[c].own) return;
     const Eigen::MatrixXd h = now.slope.transpose() * now.slope;
-    Eigen::VectorXd lower(h.rows()), upper(h.rows());
-    for (Eigen::Index i = 0; i < h.rows(); ++i) {
-      const Unknown& unknown = now.unknowns[static_cast<std::size_t>(i)];
-      const Unknown::Room room = unknown.room(unknown.get(now.hypothesis), 1.0);
-      lower(i) = room.lower;
-      upper(i) = room.upper;
-    }
-    const auto power = [&](double place) {
-      Hypothesis other = e.fit.hypothesis;
+    const Box box = box_of(now.unknowns, now.hypothesis, 1.0);
+    const auto with_place = [&](double place) {
+      Hypothesis other = now.hypothesis;
       other.clocks[c].place = place;
-      const Eigen::VectorXd r = residuals(all_, predict_sensor(all_, other, now.prediction, channel));
+      return other;
+    };
+    const auto power = [&](double place) {
+      const Eigen::VectorXd r = residuals(all_, predict_sensor(all_, with_place(place), now.prediction, channel));
       const Eigen::VectorXd g = now.slope.transpose() * r;
-      const Eigen::VectorXd d = bounded_step(h, g, lower, upper);
+      const Eigen::VectorXd d = bounded_step(h, g, box);
       return r.squaredNorm() + 2.0 * g.dot(d) + d.dot(h * d);
     };
-    constexpr double golden = 0.6180339887498949;
-    double from = -1.0, to = 1.0, left = to - golden * (to - from), right = from + golden * (to - from);
-    double at_left = power(left), at_right = power(right);
     constexpr int rounds = 10;  // to 2 % of the room there is
-    for (int i = 0; i < rounds; ++i) {
-      if (at_left < at_right) {
-        to = right;
-        right = left;
-        at_right = at_left;
-        left = to - golden * (to - from);
-        at_left = power(left);
-      } else {
-        from = left;
-        left = right;
-        at_left = at_right;
-        right = from + golden * (to - from);
-        at_right = power(right);
-      }
-    }
-    if (std::min(at_left, at_right) >= now.chi_squared) return;
-    Hypothesis placed_better = now.hypothesis;
-    placed_better.clocks[c].place = at_left < at_right ? left : right;
-    e = fitted(placed_better, e.effects, 6);
+    const LowestPoint best = golden_section(power, -1.0, 1.0, rounds);
+    if (best.value >= now.chi_squared) return;
+    e = fitted(with_place(best.at), e.effects, 6);
   }
 
   /// A candidate beside an explanation, fitted from its best start or two; slopes of what is there are kept.

@@ -129,7 +129,7 @@ std::vector<TyreEffect> tyre_effects(const RigDescription& description, const st
   const auto left_with = [&](double most_cubic, Eigen::Vector3d& d) {
     const Eigen::Vector3d low(lower(k_t) / scale(0), lower(b_t) / scale(1), -most_cubic);
     const Eigen::Vector3d high(upper(k_t) / scale(0), upper(b_t) / scale(1), most_cubic);
-    d = bounded_step(scaled, right, low, high);
+    d = bounded_step(scaled, right, {low, high});
     return error - cut + 2.0 * right.dot(d) + d.dot(scaled * d);
   };
   Eigen::Vector3d linear, cubic;
@@ -208,7 +208,7 @@ VirtualCar virtual_car(const RigDescription& description, const std::vector<Evid
   const Eigen::MatrixXd h = scale.asDiagonal() * all.matrix * scale.asDiagonal();
   const Eigen::VectorXd g = scale.asDiagonal() * (all.matrix * given - all.right);
   const Eigen::VectorXd d =
-      bounded_step(h, g, lower.cwiseQuotient(scale), upper.cwiseQuotient(scale)).cwiseProduct(scale);
+      bounded_step(h, g, {lower.cwiseQuotient(scale), upper.cwiseQuotient(scale)}).cwiseProduct(scale);
   const Row values = given + d;
   const double left = values.dot(all.matrix * values) - 2.0 * values.dot(all.right) + all.square;
   const double variance = std::max(left, 0.0) / all.samples;

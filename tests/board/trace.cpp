@@ -1,7 +1,6 @@
 // Runs of all rig kinds through the control loop and the simulated rig, without files, heap or operating system, and a
 // hash of every record: the same on a Cortex-M7 as on a PC. There it also says what a period costs, in instructions.
 #include <optional>
-#include <utility>
 
 #include "hal/simulated/rig.hpp"
 #include "model/road_filter.hpp"
@@ -67,38 +66,25 @@ class Plant final : public hal::simulated::Plant {
   Model::State state_;
 };
 
-template <class T>
-class Place {  // static storage, filled when it is its turn
- public:
-  template <class... Arguments>
-  T& make(Arguments&&... arguments) {
-    return value_.emplace(std::forward<Arguments>(arguments)...);
-  }
-
- private:
-  std::optional<T> value_;
-};
-
-Place<Plant> plants;
-Place<Road> roads;
-Place<hal::simulated::Rig> rigs;
-Place<firmware::ControlLoop> loops;
-
 void ride(model::RigKind kind) {
   board::paint_stack();
+  static std::optional<Plant> plant;
+  static std::optional<Road> road;
+  static std::optional<hal::simulated::Rig> rig;
+  static std::optional<firmware::ControlLoop> loop;
   const auto parameters = board::paper_rig(kind);
   hal::simulated::Construction construction;
   construction.period = hal::milliseconds(1);
   construction.ducts = 6;
   board::fit_sensors(kind, [&](model::Channel c) { construction.sensors[model::index(c)].fitted = true; });
-  hal::simulated::Rig& rig = rigs.make(plants.make(parameters), construction);
+  rig.emplace(plant.emplace(parameters), construction);
   static firmware::JournalStorage<2> storage;
   firmware::Journal journal(storage);
   firmware::Settings settings;
   settings.limits.speed = 5.0;
-  auto& loop = loops.make(settings, parameters, rig.roles(), roads.make(), board::valves, journal);
+  loop.emplace(settings, parameters, rig->roles(), road.emplace(), board::valves, journal);
   const unsigned long deepest = board::deepest_stack();
-  board::run(model::name(kind), loop, journal, rig.roles().clock, deepest);
+  board::run(model::name(kind), *loop, journal, rig->roles().clock, deepest);
 }
 
 }  // namespace

@@ -221,7 +221,7 @@ TEST(BoundedStep, IsTheMinimumInsideTheBounds) {
     a << noise(), noise(), noise(), noise();
     const Eigen::Matrix2d h = a.transpose() * a + 0.01 * Eigen::Matrix2d::Identity();
     const Eigen::Vector2d g(noise(), noise()), lower(-0.5, -0.3), upper(0.4, 0.6);
-    const Eigen::VectorXd d = diagnose::bounded_step(h, g, lower, upper);
+    const Eigen::VectorXd d = diagnose::bounded_step(h, g, {lower, upper});
     const auto cost = [&](const Eigen::Vector2d& v) { return 0.5 * v.dot(h * v) + g.dot(v); };
     ASSERT_TRUE((d.array() >= lower.array() - 1e-12).all() && (d.array() <= upper.array() + 1e-12).all());
     for (int i = 0; i <= 40; ++i) {
