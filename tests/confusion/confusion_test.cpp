@@ -108,7 +108,7 @@ TEST(Confusion, IsMadeOfFiveParts) {
       kinds.insert(asked.group.substr(after, asked.group.find(':', after) - after));
     }
     together += some.size();
-    EXPECT_EQ(categories.size(), 4U) << part;
+    EXPECT_EQ(categories.size(), 5U) << part;
     EXPECT_EQ(kinds.size(), 3U) << part;
   }
   EXPECT_EQ(together, all.size());

@@ -50,7 +50,8 @@ struct Outcome {
   /// A name above 0.5 that is not in the rig.
   [[nodiscard]] bool wrong_name() const;
   [[nodiscard]] bool flagged() const { return verdict == "unexplained" || unexplained; }
-  /// single, pair: exact, verdict named or ambiguous. none: no_discrepancy. unknown: flagged, and no wrong name.
+  /// single, pair, triple: exact, verdict named or ambiguous. none: no_discrepancy. unknown: flagged, and no wrong
+  /// name.
   [[nodiscard]] bool right() const;
 };
 

@@ -1,16 +1,19 @@
 #include "tests/confusion/plan.hpp"
 
+#include <map>
+
 #include "tests/truth/truth.hpp"
 
 namespace confusion {
 
 std::vector<Asked> plan(std::uint64_t first_seed) {
-  constexpr std::uint64_t seeds_of_pairs = 12, seeds_of_none = 10;
+  const std::map<std::string, std::uint64_t> seeds{{"pair", 12}, {"triple", 4}, {"none", 10}};
   std::vector<Asked> all;
   for (const std::string& group : truth::groups()) {
     const std::string what = Asked{group}.what();
-    const std::uint64_t seeds = what == "pair" ? seeds_of_pairs : (what == "none" ? seeds_of_none : 1);
-    for (std::uint64_t k = 0; k < seeds; ++k) all.push_back({group, first_seed + k});
+    const auto several = seeds.find(what);
+    const std::uint64_t count = several == seeds.end() ? 1 : several->second;
+    for (std::uint64_t k = 0; k < count; ++k) all.push_back({group, first_seed + k});
   }
   return all;
 }

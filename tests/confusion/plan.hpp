@@ -13,12 +13,12 @@ struct Asked {
   std::uint64_t seed = 1;
 
   [[nodiscard]] std::string id() const { return group + ":" + std::to_string(seed); }
-  /// "single", "pair", "none", "unknown"
+  /// "single", "pair", "triple", "none", "unknown"
   [[nodiscard]] std::string what() const { return group.substr(0, group.find(':')); }
 };
 
-/// All groups with the first seed; pairs with 12 seeds and rigs without any effect with 10 of each kind, one after the
-/// other from the first on: 200 recordings.
+/// All groups with the first seed; of each kind of rig pairs with 12 seeds, triples with 4 and rigs without any effect
+/// with 10, one after the other from the first on: 235 recordings.
 [[nodiscard]] std::vector<Asked> plan(std::uint64_t first_seed);
 
 /// Those whose id hashes (FNV-1a) to part − 1 modulo `parts`: a part stays what it is when groups are added.

@@ -43,17 +43,15 @@ nlohmann::ordered_json to_json(const Share& share) { return {{"count", share.cou
 
 Table table_of(const std::vector<Outcome>& outcomes) {
   Table table;
-  for (const char* what : {"single", "pair", "none", "unknown"}) table.right[what];
+  for (const char* what : {"single", "pair", "triple", "none", "unknown"}) table.right[what];
   std::vector<double> errors, tolerated_errors, walls;
   for (const Outcome& o : outcomes) {
     const std::string what = o.asked.what();
-    const bool right = o.right(), in_catalogue = what == "single" || what == "pair";
+    const bool right = o.right(), in_catalogue = what != "none" && what != "unknown";
     table.right[what].add(right);
     if (what == "single") table.singles_found.add(o.effects_found() > 0);
-    if (what == "pair") {
-      table.pair_effects_found.count += o.effects_found();
-      table.pair_effects_found.of += o.effects_hidden;
-    }
+    if (what == "pair") table.pair_effects_found.add(o.effects_found(), o.effects_hidden);
+    if (what == "triple") table.triple_effects_found.add(o.effects_found(), o.effects_hidden);
     if (in_catalogue) table.ambiguous.add(o.verdict == "ambiguous");
     if (what == "none") table.false_alarm.add(!right);
     if (what == "unknown") {
@@ -94,7 +92,9 @@ std::string text(const Table& t, const std::vector<Outcome>& outcomes) {
   out += share_line("  named, alone or with others", t.singles_found, "");
   out += share_line("pairs: both named right, and nothing else", t.right.at("pair"), "to reach 97 %");
   out += share_line("  effects of pairs named", t.pair_effects_found, "");
-  out += share_line("verdicts ambiguous, of singles and pairs", t.ambiguous, "");
+  out += share_line("triples: all named right, and nothing else", t.right.at("triple"), "");
+  out += share_line("  effects of triples named", t.triple_effects_found, "");
+  out += share_line("verdicts ambiguous, of those three", t.ambiguous, "");
   out += share_line("false alarms where nothing is", t.false_alarm, "at most 1 %");
   out += share_line("outside the catalogue: flagged", t.unknown_flagged, "to reach 97 %");
   out += share_line("  a name above 0.5 all the same", t.unknown_named, "none");
@@ -157,6 +157,7 @@ nlohmann::ordered_json to_json(const Table& t) {
   for (const auto& [what, share] : t.right) json["right"][what] = to_json(share);
   json["singles_found"] = to_json(t.singles_found);
   json["pair_effects_found"] = to_json(t.pair_effects_found);
+  json["triple_effects_found"] = to_json(t.triple_effects_found);
   json["ambiguous"] = to_json(t.ambiguous);
   json["false_alarm"] = to_json(t.false_alarm);
   json["unknown_flagged"] = to_json(t.unknown_flagged);

@@ -57,6 +57,7 @@ void put(Truth& truth, const std::vector<Hidden>& all, const std::map<std::strin
   truth.unknown.clear();
   truth.unknown_channel.clear();
   truth.unknown_parameters.clear();
+  const double whole = truth.records.front().warm + truth.records.front().duration;
   for (const Hidden& hidden : all) {
     std::map<std::string, double> p = hidden.drawn;
     const std::string& name = hidden.candidate.name;
@@ -71,9 +72,16 @@ void put(Truth& truth, const std::vector<Hidden>& all, const std::map<std::strin
       p["hum"] *= noise, p["hum_frequency"] = 50.0;
     else if (name == "quantisation")
       p["rounding"] *= noise;
-    else if (name == "gain_drift")
-      p["gain_drift"] /= truth.records.front().warm + truth.records.front().duration;
-    else if (name == "progressive_spring" || name == "progressive_tyre") {
+    else if (name == "spikes")
+      p["spikes"] *= noise;
+    else if (name == "gain_drift" || name == "clock_drift")
+      p[name] /= whole;
+    else if (name == "zero_drift")
+      p["zero_drift"] *= hidden.sign * noise / whole;
+    else if (name == "bent_sensor") {
+      const double size = rms.contains(hidden.channel) ? rms.at(hidden.channel) : 1e9;
+      p["bend"] *= hidden.sign / (size * size);
+    } else if (name == "progressive_spring" || name == "progressive_tyre") {
       // A softening spring must not turn negative within its travel.
       p["cubic_stiffness"] *= hidden.sign < 0.0 ? (name == "progressive_tyre" ? -0.1 : -0.2) : 1.0;
     } else if (name == "parasitic_mass") {
@@ -101,7 +109,8 @@ Record glance(Truth truth) {
   plan.warm = 0.0;
   truth.records = {plan};
   // What changes through the record shall change as far within the glance.
-  if (truth.unknown_parameters.contains("gain_drift")) truth.unknown_parameters["gain_drift"] *= whole / plan.duration;
+  for (auto& [key, value] : truth.unknown_parameters)
+    if (key.ends_with("_drift")) value *= whole / plan.duration;
   return simulate(truth, {5, false}).front();
 }
 
@@ -358,6 +367,7 @@ std::vector<std::string> groups() {
     for (const auto& [candidate, channel] : candidates_of(kind, false))
       all.push_back("single:" + name_of(kind) + ":" + candidate.name + (channel.empty() ? "" : ":" + channel));
   for (const Kind kind : kinds) all.push_back("pair:" + name_of(kind));
+  for (const Kind kind : kinds) all.push_back("triple:" + name_of(kind));
   for (const Kind kind : kinds) all.push_back("none:" + name_of(kind));
   for (const Kind kind : kinds) {
     std::string last;
@@ -378,8 +388,8 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   std::vector<std::string> parts = split(group);
   const std::string what = parts.front();
   parts.erase(parts.begin());
-  if (what != "single" && what != "pair" && what != "none" && what != "unknown")
-    throw std::invalid_argument("no such group: " + group);
+  const std::map<std::string, int> sizes{{"none", 0}, {"single", 1}, {"unknown", 1}, {"pair", 2}, {"triple", 3}};
+  if (!sizes.contains(what)) throw std::invalid_argument("no such group: " + group);
 
   std::vector<Kind> possible(kinds.begin(), kinds.end());
   for (const Kind kind : kinds)
@@ -403,17 +413,20 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   truth.kind = possible[static_cast<std::size_t>(random.below(static_cast<int>(possible.size())))];
   truth.fdva = name == "seal_friction" || random.chance(0.5);
   // fading or lopsided damping needs some
-  const auto needs_damping = [](const std::string& n) { return n == "fading_damping" || n == "asymmetric_damper"; };
+  const auto needs_damping = [](const std::string& n) {
+    return n == "fading_damping" || n == "asymmetric_damper" || n == "stroke_damping";
+  };
 
   // Which effects.
   std::vector<std::pair<Candidate, std::string>> chosen;
   const auto fit = fitting(truth.kind);
-  const int count = what == "none" ? 0 : (what == "pair" ? 2 : 1);
-  while (static_cast<int>(chosen.size()) < count) {
+  while (static_cast<int>(chosen.size()) < sizes.at(what)) {
     const auto& one = fit[static_cast<std::size_t>(random.below(static_cast<int>(fit.size())))];
     if (one.first.name == "seal_friction" && !truth.fdva) continue;
-    if (!chosen.empty() && !go_together({chosen[0].first, chosen[0].second, {}, 1.0}, {one.first, one.second, {}, 1.0}))
-      continue;
+    const bool fits = std::all_of(chosen.begin(), chosen.end(), [&one](const auto& other) {
+      return go_together({other.first, other.second, {}, 1.0}, {one.first, one.second, {}, 1.0});
+    });
+    if (!fits) continue;
     chosen.push_back(one);
   }
   double tyre_level = 0.0;

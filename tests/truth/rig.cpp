@@ -10,6 +10,7 @@ namespace {
 
 constexpr double gravity = 9.81;
 constexpr double pi = std::numbers::pi;
+constexpr double large_stroke = 20e-3;  // [m]
 
 double sign(double v) { return v > 0.0 ? 1.0 : (v < 0.0 ? -1.0 : 0.0); }
 
@@ -120,6 +121,14 @@ Numbers numbers_of(const Truth& truth) {
   n.parasite = outside("parasitic_mass");
   n.parasite_stiffness = outside("parasitic_stiffness");
   n.parasite_damping = outside("parasitic_damping");
+  n.leaf = outside("leaf_friction");
+  n.lopsided = outside("lopsided");
+  n.stroke_damping = outside("stroke_damping");
+  n.tyre_maxwell = outside("tyre_maxwell");
+  n.tyre_time = outside("tyre_time", 1.0);
+  n.imbalance = outside("imbalance");
+  n.imbalance_turn = 2.0 * pi * outside("imbalance_frequency");
+  n.machine_curve = outside("machine_curve");
   if (n.mount > 0.0 && n.gap > 0.0) throw std::invalid_argument("top_mount with backlash is not simulated");
   if (n.mount > 0.0 && n.coulomb > 0.0 && n.damping + n.quadratic <= 0.0)
     throw std::invalid_argument("top_mount with coulomb_friction needs some damping");
@@ -241,6 +250,11 @@ void Rig::machine(const State& s, double t, double u, double uv, double* positio
       uv = std::clamp(uv, -n_.machine_velocity, n_.machine_velocity);
     }
   }
+  if (n_.machine_curve > 0.0) {
+    const double share = n_.machine_curve * u * u / (large_stroke * large_stroke);
+    u *= 1.0 - share;
+    uv *= 1.0 - 3.0 * share;
+  }
   *position = u;
   *velocity = uv;
 }
@@ -264,6 +278,7 @@ Rig::Rates Rig::rates(const State& s, double t) const {
   const auto elastic = [&](double e) {
     double force = spring * e + branch * (e - s[y]);
     if (n_.cubic_spring != 0.0) force += n_.cubic_spring * e * e * e;
+    if (n_.lopsided > 0.0) force += n_.lopsided * spring * e * e / large_stroke;
     if (n_.bump > 0.0) force += n_.bump * std::max(0.0, std::abs(e) - n_.clearance) * sign(e);
     if (n_.maxwell > 0.0) force += n_.maxwell * (e - s[x]);
     return force;
@@ -300,10 +315,10 @@ Rig::Rates Rig::rates(const State& s, double t) const {
       ev = free ? 0.0 : ev;
     }
     force = elastic(e);
-    if (n_.asymmetry != 0.0)
-      force += damping * ev * (1.0 + n_.asymmetry * sign(ev));
-    else
-      force += damping * ev;
+    const double along_stroke = e * e / (large_stroke * large_stroke);
+    force += damping * ev * (1.0 + n_.asymmetry * sign(ev) + n_.stroke_damping * along_stroke);
+    constexpr double slow = 1e-3;  // [m/s] below it leaves creep
+    if (n_.leaf > 0.0) force += n_.leaf * spring * std::abs(e) * std::tanh(ev / slow);
     force += n_.quadratic * ev * std::abs(ev) + n_.cubic_damping * ev * ev * ev;
     if (n_.wen > 0.0) {
       force += n_.wen * s[wen];
@@ -348,6 +363,10 @@ Rig::Rates Rig::rates(const State& s, double t) const {
   // The tyre.
   const double tyre = input.position - s[zw];
   double load = n_.tyre * tyre + n_.tyre_damping * (input.velocity - s[vw]) + n_.tyre_cubic * tyre * tyre * tyre;
+  if (n_.tyre_maxwell > 0.0) {
+    load += n_.tyre_maxwell * (tyre - s[tyre_x]);
+    r.rate[tyre_x] = (tyre - s[tyre_x]) / n_.tyre_time;
+  }
   if (n_.lift_off) load = std::max(load, -(n_.body + n_.wheel) * gravity);
   r.wheel_load = load;
 
@@ -370,7 +389,7 @@ Rig::Rates Rig::rates(const State& s, double t) const {
   }
   const double dash = n_.virtual_damping * (s[vw] - s[vb]);
   double on_body = felt + dash - n_.body_damping * s[vb];
-  double on_wheel = load - felt - dash - n_.wheel_damping * s[vw];
+  double on_wheel = load - felt - dash - n_.wheel_damping * s[vw] + n_.imbalance * std::sin(n_.imbalance_turn * t);
 
   // Friction: sliding ones are known, stuck ones are what keeps the slip velocity at zero.
   const bool b_stuck = has(body_guide) && m_.slip[body_guide] == 0;

@@ -27,6 +27,10 @@ struct Numbers {
   double static_friction = 0, stribeck_velocity = 1;  ///< above `coulomb`, decaying with velocity
   double cubic_damping = 0, asymmetry = 0;
   double parasite = 0, parasite_stiffness = 0, parasite_damping = 0;
+  double leaf = 0, lopsided = 0, stroke_damping = 0;  ///< relative; the last two at a deflection of 20 mm
+  double tyre_maxwell = 0, tyre_time = 1;
+  double imbalance = 0, imbalance_turn = 0;
+  double machine_curve = 0;  ///< relative, at a stroke of 20 mm
 };
 
 [[nodiscard]] Numbers numbers_of(const Truth& truth);
@@ -37,7 +41,25 @@ struct Numbers {
 /// step.
 class Rig {
  public:
-  enum Index : std::size_t { zw, vw, zb, vb, y, vy, d, x, lag, res, vres, lagged_force, up, vp, wen, state_count };
+  enum Index : std::size_t {
+    zw,
+    vw,
+    zb,
+    vb,
+    y,
+    vy,
+    d,
+    x,
+    lag,
+    res,
+    vres,
+    lagged_force,
+    up,
+    vp,
+    wen,
+    tyre_x,
+    state_count
+  };
   using State = std::array<double, state_count>;
 
   /// `force_sensor` is F's in a hil rig, where what it says goes back into the car; else nullptr.

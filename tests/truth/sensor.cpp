@@ -4,6 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "tests/truth/random.hpp"
+
 namespace truth {
 namespace {
 
@@ -37,11 +39,50 @@ Sensor::Sensor(const Truth& truth, const std::string& channel, std::vector<doubl
     jitter_turn_ = 2.0 * std::numbers::pi * of(truth.unknown_parameters, "jitter_frequency");
     delay_ = std::max(delay_, jitter_);
     rounding_ = of(truth.unknown_parameters, "rounding");
+    zero_drift_ = of(truth.unknown_parameters, "zero_drift");
+    clock_drift_ = of(truth.unknown_parameters, "clock_drift");
+    delay_ = std::max(delay_, clock_drift_);
+    bend_ = of(truth.unknown_parameters, "bend");
+    turn_ = 2.0 * std::numbers::pi * of(truth.unknown_parameters, "sensor_frequency");
+    ratio_ = of(truth.unknown_parameters, "sensor_ratio");
+    Random when(11);
+    constexpr double seldom = 1.0 / 300.0;
+    const double spike = of(truth.unknown_parameters, "spikes");
+    if (spike > 0.0)
+      for (double& n : noise_)
+        if (when.chance(seldom)) n += spike * when.sign();
   }
   next_renewal_ = -phase * hold_;
 }
 
+double Sensor::resonated(double value) {
+  // ÿ/ω² + 2ζẏ/ω + y = u, u linear from one node to the next: Runge–Kutta, (ω h)⁵ is 1e-7 and less.
+  if (history_.empty()) {
+    resonating_ = pushed_ = value;
+    return value;
+  }
+  const auto bend = [this](double y, double rate, double u) {
+    return turn_ * turn_ * (u - y) - 2.0 * ratio_ * turn_ * rate;
+  };
+  const double h = node_;
+  const double y = resonating_;
+  const double v = resonating_rate_;
+  const double middle = 0.5 * (pushed_ + value);
+  const double a1 = bend(y, v, pushed_);
+  const double v2 = v + 0.5 * h * a1;
+  const double a2 = bend(y + 0.5 * h * v, v2, middle);
+  const double v3 = v + 0.5 * h * a2;
+  const double a3 = bend(y + 0.5 * h * v2, v3, middle);
+  const double v4 = v + h * a3;
+  const double a4 = bend(y + h * v3, v4, value);
+  resonating_ += h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
+  resonating_rate_ += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+  pushed_ = value;
+  return resonating_;
+}
+
 void Sensor::push(double value) {
+  if (turn_ > 0.0) value = resonated(value);
   if (lag_ > 0.0) {
     // T ẏ + y = u, u linear from one node to the next: exact; the noise of the step just gone is constant.
     const double noise = lag_takes_noise_ && !history_.empty() ? noise_at(history_.size() - 1) : 0.0;
@@ -83,7 +124,9 @@ double Sensor::at(double place) const {
 double Sensor::shown(double now) const {
   if (hold_ > 0.0) return held_;
   if (history_.empty()) return 0.0;
-  const double late = jitter_ > 0.0 ? 0.5 * delay_ * (1.0 + std::sin(jitter_turn_ * now * node_)) : delay_;
+  double late = delay_;
+  if (jitter_ > 0.0) late *= 0.5 * (1.0 + std::sin(jitter_turn_ * now * node_));
+  if (clock_drift_ > 0.0) late = clock_drift_ * now * node_;
   return at(now - late / node_);
 }
 

@@ -8,8 +8,8 @@
 namespace truth {
 
 /// What lies between a true value and the recording, for one channel:
-///   gain, offset (and drift, hum, slow parts outside the catalogue) → noise → lag → delay → hold → saturation →
-///   rounding
+///   gain, offset (outside the catalogue: drifts, bend, hum) → noise (and spikes) → lag → (resonance) → delay → hold →
+///   saturation → (rounding)
 ///
 /// Fed at every node of the fine grid. Noise is drawn once a sample and held for it: signal plus noise is known at all
 /// times.
@@ -19,14 +19,14 @@ class Sensor {
   /// run's begin.
   Sensor(const Truth& truth, const std::string& channel, std::vector<double> noise, double phase, int steps_per_sample);
 
-  /// Gain, offset, drift, hum: what acts before the noise. `time` since the run's begin [s].
+  /// Gain, offset, drifts, bend, hum: what acts before the noise. `time` since the run's begin [s].
   [[nodiscard]] double before_noise(double value, double time) const {
-    double result = (gain_ + drift_ * time) * value + offset_;
+    double result = (gain_ + drift_ * time + bend_ * value * value) * value + offset_ + zero_drift_ * time;
     if (hum_ != 0.0) result += hum_ * std::sin(hum_turn_ * time);
     return result;
   }
   [[nodiscard]] double noise_at(std::size_t node) const { return noise_[node / steps_]; }
-  [[nodiscard]] bool remembers() const { return delay_ > 0.0 || hold_ > 0.0; }
+  [[nodiscard]] bool remembers() const { return delay_ > 0.0 || hold_ > 0.0 || turn_ > 0.0; }
   [[nodiscard]] bool lags() const { return lag_ > 0.0; }
   [[nodiscard]] double lag() const { return lag_; }
   [[nodiscard]] bool lag_takes_noise() const { return lag_takes_noise_; }
@@ -51,13 +51,17 @@ class Sensor {
   [[nodiscard]] double limited(double value) const;
 
  private:
-  [[nodiscard]] double at(double place) const;  ///< after lag, before delay; place counted in nodes
+  [[nodiscard]] double at(double place) const;   ///< after lag, before delay; place counted in nodes
+  [[nodiscard]] double resonated(double value);  ///< the next node through the resonance
 
   std::size_t steps_;
   double node_;  ///< time between nodes [s]
   double gain_ = 1.0, offset_ = 0.0, drift_ = 0.0, hum_ = 0.0, hum_turn_ = 0.0;
   double lag_ = 0.0, delay_ = 0.0, jitter_ = 0.0, jitter_turn_ = 0.0, hold_ = 0.0, next_renewal_ = 0.0, held_ = 0.0;
   double limit_ = 0.0, rounding_ = 0.0;
+  double zero_drift_ = 0.0, clock_drift_ = 0.0, bend_ = 0.0;
+  double turn_ = 0.0, ratio_ = 0.0;  ///< of a resonance: ω, ζ
+  double resonating_ = 0.0, resonating_rate_ = 0.0, pushed_ = 0.0;
   bool lag_takes_noise_;
   std::vector<double> noise_;
   std::vector<double> history_;  ///< without noise, unless the lag takes it

@@ -344,6 +344,100 @@ TEST(TruthSimulation, HasSharpLawsInTheComponent) {
         [&](double x, double v) { return std::clamp(plain(x, v), -200.0, 200.0); });
 }
 
+// Point. Laws outside the catalogue by hand, at 20 mm as they are drawn; and what drifts, bends and jumps in a sensor.
+TEST(TruthSimulation, HasTheLawsOutsideTheCatalogue) {
+  constexpr double stroke = 20e-3;
+  const auto bench_outside = [](const std::map<std::string, double>& parameters, const char* channel = "") {
+    Truth t = bench_with({});
+    t.effects.clear();
+    t.unknown = "something";
+    t.unknown_channel = channel;
+    t.unknown_parameters = parameters;
+    return t;
+  };
+  const auto check = [&](const Truth& t, auto law) {
+    const Signal signal(t.records[0], true);
+    const std::vector<double> force = truth::simulate(t)[0].channels["F"];
+    for (std::size_t i = 10; i < force.size(); ++i) {
+      const double time = static_cast<double>(i) * 1e-3;
+      const Motion m = signal.at(time);
+      ASSERT_NEAR(force[i], law(m.position, m.velocity, time), 1e-7) << t.unknown_parameters.begin()->first << " " << i;
+    }
+  };
+  const auto plain = [](double x, double v) { return 31500.0 * x + 1140.0 * v; };
+  check(bench_outside({{"leaf_friction", 0.1}}),
+        [&](double x, double v, double) { return plain(x, v) + 0.1 * 31500.0 * std::abs(x) * std::tanh(v / 1e-3); });
+  check(bench_outside({{"lopsided", 0.2}}),
+        [&](double x, double v, double) { return plain(x, v) + 0.2 * 31500.0 * x * x / stroke; });
+  check(bench_outside({{"stroke_damping", 2.0}}),
+        [&](double x, double v, double) { return plain(x, v) + 2.0 * 1140.0 * v * x * x / (stroke * stroke); });
+  check(bench_outside({{"machine_curve", 0.1}}), [&](double x, double v, double) {
+    const double share = 0.1 * x * x / (stroke * stroke);
+    return plain(x * (1.0 - share), v * (1.0 - 3.0 * share));
+  });
+  check(bench_outside({{"zero_drift", 3.0}}, "F"), [&](double x, double v, double t) { return plain(x, v) + 3.0 * t; });
+  check(bench_outside({{"bend", 1e-8}}, "F"),
+        [&](double x, double v, double) { return plain(x, v) * (1.0 + 1e-8 * plain(x, v) * plain(x, v)); });
+
+  const Truth late = bench_outside({{"clock_drift", 2e-3}}, "x_act");
+  const std::vector<double> position = truth::simulate(late)[0].channels["x_act"];
+  const Signal signal(late.records[0], true);
+  for (std::size_t i = 10; i < position.size(); ++i) {
+    ASSERT_NEAR(position[i], signal.at(static_cast<double>(i) * 1e-3 * (1.0 - 2e-3)).position, 1e-10) << i;
+  }
+  const std::vector<double> spiky = truth::simulate(bench_outside({{"spikes", 1.0}}, "F"))[0].channels["F"];
+  const std::vector<double> smooth = truth::simulate(bench_outside({{"spikes", 0.0}}, "F"))[0].channels["F"];
+  int spikes = 0;
+  for (std::size_t i = 0; i < spiky.size(); ++i) {
+    const double off = std::abs(spiky[i] - smooth[i]);
+    if (off == 0.0) continue;
+    ++spikes;
+    ASSERT_NEAR(off, 1.0, 1e-9);
+  }
+  EXPECT_NEAR(spikes, 10, 10);  // one in 300, three standard deviations
+  EXPECT_GT(spikes, 0);
+}
+
+// Point. A sensor that resonates answers a sine with 1/(1 − r² + 2iζr), r = f/f₀; after 2 s transients are e^{−ζω·2}
+// < 1e-7.
+TEST(TruthSimulation, ResonatesInASensor) {
+  Truth t;
+  t.unknown = "a sensor on a bracket that resonates";
+  t.unknown_channel = "F";
+  t.unknown_parameters = {{"sensor_frequency", 60.0}, {"sensor_ratio", 0.05}};
+  truth::Sensor sensor(t, "F", std::vector<double>(5000), 0.0, 20);
+  const double omega = 2.0 * pi * 25.0;
+  Complex answer;
+  for (int node = 0; node < 80000; ++node) {
+    sensor.push(std::sin(omega * node * fine));
+    if (node >= 40000)
+      answer += 2.0 / 40000.0 * std::polar(1.0, -omega * node * fine) * Complex{0.0, 1.0} * sensor.newest();
+  }
+  const double r = 25.0 / 60.0;
+  EXPECT_LT(std::abs(answer * Complex{1.0 - r * r, 2.0 * 0.05 * r} - 1.0), 1e-4);  // u linear: (ωh)²/12 = 5e-6
+}
+
+// Point. An imbalance is a force on the wheel, a relaxing tyre a spring more at once and none in the end: the wheel's
+// load at rest and after a step of the road held still.
+TEST(TruthRig, HasAPeriodicForceAndARelaxingTyre) {
+  Numbers n = paper_car();
+  n.imbalance = 40.0;
+  n.imbalance_turn = 2.0 * pi * 12.0;
+  const Signal still = silence();
+  Rig shaken(n, still, fine, 1.0, nullptr);
+  for (int i = 0; i < 20; ++i) shaken.step();
+  EXPECT_NEAR(shaken.values().zdd_w * n.wheel, 40.0 * std::sin(n.imbalance_turn * 1e-3), 0.05);  // + forces of 1 µm
+
+  Numbers tyre = paper_car();
+  tyre.tyre_maxwell = 3e4;
+  tyre.tyre_time = 10e-3;
+  Rig relaxing(tyre, still, fine, 1.0, nullptr);
+  relaxing.state()[Rig::zw] = -1e-3;
+  EXPECT_NEAR(relaxing.values().wheel_load, (tyre.tyre + 3e4) * 1e-3, 1e-9);
+  relaxing.state()[Rig::tyre_x] = 1e-3;
+  EXPECT_NEAR(relaxing.values().wheel_load, tyre.tyre * 1e-3, 1e-9);
+}
+
 // Point. A held channel repeats itself and holds its noise too: with a period of 5 ms one sample in five is new.
 TEST(TruthSimulation, HoldsSignalAndNoise) {
   Truth t = bench_with({"sensor_hold", "F", {{"period", 5e-3}}});
@@ -387,7 +481,8 @@ TEST(TruthSimulation, IsFineEnoughForCornersAndEvents) {
         "single:quarter_car:tyre_lift_off", "single:quarter_car:bump_stop", "single:quarter_car:top_mount",
         "single:quarter_car:sensor_hold:zdd_r", "single:hil:coulomb_friction", "single:hil:actuator_rate_limit",
         "single:hil:sensor_hold:F", "single:hil:sensor_lag:F", "single:hil:actuator_delay",
-        "single:component_bench:actuator_rate_limit", "unknown:quarter_car:stribeck_friction"}) {
+        "single:component_bench:actuator_rate_limit", "unknown:quarter_car:stribeck_friction",
+        "unknown:quarter_car:leaf_friction", "unknown:component_bench:sensor_resonance"}) {
     Truth t = truth::draw(group, 5);
     t.records.resize(1);
     t.records[0].duration = 3.0;
