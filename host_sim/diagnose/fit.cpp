@@ -6,18 +6,17 @@
 #include <limits>
 
 #include "host_sim/diagnose/parallel.hpp"
-#include "host_sim/diagnose/readings.hpp"
 
 namespace host_sim::diagnose {
 
-Prediction predict(const Case& all, const Hypothesis& hypothesis) {
+Prediction predict(const Case& all, const Hypothesis& hypothesis, Steps steps) {
   Prediction prediction;
   for (std::size_t i = 0; i < all.fitted.size(); ++i) {
     const std::size_t r = all.fitted[i];
     const Evidence& e = all.evidence[r];
     const Whitening& whitening = all.fit[i];
     auto truth = std::make_shared<const Response>(
-        true_channels(hypothesis.rig, e, e.drive, hypothesis.starts[r], whitening.window().to));
+        true_channels(hypothesis.rig, e, e.drive, hypothesis.starts[r], whitening.window().to, steps));
     Spectra seen;
     for (std::size_t c = 0; c < e.channels.size(); ++c) {
       const auto& values = (*truth)[index(e.channels[c])];
@@ -146,8 +145,9 @@ Hypothesis moved(const Hypothesis& from, const Unknown& unknown, double u) {
   return hypothesis;
 }
 
-/// Column of J by a one-sided difference.
-Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Unknown& unknown) {
+/// Column of J by a one-sided difference from `whole`, the residuals with whole steps, or, for what a sensor does, from
+/// those of the fit.
+Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Eigen::VectorXd& whole, const Unknown& unknown) {
   const double u = unknown.get(at.hypothesis);
   double step = u + unknown.step > unknown.upper ? -unknown.step : unknown.step;
   Hypothesis other = moved(at.hypothesis, unknown, u + step);
@@ -155,16 +155,20 @@ Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Unknown& unknown)
     step = -step;
     other = moved(at.hypothesis, unknown, u + step);
   }
-  const Prediction prediction =
-      unknown.sensor ? predict_sensor(all, other, at.prediction, *unknown.sensor) : predict(all, other);
-  return (residuals(all, prediction) - at.residual) / step;
+  if (unknown.sensor) {
+    return (residuals(all, predict_sensor(all, other, at.prediction, *unknown.sensor)) - at.residual) / step;
+  }
+  return (residuals(all, predict(all, other, Steps::whole)) - whole) / step;
 }
 
 /// Columns of J from `first` on.
 void find_slopes(const Case& all, Fit& at, Eigen::Index first) {
+  const bool corners = has_corners(at.hypothesis.rig);
+  const Eigen::VectorXd whole = corners ? residuals(all, predict(all, at.hypothesis, Steps::whole)) : at.residual;
+  if (corners) ++at.simulations;
   for_all(at.unknowns.size() - static_cast<std::size_t>(first), [&](std::size_t i) {
     const std::size_t column = i + static_cast<std::size_t>(first);
-    at.slope.col(static_cast<Eigen::Index>(column)) = slope_of(all, at, at.unknowns[column]);
+    at.slope.col(static_cast<Eigen::Index>(column)) = slope_of(all, at, whole, at.unknowns[column]);
   });
   for (auto i = static_cast<std::size_t>(first); i < at.unknowns.size(); ++i) {
     at.simulations += at.unknowns[i].sensor ? 0 : 1;

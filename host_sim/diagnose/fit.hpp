@@ -8,6 +8,7 @@
 
 #include "host_sim/diagnose/evidence.hpp"
 #include "host_sim/diagnose/hypothesis.hpp"
+#include "host_sim/diagnose/readings.hpp"
 #include "host_sim/diagnose/whitening.hpp"
 
 namespace host_sim::diagnose {
@@ -26,7 +27,7 @@ struct Prediction {
   std::vector<std::shared_ptr<const Response>> truth;  ///< channels before their sensors
   std::vector<Spectra> seen;                           ///< of the readings
 };
-[[nodiscard]] Prediction predict(const Case& all, const Hypothesis& hypothesis);
+[[nodiscard]] Prediction predict(const Case& all, const Hypothesis& hypothesis, Steps steps = Steps::fine);
 
 /// The same where `hypothesis` differs from that of `base` by nothing but the sensor of one channel: no simulation.
 [[nodiscard]] Prediction predict_sensor(const Case& all, const Hypothesis& hypothesis, const Prediction& base,

@@ -29,10 +29,11 @@ bool has_corners(const Rig& rig) {
 }
 
 Response true_channels(const Rig& rig, const Evidence& evidence, const Drive& drive, const InitialState& start,
-                       std::size_t samples) {
+                       std::size_t samples, Steps steps) {
   Rig bare = rig;
   bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
-  const int parts = has_corners(bare) && !find_rig_fault(bare, drive.period / evidence.fine) ? evidence.fine : 1;
+  const bool finely = steps == Steps::fine && has_corners(bare) && !find_rig_fault(bare, drive.period / evidence.fine);
+  const int parts = finely ? evidence.fine : 1;
   Response response = host_sim::respond(bare, drive, start, samples, parts);
   if (evidence.explains(Channel::zdd_r)) {
     auto& acceleration = response[index(Channel::zdd_r)];

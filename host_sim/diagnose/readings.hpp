@@ -12,10 +12,15 @@ namespace host_sim::diagnose {
 /// limit.
 [[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
 
+/// With what steps a rig with corners is simulated: `Evidence::fine` a sample, or one, which is as good for a
+/// difference of two.
+enum class Steps : unsigned char { fine, whole };
+
 /// Channels of the evidence before their sensors: the rig's own answer, at full rate. `drive`: that of the evidence, or
 /// one that differs from it by noise.
 [[nodiscard]] Response true_channels(const model::RigParameters<double>& rig, const Evidence& evidence,
-                                     const Drive& drive, const InitialState& start, std::size_t samples = 0);
+                                     const Drive& drive, const InitialState& start, std::size_t samples = 0,
+                                     Steps steps = Steps::fine);
 
 /// Whether something acts between a channel and what is read of it.
 [[nodiscard]] bool has_sensor_effect(const model::RigParameters<double>& rig, model::Channel channel);
