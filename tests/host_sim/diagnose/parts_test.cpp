@@ -10,6 +10,7 @@
 #include "host_sim/diagnose/evidence.hpp"
 #include "host_sim/diagnose/fit.hpp"
 #include "host_sim/diagnose/foot_point.hpp"
+#include "host_sim/diagnose/golden_section.hpp"
 #include "host_sim/diagnose/readings.hpp"
 #include "host_sim/diagnose/virtual_car.hpp"
 #include "host_sim/diagnose/whitening.hpp"
@@ -210,6 +211,18 @@ TEST(Whitening, MakesKnownNoiseWhite) {
     const double n = static_cast<double>(r.size());
     EXPECT_NEAR(squares / n, 1.0, 5.0 * std::sqrt(2.0 / n)) << "seed 5, " << correlated;
     EXPECT_NEAR(across / (0.5 * n), 0.0, 5.0 / std::sqrt(0.5 * n)) << "seed 5, " << correlated;
+  }
+}
+
+// Law. n rounds of golden section leave 0.618ⁿ of the range around the lowest point, also where that is an end.
+TEST(GoldenSection, ClosesInOnTheLowestPoint) {
+  for (const double lowest : {-1.0, -0.37, 0.002, 0.61, 2.0}) {
+    const auto valley = [lowest](double x) { return std::abs(x - lowest) + 0.5; };
+    for (const int rounds : {0, 5, 30}) {
+      const diagnose::LowestPoint found = diagnose::golden_section(valley, -1.0, 2.0, rounds);
+      EXPECT_NEAR(found.at, lowest, 3.0 * std::pow(0.6180339887498949, rounds + 1) + 1e-9) << lowest << " " << rounds;
+      EXPECT_EQ(found.value, valley(found.at));
+    }
   }
 }
 
