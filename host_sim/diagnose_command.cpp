@@ -55,8 +55,9 @@ void print(const diagnose::Diagnosis& diagnosis, const fs::path& folder) {
     std::printf("   confidence %.3f\n", named.confidence);
     for (std::size_t a = 0; a < std::min<std::size_t>(2, named.alternatives.size()); ++a) {
       const auto& other = named.alternatives[a];
-      std::printf("    rather than %s: odds %.3g to 1%s%s\n", diagnose::words(other.effect).c_str(), other.odds_against,
-                  other.separate_by.empty() ? "" : "; told apart by ", other.separate_by.c_str());
+      std::printf("    rather than %s: odds %s%s%s\n", diagnose::words(other.effect).c_str(),
+                  diagnose::odds_text(other.odds_against).c_str(), other.separate_by.empty() ? "" : "; told apart by ",
+                  other.separate_by.c_str());
     }
   }
   if (!diagnosis.where.empty()) std::printf("where the disagreement lies\n");

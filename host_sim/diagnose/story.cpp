@@ -81,9 +81,7 @@ void add_effects(Report& page, const Diagnosis& diagnosis) {
     for (const Alternative& other : named.alternatives) {
       std::string rival = words(other.effect);
       if (!other.separate_by.empty()) rival += " – told apart by " + other.separate_by;
-      const double power = std::log10(other.odds_against);
-      rivals.rows.push_back({words(named.effect), rival,
-                             power > 6.0 ? "over a million to 1" : figure_text(other.odds_against, 3) + " to 1"});
+      rivals.rows.push_back({words(named.effect), rival, odds_text(other.odds_against)});
     }
   }
   page.add_table(found);
@@ -194,6 +192,8 @@ std::string words(const PlacedEffect& effect) {
   if (effect.channel) text += " of " + std::string(model::name(*effect.channel));
   return text;
 }
+
+std::string odds_text(double odds) { return odds > 1e6 ? "over a million to 1" : figure_text(odds, 3) + " to 1"; }
 
 std::string unit_of(const PlacedEffect& effect, std::size_t parameter) {
   const std::string_view unit = effect.entry->parameters[parameter].unit;

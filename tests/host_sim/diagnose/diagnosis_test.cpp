@@ -252,4 +252,10 @@ TEST(Diagnosis, NamesFrictionOfRealRigs) {
   }
 }
 
+// Point. Odds are said as far as anybody can know them.
+TEST(Story, SaysOddsAsFarAsTheyAreKnown) {
+  EXPECT_EQ(diagnose::odds_text(34.52), "34.5 to 1");
+  EXPECT_EQ(diagnose::odds_text(1e130), "over a million to 1");
+}
+
 }  // namespace
