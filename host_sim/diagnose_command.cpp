@@ -16,6 +16,7 @@
 #include "host_sim/progress.hpp"
 #include "host_sim/recording.hpp"
 #include "host_sim/recording_columns.hpp"
+#include "host_sim/spelling.hpp"
 
 namespace host_sim {
 namespace {

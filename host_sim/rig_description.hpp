@@ -84,6 +84,9 @@ struct ParameterPath {
 /// All real-valued parameters of a rig that stand in tables of their own (effects not included).
 [[nodiscard]] std::span<const ParameterPath> parameter_paths();
 
+/// Whether a rig has the part that a table describes.
+[[nodiscard]] bool has_part(const model::RigParameters<double>& rig, std::string_view table);
+
 /// The parameter "table.key" or "effects.name.key" of a rig, nullptr when there is none of that name or the rig does
 /// not have that part or effect.
 [[nodiscard]] double* find_parameter(model::RigParameters<double>& rig, std::string_view path);
@@ -98,8 +101,5 @@ struct ParameterPath {
 
 /// The same from text; `source` stands for the file in messages.
 [[nodiscard]] RigDescription parse_rig(std::string_view text, std::string_view source);
-
-/// The word of `known` that is nearest to `word` (fewest insertions, deletions and substitutions).
-[[nodiscard]] std::string_view nearest(std::string_view word, std::span<const std::string_view> known);
 
 }  // namespace host_sim

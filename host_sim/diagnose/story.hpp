@@ -13,7 +13,8 @@ namespace host_sim::diagnose {
 /// "sensor_lag of F", "coulomb_friction"
 [[nodiscard]] std::string words(const PlacedEffect& effect);
 
-/// "34.5 to 1", "over a million to 1": more nobody can know, since it takes the noise to be what it was estimated to be.
+/// "34.5 to 1", "over a million to 1": more nobody can know, since it takes the noise to be what it was estimated to
+/// be.
 [[nodiscard]] std::string odds_text(double odds);
 
 /// "a, b and c"

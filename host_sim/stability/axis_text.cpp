@@ -5,6 +5,7 @@
 
 #include "host_sim/input_error.hpp"
 #include "host_sim/rig_description.hpp"
+#include "host_sim/spelling.hpp"
 #include "host_sim/stability/boundary.hpp"
 #include "host_sim/stability/crossings.hpp"
 #include "host_sim/stability/sensitivity.hpp"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host_sim/input_error.hpp"
+#include "host_sim/spelling.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
 
