@@ -9,23 +9,33 @@
 
 namespace host_sim::diagnose {
 
+namespace {
+
+/// Of the fitted recording i.
+void predict_recording(const Case& all, const Hypothesis& hypothesis, std::size_t i, Steps steps,
+                       Prediction& prediction) {
+  const std::size_t r = all.fitted[i];
+  const Evidence& e = all.evidence[r];
+  const Whitening& whitening = all.fit[i];
+  auto truth = std::make_shared<const Response>(
+      true_channels(hypothesis.rig, e, e.drive, hypothesis.starts[r], whitening.window().to, steps));
+  Spectra seen;
+  for (std::size_t c = 0; c < e.channels.size(); ++c) {
+    const auto& values = (*truth)[index(e.channels[c])];
+    const bool affected = has_sensor_effect(hypothesis.rig, e.channels[c]);
+    seen.push_back(whitening.spectrum(e, c, affected ? readings(hypothesis, e, e.channels[c], values) : values));
+  }
+  prediction.truth[i] = std::move(truth);
+  prediction.seen[i] = std::move(seen);
+}
+
+}  // namespace
+
 Prediction predict(const Case& all, const Hypothesis& hypothesis, Steps steps) {
   Prediction prediction;
-  for (std::size_t i = 0; i < all.fitted.size(); ++i) {
-    const std::size_t r = all.fitted[i];
-    const Evidence& e = all.evidence[r];
-    const Whitening& whitening = all.fit[i];
-    auto truth = std::make_shared<const Response>(
-        true_channels(hypothesis.rig, e, e.drive, hypothesis.starts[r], whitening.window().to, steps));
-    Spectra seen;
-    for (std::size_t c = 0; c < e.channels.size(); ++c) {
-      const auto& values = (*truth)[index(e.channels[c])];
-      const bool affected = has_sensor_effect(hypothesis.rig, e.channels[c]);
-      seen.push_back(whitening.spectrum(e, c, affected ? readings(hypothesis, e, e.channels[c], values) : values));
-    }
-    prediction.truth.push_back(std::move(truth));
-    prediction.seen.push_back(std::move(seen));
-  }
+  prediction.truth.resize(all.fitted.size());
+  prediction.seen.resize(all.fitted.size());
+  for (std::size_t i = 0; i < all.fitted.size(); ++i) predict_recording(all, hypothesis, i, steps, prediction);
   return prediction;
 }
 
@@ -145,9 +155,14 @@ Hypothesis moved(const Hypothesis& from, const Unknown& unknown, double u) {
   return hypothesis;
 }
 
-/// Column of J by a one-sided difference from `whole`, the residuals with whole steps, or, for what a sensor does, from
-/// those of the fit.
-Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Eigen::VectorXd& whole, const Unknown& unknown) {
+/// What slopes are differences from: a fit's prediction, with whole steps.
+struct Base {
+  Prediction prediction;
+  Eigen::VectorXd residual;
+};
+
+/// Column of J by a one-sided difference.
+Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Base& base, const Unknown& unknown) {
   const double u = unknown.get(at.hypothesis);
   double step = u + unknown.step > unknown.upper ? -unknown.step : unknown.step;
   Hypothesis other = moved(at.hypothesis, unknown, u + step);
@@ -158,17 +173,27 @@ Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Eigen::VectorXd& 
   if (unknown.sensor) {
     return (residuals(all, predict_sensor(all, other, at.prediction, *unknown.sensor)) - at.residual) / step;
   }
-  return (residuals(all, predict(all, other, Steps::whole)) - whole) / step;
+  if (unknown.role == Unknown::Role::start) {  // which begins one recording only
+    Prediction prediction = base.prediction;
+    for (std::size_t i = 0; i < all.fitted.size(); ++i) {
+      if (all.fitted[i] == unknown.recording) predict_recording(all, other, i, Steps::whole, prediction);
+    }
+    return (residuals(all, prediction) - base.residual) / step;
+  }
+  return (residuals(all, predict(all, other, Steps::whole)) - base.residual) / step;
 }
 
 /// Columns of J from `first` on.
 void find_slopes(const Case& all, Fit& at, Eigen::Index first) {
-  const bool corners = has_corners(at.hypothesis.rig);
-  const Eigen::VectorXd whole = corners ? residuals(all, predict(all, at.hypothesis, Steps::whole)) : at.residual;
-  if (corners) ++at.simulations;
+  Base base{at.prediction, at.residual};
+  if (has_corners(at.hypothesis.rig)) {
+    base.prediction = predict(all, at.hypothesis, Steps::whole);
+    base.residual = residuals(all, base.prediction);
+    ++at.simulations;
+  }
   for_all(at.unknowns.size() - static_cast<std::size_t>(first), [&](std::size_t i) {
     const std::size_t column = i + static_cast<std::size_t>(first);
-    at.slope.col(static_cast<Eigen::Index>(column)) = slope_of(all, at, whole, at.unknowns[column]);
+    at.slope.col(static_cast<Eigen::Index>(column)) = slope_of(all, at, base, at.unknowns[column]);
   });
   for (auto i = static_cast<std::size_t>(first); i < at.unknowns.size(); ++i) {
     at.simulations += at.unknowns[i].sensor ? 0 : 1;

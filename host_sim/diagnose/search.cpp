@@ -330,8 +330,9 @@ bool is_worth(const Explanation& longer, const Explanation& shorter, const Price
 
 bool same_place(const PlacedEffect& a, const PlacedEffect& b) { return a.entry == b.entry && a.channel == b.channel; }
 
-/// Rivals, the nearest first, each fitted again beside the others as they are now.
-std::vector<Rival> rivals_of(const Search& search, const Explanation& best, std::size_t place,
+/// Rivals of an effect, the nearest first, each fitted again beside the others as they are now. `rest`: what is left
+/// without the effect.
+std::vector<Rival> rivals_of(const Search& search, const Explanation& best, const Explanation& rest, std::size_t place,
                              const std::vector<Explanation>& with_others, const Price& price) {
   std::vector<Rival> rivals;
   for (const Explanation& e : with_others) {
@@ -339,8 +340,11 @@ std::vector<Rival> rivals_of(const Search& search, const Explanation& best, std:
     rivals.push_back({e.effects.back(), e.cost(price), e.fit.hypothesis});
   }
   std::sort(rivals.begin(), rivals.end(), [](const Rival& a, const Rival& b) { return a.cost < b.cost; });
-  constexpr std::size_t near = 2;  // the others are further away than a few steps would bring them
+  constexpr std::size_t near = 2;   // the others are further away than a few steps would bring them
+  constexpr double explains = 0.3;  // and so is what explains less of what the effect does
+  const double far = rest.cost(price) - explains * (rest.cost(price) - best.cost(price));
   for_all(std::min(near, rivals.size()), [&](std::size_t r) {
+    if (rivals[r].cost > far) return;
     std::vector<PlacedEffect> effects = best.effects;
     effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(place));
     effects.push_back(rivals[r].effect);
@@ -386,7 +390,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
       search.simulations += on_part.simulations;
       search.tried += on_part.tried;
       for_all(list.size(), [&](std::size_t i) {
-        list[i] = search.fitted(list[i].fit.hypothesis, list[i].effects, i < price.beam ? 6 : 0);
+        list[i] = search.fitted(list[i].fit.hypothesis, list[i].effects, i < price.beam ? 6 : 0, base.fit.slope);
         lighten(list[i].fit);
       });
       std::sort(list.begin(), list.end(), cheaper);
@@ -439,7 +443,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
         lighten(alone[i].fit);
       });
     }
-    if (shorten && !search.leaves_noise(best)) {
+    if (shorten && has_corners(best.fit.hypothesis.rig) && !search.leaves_noise(best)) {
       search.regrow(best, shorten);
       beam.front() = best;
     }
@@ -473,7 +477,7 @@ Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& 
         break;
       }
       if (changed) break;
-      findings.rivals[i] = rivals_of(search, best, i, others, price);
+      findings.rivals[i] = rivals_of(search, best, rest, i, others, price);
       findings.gains[i] = rest.fit.chi_squared - best.fit.chi_squared;
     }
     if (!changed) break;
