@@ -5,26 +5,19 @@
 #include <cstdio>
 
 #include "host_sim/diagnose/carried_noise.hpp"
-#include "host_sim/diagnose/experiment.hpp"
 #include "host_sim/diagnose/foot_point.hpp"
 #include "host_sim/diagnose/intake.hpp"
 #include "host_sim/diagnose/parallel.hpp"
 #include "host_sim/diagnose/piece.hpp"
-#include "host_sim/diagnose/readings.hpp"
 #include "host_sim/diagnose/rest.hpp"
-#include "host_sim/diagnose/story.hpp"
+#include "host_sim/diagnose/second_look.hpp"
 #include "host_sim/diagnose/virtual_car.hpp"
 #include "host_sim/input_error.hpp"
-#include "host_sim/spectrum.hpp"
 
 namespace host_sim::diagnose {
 namespace {
 
 using model::Channel;
-
-/// Odds below which two explanations count as not told apart. (A simpler effect that is a limit of its rival wins by
-/// the price of a parameter, e^5.)
-constexpr double too_close = 20.0;
 
 std::vector<CarriedNoise> carried_noises(const std::vector<Evidence>& evidence, const Hypothesis& hypothesis) {
   std::vector<CarriedNoise> noises(evidence.size());
@@ -53,39 +46,6 @@ void whiten(Case& all, const std::vector<CarriedNoise>& noises) {
   }
 }
 
-/// Sums of squares over a window, clipped samples left out.
-struct Misfit {
-  double error = 0.0, data = 0.0;
-
-  void add(const Evidence& e, Channel channel, const Response& response, Window window) {
-    const auto c = index(channel);
-    window = e.known(channel, window);
-    for (std::size_t k = window.from; k < window.to; ++k) {
-      if (!e.clipped[c].empty() && e.clipped[c][k]) continue;
-      const double measured = e.recording[channel][k];
-      error += std::pow(response[c][k] - measured, 2);
-      data += measured * measured;
-    }
-  }
-};
-
-/// rms of the error ÷ rms of the channel over the fitted windows, root mean square over channels and recordings.
-double pooled_error(const Case& all, const Hypothesis& hypothesis) {
-  double sum = 0.0, terms = 0.0;
-  for (const std::size_t r : all.fitted) {
-    const Evidence& e = all.evidence[r];
-    const Response response = read_channels(hypothesis, e, e.drive, hypothesis.starts[r], e.fit.to);
-    for (const Channel channel : e.channels) {
-      Misfit misfit;
-      misfit.add(e, channel, response, e.fit);
-      if (!(misfit.data > 0.0)) continue;
-      sum += misfit.error / misfit.data;
-      terms += 1.0;
-    }
-  }
-  return terms > 0.0 ? std::sqrt(sum / terms) : 0.0;
-}
-
 /// The share of what was left over beyond noise that effects explain; χ² per residual, of so many residuals.
 double explained_share(double refit, double after, double count) {
   return 1.0 - std::max(after - 1.0, 0.0) / std::max(refit - 1.0, 1.0 / count);
@@ -93,201 +53,6 @@ double explained_share(double refit, double after, double count) {
 
 /// Below this share of the power explained, what is found is not the whole of it.
 constexpr double all_but_noise = 0.97;
-
-/// A rig that is not all in the catalogue: in units of noise, details of what cannot be explained outweigh the effects
-/// that matter. Looks again, with smaller steps; the case allows for an error of the model as large as `left`.
-Findings second_look(const Case& all, Findings found, double left, const std::function<Findings(const Price&)>& look,
-                     std::vector<std::string>& remarks) {
-  Price smaller;
-  smaller.later_share = 0.1;
-  smaller.beam = 1;
-  smaller.tried = 5;
-  smaller.compared = 3;
-  // Sensors last: several of them bend any channel into place, but what a rig does has one cause for all channels.
-  double least = 0.98 * left;
-  for (const bool sensors : {false, true}) {
-    smaller.sensors = sensors;
-    smaller.compare = !sensors;
-    Findings again = look(smaller);
-    double error = pooled_error(all, again.best.fit.hypothesis);
-    if (sensors && error < least) {
-      smaller.compare = true;
-      again = look(smaller);
-      error = pooled_error(all, again.best.fit.hypothesis);
-    }
-    again.simulations += found.simulations;
-    again.tried += found.tried;
-    if (error < least) {
-      found = std::move(again);
-      left = error;
-      least = 0.75 * error;
-      continue;
-    }
-    found.simulations = again.simulations;
-    found.tried = again.tried;
-    if (!sensors || error >= 0.98 * left) continue;
-    std::vector<std::string> names;
-    for (const PlacedEffect& effect : again.best.effects) names.push_back(words(effect));
-    char change[64];
-    std::snprintf(change, sizeof change, " would leave an error of %.3g %%, instead of %.3g %%", 100.0 * error,
-                  100.0 * left);
-    remarks.push_back(joined(names) + change + ": rivals of what is listed, which has fewer causes in sensors");
-  }
-  return found;
-}
-
-/// How likely it is that something which is not in the catalogue looks like an effect that gained so much of χ².
-///
-/// Were the law a neighbour of the effect's that shares all but q of its power, q gain of χ² would be left over, and be
-/// seen from `seen` on. Of rigs that have something to find so many have something that is not in the catalogue, and
-/// before anything is known its q is as likely to be around 0.001 as around 0.1 (uniform in log q, 0.001 … 1).
-double outside_chance(double gain, double seen) {
-  constexpr double outside = 0.2, closest = 1e-3;
-  return outside * std::clamp(std::log(seen / (std::max(gain, 1e-9) * closest)) / std::log(1.0 / closest), 0.0, 1.0);
-}
-
-/// rms of the error over the held-out windows, by channel, relative to the rms of the channel.
-std::map<Channel, double> errors(const Case& all, const Hypothesis& hypothesis) {
-  const auto responses = respond(all, hypothesis);
-  std::map<Channel, double> result;
-  for (const Channel channel : all.evidence.front().channels) {
-    Misfit misfit;
-    for (const std::size_t r : all.judged) misfit.add(all.evidence[r], channel, responses[r], all.evidence[r].judge);
-    result[channel] = misfit.data > 0.0 ? std::sqrt(misfit.error / misfit.data) : 0.0;
-  }
-  return result;
-}
-
-std::map<Channel, double> noise_floors(const Case& all, const std::vector<CarriedNoise>& noises) {
-  std::map<Channel, double> result;
-  for (const Channel channel : all.evidence.front().channels) {
-    const auto c = index(channel);
-    double noise = 0.0, data = 0.0;
-    for (const std::size_t r : all.judged) {
-      const Evidence& e = all.evidence[r];
-      const Window judge = e.known(channel, e.judge);
-      for (std::size_t k = judge.from; k < judge.to; ++k) data += std::pow(e.recording[channel][k], 2);
-      double variance = e.noise[c] * e.noise[c] + noises[r].variance[c];
-      // z_r alone does not tell of faster motion than this.
-      if (channel == Channel::zdd_r) {
-        variance += variance_above(acceleration_edge * e.acceleration_known, e.recording[channel], judge, e.noise[c],
-                                   e.drive.period);
-      }
-      noise += variance * static_cast<double>(judge.size());
-    }
-    result[channel] = data > 0.0 ? std::sqrt(noise / data) : 0.0;
-  }
-  return result;
-}
-
-/// 95 % of a fitted coordinate, widened by what the model leaves unexplained. Standard deviations: 1.96 for noise that
-/// is known; what carries it through the rig is itself known to some per cent only, which over the recordings of
-/// tests/confusion takes 1.2 times as much.
-Interval interval(const Unknown& unknown, double u, double variance, double temper) {
-  constexpr double deviations = 1.2 * 1.96;
-  const double half = deviations * std::sqrt(std::max(variance, 0.0) * temper);
-  const double low = std::max(u - half, unknown.lower), high = std::min(u + half, unknown.upper);
-  return {unknown.value(u), unknown.value(low), unknown.value(high)};
-}
-
-std::string subsystem_of(const PlacedEffect& effect) {
-  std::string place(model::name(effect.entry->place));
-  if (effect.channel) place += " " + std::string(model::name(*effect.channel));
-  return place;
-}
-
-/// Where a channel's disagreement sits when nothing is named for it.
-std::string subsystem_of(Channel channel, model::RigKind kind) {
-  if (kind == model::RigKind::component_bench) return channel == Channel::x_act ? "machine" : "suspension";
-  switch (channel) {
-    case Channel::F_w:
-    case Channel::dz_w:
-      return "tyre";
-    case Channel::zdd_w:
-    case Channel::z_w:
-      return "wheel";
-    default:
-      return "suspension";
-  }
-}
-
-std::vector<Place> places(const std::vector<BandPower>& left, const Findings& findings, const std::string& likely) {
-  std::vector<Place> result;
-  const auto excesses = channel_excesses(left);
-  double total = 0.0;
-  for (const ChannelExcess& e : excesses) total += e.excess;
-  for (const ChannelExcess& e : excesses) {
-    if (!(e.significance > significant) || !(e.excess > 0.005 * total)) continue;
-    std::string subsystem = subsystem_of(e.channel, findings.best.fit.hypothesis.rig.kind);
-    const PlacedEffect* named = nullptr;
-    for (const PlacedEffect& effect : findings.best.effects) {
-      if (effect.channel == e.channel) named = &effect;
-      if (!effect.channel && named == nullptr) named = &effect;
-    }
-    if (named != nullptr) {
-      subsystem = subsystem_of(*named);
-    } else if (!likely.empty()) {
-      subsystem = likely;
-    }
-    result.push_back({e.channel, e.lowest, e.highest, std::move(subsystem), e.excess / total});
-  }
-  std::sort(result.begin(), result.end(), [](const Place& a, const Place& b) { return a.share > b.share; });
-  return result;
-}
-
-std::vector<Overlay> overlays_of(const Case& all, const Hypothesis& given, const Hypothesis& refit,
-                                 const Hypothesis& after) {
-  const std::size_t r = all.judged.empty() ? all.fitted.front() : all.judged.front();
-  const Evidence& e = all.evidence[r];
-  const Window window = e.judge.size() > 0 ? e.judge : e.fit;
-  const auto respond_with = [&](const Hypothesis& h) { return read_channels(h, e, e.drive, h.starts[r], window.to); };
-  const Response before_response = respond_with(given), refit_response = respond_with(refit),
-                 after_response = respond_with(after);
-  const double rate = 1.0 / e.drive.period;
-  const auto segment = static_cast<std::size_t>(2.0 * rate), shown = static_cast<std::size_t>(1.5 * rate);
-  std::vector<Overlay> overlays;
-  for (const Channel channel : e.channels) {
-    const auto c = index(channel);
-    const auto& data = e.recording[channel];
-    Overlay overlay;
-    overlay.channel = channel;
-    const auto cut = [&](const std::vector<double>& values) {
-      return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(window.from),
-                                 values.begin() + static_cast<std::ptrdiff_t>(window.to));
-    };
-    const auto density = [&](std::vector<double> values) {
-      const PowerSpectrum spectrum = welch(values, rate, segment);
-      overlay.frequency = spectrum.frequency;
-      return spectrum.density;
-    };
-    const auto error = [&](const Response& response) {
-      std::vector<double> values = cut(data);
-      for (std::size_t k = 0; k < values.size(); ++k) values[k] -= response[c][window.from + k];
-      return density(std::move(values));
-    };
-    overlay.data = density(cut(data));
-    overlay.error_before = error(before_response);
-    overlay.error_refit = error(refit_response);
-    overlay.error_after = error(after_response);
-    std::size_t count = 0;
-    while (count < overlay.frequency.size() && overlay.frequency[count] <= Whitening::highest) ++count;
-    for (auto* values :
-         {&overlay.frequency, &overlay.data, &overlay.error_before, &overlay.error_refit, &overlay.error_after}) {
-      values->resize(count);
-      if (!values->empty()) values->erase(values->begin());  // no place for 0 Hz on a logarithmic axis
-    }
-    overlay.noise = 2.0 * e.noise[c] * e.noise[c] / rate;
-    const std::size_t from = window.from + (window.size() - std::min(shown, window.size())) / 2;
-    for (std::size_t k = from; k < std::min(from + shown, window.to); ++k) {
-      overlay.time.push_back(e.recording.time[k]);
-      overlay.measured.push_back(data[k]);
-      overlay.refit.push_back(refit_response[c][k]);
-      overlay.after.push_back(after_response[c][k]);
-    }
-    overlays.push_back(std::move(overlay));
-  }
-  return overlays;
-}
 
 /// Of a long recording the beginning is fitted and the end held out: minutes say what hours would, and fit into memory.
 std::vector<std::string> without_the_middle(std::vector<Record>& records) {
@@ -468,52 +233,16 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
       result.unexplained ? std::max((explained - all_but_noise) / (1.0 - all_but_noise), 0.5 * shrinks()) : 1.0;
   const double temper = std::max(1.0, fit.chi_squared / count);
 
-  const Eigen::MatrixXd covariance = fit.covariance();
-  std::size_t at = tolerated.size() + starts.size();
+  const Certainty certainty{worth, temper, seen_from(all, count)};
   for (std::size_t i = 0; i < tolerated.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    result.parameters[tolerated[i].path] =
-        interval(fit.unknowns[i], fit.unknowns[i].get(fit.hypothesis), covariance(k, k), temper);
+    result.parameters[tolerated[i].path] = interval(fit, i, temper);
   }
   const VirtualCar car_of_program = virtual_car(description, all.evidence);
   for (const auto& [path, car] : car_of_program.parameters) {
     result.parameters[path] = {car.value, car.value - 1.96 * car.error, car.value + 1.96 * car.error};
   }
-  // A rest in two bands of one channel: what must be left over to be seen.
-  const double per_band = 2.0 * count / static_cast<double>(noise_bands * all.evidence.front().channels.size());
-  const double seen = std::max(significant * std::sqrt(2.0 * per_band), loud_share * per_band);
-  bool close = false;
-  for (std::size_t i = 0; i < findings.best.effects.size(); ++i) {
-    NamedEffect named{findings.best.effects[i], {}, 0.0, {}};
-    const std::size_t unknown = effect_unknowns(named.effect).size();
-    for (std::size_t p = 0; p < unknown; ++p, ++at) {
-      const auto k = static_cast<Eigen::Index>(at);
-      named.parameters.push_back(
-          interval(fit.unknowns[at], fit.unknowns[at].get(fit.hypothesis), covariance(k, k), temper));
-    }
-    if (unknown == 0 && !named.effect.values.empty()) {
-      const HoldPeriod period = hold_period(all.evidence, *named.effect.channel).value();
-      named.parameters.push_back({period.value, period.value - period.half_width, period.value + period.half_width});
-    }
-    double against = 0.0;
-    for (const Rival& rival : findings.rivals[i]) {
-      const double apart = rival.cost - findings.best.cost(price);
-      const double odds = std::exp(std::min(apart / (2.0 * temper), 300.0));
-      against += 1.0 / odds;
-      if (named.alternatives.size() == 5) continue;
-      Alternative alternative{rival.effect, odds, {}};
-      if (odds < too_close) {
-        close = true;
-        alternative.separate_by = best_experiment(all, fit.hypothesis, rival.hypothesis);
-      }
-      named.alternatives.push_back(std::move(alternative));
-    }
-    // A hold is seen in the values themselves.
-    const bool certain = is_hold(*named.effect.entry);
-    const double known_law = certain ? 1.0 : 1.0 - outside_chance(findings.gains[i] / temper, seen);
-    named.confidence = 0.999 / (1.0 + against) * worth * known_law;
-    result.effects.push_back(std::move(named));
-  }
+  result.effects = named_effects(all, findings, price, certainty);
+  const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close_rival);
   // What the program itself computes is known without noise.
   for (const TyreEffect& tyre : car_of_program.effects) {
     NamedEffect named{tyre.effect, {}, 0.999, {}};
@@ -550,13 +279,7 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     for (Place& place : result.where) place.share *= other;
     result.where.push_back({Channel::F_w, 0.0, 0.5 / all.evidence.front().drive.period, "tyre", 1.0 - other});
   }
-  if (!all.judged.empty()) {
-    const auto before = errors(all, given), refit = errors(all, findings.nothing.fit.hypothesis),
-               after = errors(all, fit.hypothesis), floors = noise_floors(all, noises);
-    for (const auto& [channel, error] : before) {
-      result.gap[channel] = {error, refit.at(channel), after.at(channel), floors.at(channel)};
-    }
-  }
+  result.gap.merge(gaps(all, noises, given, findings.nothing.fit.hypothesis, fit.hypothesis));
   result.overlays = overlays_of(all, given, findings.nothing.fit.hypothesis, fit.hypothesis);
   const auto remarks = remarks_of(all, description);
   result.remarks.insert(result.remarks.begin(), shortened.begin(), shortened.end());

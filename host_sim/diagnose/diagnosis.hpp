@@ -8,9 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/diagnose/gap.hpp"
+#include "host_sim/diagnose/named_effect.hpp"
 #include "host_sim/diagnose/noise_bands.hpp"
+#include "host_sim/diagnose/overlay.hpp"
 #include "host_sim/diagnose/redundancy.hpp"
 #include "host_sim/diagnose/search.hpp"
+#include "host_sim/diagnose/where.hpp"
 #include "host_sim/recording.hpp"
 #include "host_sim/rig_description.hpp"
 
@@ -18,47 +22,6 @@ namespace host_sim::diagnose {
 
 enum class Verdict : unsigned char { no_discrepancy, named, ambiguous, unexplained };
 [[nodiscard]] std::string_view name(Verdict verdict);
-
-/// A value with the interval that holds the truth with 95 %.
-struct Interval {
-  double value, lower, upper;
-};
-
-/// An effect that could stand in another's place.
-struct Alternative {
-  PlacedEffect effect;
-  double odds_against;
-  std::string separate_by;  ///< the experiment, where the two are close
-};
-
-struct NamedEffect {
-  PlacedEffect effect;
-  std::vector<Interval> parameters;
-  double confidence;
-  std::vector<Alternative> alternatives;  ///< the nearest first
-};
-
-/// Where the power lies that refitted tolerances do not explain.
-struct Place {
-  model::Channel channel;
-  double lowest, highest;  ///< band [Hz]
-  std::string subsystem;
-  double share;
-};
-
-/// rms of the error ÷ rms of the channel, on data not used for choosing or fitting.
-struct Gap {
-  double before, refit, after, noise_floor;
-};
-
-/// A channel of the first recording held out (else fitted), for figures.
-struct Overlay {
-  model::Channel channel;
-  std::vector<double> time, measured, refit, after;                  ///< some seconds in the middle
-  std::vector<double> frequency;                                     ///< [Hz]
-  std::vector<double> data, error_before, error_refit, error_after;  ///< densities [unit²/Hz]
-  double noise;                                                      ///< density of the sensor's noise [unit²/Hz]
-};
 
 struct Diagnosis {
   Verdict verdict;
