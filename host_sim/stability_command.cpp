@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
+#include "host_sim/full_turn.hpp"
 #include "host_sim/input_error.hpp"
 #include "host_sim/output_file.hpp"
 #include "host_sim/progress.hpp"
@@ -18,8 +18,6 @@ namespace {
 
 using stability::Complex;
 using stability::StabilityAnalysis;
-
-constexpr double turn = 2.0 * std::numbers::pi;
 
 template <class... Values>
 std::string text(const char* format, Values... values) {
@@ -40,7 +38,7 @@ void print_roots(const StabilityAnalysis& a) {
   std::printf("roots right of Re = %.4g 1/s: %d, proven by the argument principle\n", a.roots.line, a.roots.count);
   std::printf("  %14s %14s %10s %10s\n", "Re [1/s]", "Im [1/s]", "f [Hz]", "damping");
   for (const Complex s : a.roots.roots) {
-    std::printf("  %14.7g %14.7g %10.4f %9.2f %%\n", s.real(), s.imag(), s.imag() / turn,
+    std::printf("  %14.7g %14.7g %10.4f %9.2f %%\n", s.real(), s.imag(), s.imag() / full_turn,
                 std::abs(s) > 0.0 ? -100.0 * s.real() / std::abs(s) : 0.0);
   }
 }
@@ -50,14 +48,14 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
   std::printf("border\n");
   if (m.critical_delay) {
     std::printf("  critical delay            %s at %.4g Hz, given %s\n",
-                text("%.6g ms", 1e3 * *m.critical_delay).c_str(), m.critical_omega / turn,
+                text("%.6g ms", 1e3 * *m.critical_delay).c_str(), m.critical_omega / full_turn,
                 text("%.6g ms", 1e3 * a.delay).c_str());
   } else {
     std::printf("  critical delay            none up to 1 s\n");
   }
   if (a.critical_damping) {
     std::printf("  critical virtual damping  %.6g N s/m at %.4g Hz, given %.6g N s/m\n", a.critical_damping->value,
-                a.critical_damping->omega / turn, virtual_damping);
+                a.critical_damping->omega / full_turn, virtual_damping);
   } else {
     std::printf("  critical virtual damping  none from 0 to 10000 N s/m, given %.6g N s/m\n", virtual_damping);
   }
@@ -65,14 +63,14 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
        {std::pair("gain margin, upwards", m.upper_gain), std::pair("gain margin, downwards", m.lower_gain)}) {
     if (gain) {
       std::printf("  %-25s force × %.4g (%+.2f dB) at %.4g Hz\n", name, gain->factor, 20.0 * std::log10(gain->factor),
-                  gain->omega / turn);
+                  gain->omega / full_turn);
     }
   }
   if (m.phase_margin) {
-    std::printf("  phase margin              %.2f° at %.4g Hz\n", *m.phase_margin * 360.0 / turn,
-                m.phase_margin_omega / turn);
+    std::printf("  phase margin              %.2f° at %.4g Hz\n", *m.phase_margin * 360.0 / full_turn,
+                m.phase_margin_omega / full_turn);
   }
-  std::printf("  sensitivity peak          %.4g at %.4g Hz\n", a.sensitivity.value, a.sensitivity.omega / turn);
+  std::printf("  sensitivity peak          %.4g at %.4g Hz\n", a.sensitivity.value, a.sensitivity.omega / full_turn);
 }
 
 void print_sampled(const StabilityAnalysis& a) {
@@ -123,7 +121,7 @@ void print_sensitivities(const StabilityAnalysis& a) {
   for (std::size_t i = 0; i < std::min(most, a.parameters.size()); ++i) {
     const auto& s = a.parameters[i];
     std::printf("  %-36s %+11.4g 1/s %+11.4g Hz", s.path.c_str(), 0.01 * s.critical_root_change.real(),
-                0.01 * s.critical_root_change.imag() / turn);
+                0.01 * s.critical_root_change.imag() / full_turn);
     if (a.margins.critical_delay && std::abs(s.critical_delay_change) > 1e-12) {
       std::printf(" %+11.4g ms", 10.0 * s.critical_delay_change);
     }
@@ -147,7 +145,7 @@ void print_sweep(const stability::PoleSweep& sweep) {
   std::printf("  %14s %14s %10s\n", sweep.axis.variable.c_str(), "Re [1/s]", "f [Hz]");
   for (std::size_t i = 0; i < sweep.axis.count; ++i) {
     const Complex s = sweep.roots[i].front();
-    std::printf("  %14.7g %14.7g %10.4f\n", sweep.axis.value(i), s.real(), s.imag() / turn);
+    std::printf("  %14.7g %14.7g %10.4f\n", sweep.axis.value(i), s.real(), s.imag() / full_turn);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host_sim/full_turn.hpp"
 #include "host_sim/stability/figures.hpp"
 #include "host_sim/stability/frequency_response.hpp"
 #include "host_sim/stability/verdict.hpp"
@@ -21,10 +22,8 @@ using report::Report;
 using report::Table;
 using report::Verdict;
 
-constexpr double turn = 2.0 * std::numbers::pi;
-
 std::string in_ms(double seconds, int digits = 6) { return figure_text(1e3 * seconds, digits) + " ms"; }
-std::string in_hz(double omega) { return figure_text(omega / turn) + " Hz"; }
+std::string in_hz(double omega) { return figure_text(omega / full_turn) + " Hz"; }
 
 std::string joined(const std::vector<std::string>& words) {
   std::string list;
@@ -66,7 +65,7 @@ void add_roots(Report& page, const StabilityAnalysis& a) {
   Table table{"", {"real part [1/s]", "frequency [Hz]", "damping ratio [%]", "amplitude"}, {}, 0};
   for (const Complex s : a.roots.roots) {
     const double time = std::numbers::ln2 / std::max(std::abs(s.real()), 1e-300);
-    table.rows.push_back({figure_text(s.real(), 7), figure_text(s.imag() / turn, 6),
+    table.rows.push_back({figure_text(s.real(), 7), figure_text(s.imag() / full_turn, 6),
                           std::abs(s) > 0.0 ? figure_text(-100.0 * s.real() / std::abs(s), 3) : "–",
                           (s.real() < 0.0 ? "halves in " : "doubles in ") + figure_text(time, 3) + " s"});
   }
@@ -87,7 +86,8 @@ void add_margins(Report& page, const StabilityAnalysis& a) {
          in_hz(gain->omega)});
   }
   if (m.phase_margin) {
-    table.rows.push_back({"phase", figure_text(*m.phase_margin * 360.0 / turn) + "°", in_hz(m.phase_margin_omega)});
+    table.rows.push_back(
+        {"phase", figure_text(*m.phase_margin * 360.0 / full_turn) + "°", in_hz(m.phase_margin_omega)});
   }
   table.rows.push_back({"sensitivity peak", figure_text(a.sensitivity.value), in_hz(a.sensitivity.omega)});
   page.add_table(table);
@@ -171,13 +171,13 @@ void add_sampled(Report& page, const StabilityAnalysis& a) {
   report::Curve circle{"unit circle", {}, {}, 6, Dash::dotted},
       points{"eigenvalue", {}, {}, 0, Dash::none, report::Marker::circle};
   for (int i = 0; i <= 90; ++i) {
-    circle.x.push_back(std::cos(turn * i / 180.0));
-    circle.y.push_back(std::sin(turn * i / 180.0));
+    circle.x.push_back(std::cos(full_turn * i / 180.0));
+    circle.y.push_back(std::sin(full_turn * i / 180.0));
   }
   for (const Complex z : s.eigenvalues) {
     points.x.push_back(z.real());
     points.y.push_back(z.imag());
-    points.along.push_back(std::arg(z) / (turn * s.period));
+    points.along.push_back(std::arg(z) / (full_turn * s.period));
   }
   points.along_quantity = "frequency";
   points.along_unit = "Hz";

@@ -7,6 +7,7 @@
 
 #include "host_sim/closed_loop.hpp"
 #include "host_sim/embedded_files.hpp"
+#include "host_sim/full_turn.hpp"
 #include "host_sim/road.hpp"
 #include "host_sim/stability/figures.hpp"
 
@@ -16,13 +17,12 @@ namespace {
 using stability::Axis;
 using stability::LoopFamily;
 
-constexpr double turn = 2.0 * std::numbers::pi;
 constexpr double wheel_hz = 13.0;  // about: where to look for the wheel's root
 
 RigDescription shipped(const std::string& name) { return parse_rig(embedded_file(name), name); }
 
 Complex nearest_to_wheel(const std::vector<Complex>& roots) {
-  const Complex target(0.0, turn * wheel_hz);
+  const Complex target(0.0, full_turn * wheel_hz);
   return *std::min_element(roots.begin(), roots.end(),
                            [&](Complex a, Complex b) { return std::abs(a - target) < std::abs(b - target); });
 }
@@ -88,7 +88,7 @@ constexpr double kicked_seconds = 6.0;
 /// z = h/2 (1 − cos 2πt/T): a bump with smooth ends.
 FootPointMotion bump(double sample_rate) {
   FootPointMotion motion(static_cast<std::size_t>(std::lround(kicked_seconds * sample_rate)));
-  const double omega = turn / kick_time;
+  const double omega = full_turn / kick_time;
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const double t = static_cast<double>(i) / sample_rate - kick_at;
     if (t < 0.0 || t > kick_time) continue;
@@ -135,7 +135,7 @@ WheelLoadGrowth wheel_load_growth(const Loop& loop) {
   const auto with = stability::peak(late, model::Channel::F_w, 0.1, 100.0);
   const auto without = stability::peak(ideal, model::Channel::F_w, 0.1, 100.0);
   return {with.magnitude / without.magnitude, with.frequency_hz, without.frequency_hz,
-          with.magnitude / std::abs(ideal(model::Channel::F_w, turn * with.frequency_hz))};
+          with.magnitude / std::abs(ideal(model::Channel::F_w, full_turn * with.frequency_hz))};
 }
 
 /// The quarter car as a hil loop without delay and without virtual damping: the same equations.
@@ -197,7 +197,7 @@ Experiments experiment(const std::function<void(double)>& progress) {
   const double area = 0.25 * std::numbers::pi * f.duct_diameter * f.duct_diameter;
   const double inertance =
       f.oil_density * f.duct_length * f.piston_area * f.piston_area / (static_cast<double>(f.open_ducts) * area);
-  e.absorber_hz = std::sqrt(f.coupling_stiffness / inertance) / turn;
+  e.absorber_hz = std::sqrt(f.coupling_stiffness / inertance) / full_turn;
   done(1.0);
   return e;
 }

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "host_sim/embedded_files.hpp"
+#include "host_sim/full_turn.hpp"
 #include "host_sim/stability/figures.hpp"
 #include "host_sim/version.hpp"
 
@@ -24,7 +24,6 @@ using report::Report;
 using report::Table;
 using report::Verdict;
 
-constexpr double turn = 2.0 * std::numbers::pi;
 constexpr int black = 6;
 
 const Statement& find(const std::vector<Statement>& list, std::string_view id) {
@@ -100,11 +99,11 @@ std::array<Figure, 2> figure_3(std::string part, const std::vector<WheelRootPath
       if (std::isnan(path.roots[i].real())) continue;
       const double value = v.scale * path.axis.value(i);
       locus.x.push_back(path.roots[i].real());
-      locus.y.push_back(path.roots[i].imag() / turn);
+      locus.y.push_back(path.roots[i].imag() / full_turn);
       locus.along.push_back(value);
       growth.x.push_back(value);
       growth.y.push_back(path.roots[i].real());
-      growth.along.push_back(path.roots[i].imag() / turn);
+      growth.along.push_back(path.roots[i].imag() / full_turn);
     }
     locus.along_quantity = v.quantity;
     locus.along_unit = v.unit;
@@ -202,7 +201,7 @@ Figure figure_6(const Experiments& e) {
   const auto response = std::find_if(e.quarter_car_true.outputs.begin(), e.quarter_car_true.outputs.end(),
                                      [](const auto& c) { return c.name == "F_w"; });
   for (std::size_t i = 0; i < e.frequency_hz.size(); ++i) {
-    const double omega = turn * e.frequency_hz[i];
+    const double omega = full_turn * e.frequency_hz[i];
     const Complex load_over_road = std::polar(response->magnitude[i], response->phase[i]);
     expected.x.push_back(e.frequency_hz[i]);
     expected.y.push_back(std::abs(1.0 - mass * omega * omega / load_over_road));

@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "host_sim/full_turn.hpp"
 #include "host_sim/report/report.hpp"
 
 namespace host_sim::paper {
 namespace {
 
 using report::figure_text;
-
-constexpr double turn = 2.0 * std::numbers::pi;
 
 // What the paper's text says, in numbers.
 constexpr double stated_mode_hz = 13.0;           // where the wheel load differs
@@ -25,7 +23,7 @@ constexpr double wrong_load = 0.10, agreeing_load = 0.05;
 
 std::string root_text(Complex s) {
   return "wheel root " + figure_text(s.real(), 5) + " ± " + figure_text(s.imag(), 5) + "j 1/s (" +
-         figure_text(s.imag() / turn, 4) + " Hz)";
+         figure_text(s.imag() / full_turn, 4) + " Hz)";
 }
 
 Statement of_loop(std::string id, const Loop& loop, bool stated_stable, std::string paper) {
@@ -75,7 +73,7 @@ std::vector<Statement> statements(const Experiments& e) {
          difference, "> " + figure_text(stated_difference), "1", difference > stated_difference});
     list.push_back({"at_13_hz", "That difference lies at 13 Hz.",
                     "The peak lies at " + figure_text(g.peak_hz, 4) + " Hz, the wheel mode of the late loop at " +
-                        figure_text(e.absorber.wheel_root.imag() / turn, 4) + " Hz.",
+                        figure_text(e.absorber.wheel_root.imag() / full_turn, 4) + " Hz.",
                     g.peak_hz, figure_text(stated_mode_hz) + " ± " + figure_text(rounding_hz), "Hz",
                     std::abs(g.peak_hz - stated_mode_hz) < rounding_hz});
     list.push_back({"two_ducts_8_hz", "With two open ducts the absorber works at 8 Hz.",
@@ -96,7 +94,7 @@ std::vector<Statement> statements(const Experiments& e) {
     list.push_back({"critical_damping_between",
                     "Unstable at 700 and stable at 1140 N s/m: a border lies between the two.",
                     critical ? "Critical virtual damping " + figure_text(value, 5) + " N s/m at " +
-                                   figure_text(critical->omega / turn, 4) + " Hz."
+                                   figure_text(critical->omega / full_turn, 4) + " Hz."
                              : "No virtual damping is on the border.",
                     value, figure_text(reported_unstable_damping) + " … " + figure_text(stated_stable_damping), "N s/m",
                     value > reported_unstable_damping && value < stated_stable_damping});

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
+#include "host_sim/full_turn.hpp"
 #include "host_sim/rig_description.hpp"
 #include "host_sim/stability/affine_family.hpp"
 #include "host_sim/stability/crossings.hpp"
@@ -15,8 +15,6 @@
 
 namespace host_sim::stability {
 namespace {
-
-constexpr double turn = 2.0 * std::numbers::pi;
 
 /// Is the loop stable just before or just after `delay`, at which a pair crosses?
 bool is_border(const Polynomial& p, const Polynomial& q, double delay) {
@@ -71,7 +69,7 @@ class DampingCurve {
       const double damping = i == 0 ? std::max(values[0], values[1]) : std::min(values[0], values[1]);
       if (!std::isfinite(damping)) continue;
       double angle = -std::arg(-(p0 + damping * p1) / (q0 + damping * q1));
-      if (angle < 0.0) angle += turn;
+      if (angle < 0.0) angle += full_turn;
       result[i] = OnAxis{damping, angle / omega};
     }
     return result;
@@ -125,12 +123,12 @@ class DampingCurve {
           continue;
         }
         const double angle = point->delay * omega;
-        if (!open.empty() && angle - before > 0.5 * turn) --shift;
-        if (!open.empty() && angle - before < -0.5 * turn) ++shift;
+        if (!open.empty() && angle - before > 0.5 * full_turn) --shift;
+        if (!open.empty() && angle - before < -0.5 * full_turn) ++shift;
         before = angle;
         std::map<int, BoundaryCurve> going_on;
         for (int k = 0;; ++k) {
-          const double delay = point->delay + k * turn / omega;
+          const double delay = point->delay + k * full_turn / omega;
           if (delay > delay_.to) break;
           if (delay < delay_.from) continue;
           const int key = k + shift;

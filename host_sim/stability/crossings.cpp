@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "host_sim/full_turn.hpp"
+
 namespace host_sim::stability {
 namespace {
-
-constexpr double turn = 2.0 * std::numbers::pi;
 
 /// ω → where ln|P(jω)| − ln|Q(jω)| = 0: Newton, to the last digits.
 double polished(const Polynomial& p, const Polynomial& q, double omega) {
@@ -47,7 +47,7 @@ std::vector<CrossingFrequency> crossing_frequencies(const Polynomial& p, const P
     }
     const Complex s(0.0, omega);
     double angle = -std::arg(-p(s) / q(s));  // ωτ
-    if (angle < 0.0) angle += turn;
+    if (angle < 0.0) angle += full_turn;
     found.push_back({omega, angle / omega, direction});
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.omega > b.omega; });
@@ -58,7 +58,7 @@ std::vector<Crossing> crossings(const std::vector<CrossingFrequency>& frequencie
   std::vector<Crossing> found;
   for (const auto& f : frequencies) {
     for (int k = 0;; ++k) {
-      const double delay = f.first + k * turn / f.omega;
+      const double delay = f.first + k * full_turn / f.omega;
       if (!(delay <= longest)) break;
       found.push_back({delay, f.omega, f.direction});
     }
@@ -81,7 +81,7 @@ std::optional<int> unstable_roots(const Polynomial& p, const Polynomial& q,
   for (const auto& f : frequencies) {
     if (f.direction == 0) return std::nullopt;
     if (f.first < 1e-12) return std::nullopt;  // on the axis without any delay
-    if (delay > f.first) count += 2 * f.direction * (1 + static_cast<int>((delay - f.first) * f.omega / turn));
+    if (delay > f.first) count += 2 * f.direction * (1 + static_cast<int>((delay - f.first) * f.omega / full_turn));
   }
   return count;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "host_sim/full_turn.hpp"
 #include "host_sim/stability/boundary.hpp"
 
 namespace host_sim::stability {
@@ -19,7 +19,6 @@ using report::HeatMap;
 using report::Marker;
 using report::Panel;
 
-constexpr double turn = 2.0 * std::numbers::pi;
 constexpr int black = 6;
 
 const Axis frequency_axis{"frequency", "Hz", true};
@@ -57,7 +56,7 @@ Curve boundary_part(const StabilityMap& map, bool border, double scale_x, double
       if (p.border != border && !beside) continue;
       part.x.push_back(scale_x * p.x);
       part.y.push_back(scale_y * p.y);
-      part.along.push_back(p.omega / turn);
+      part.along.push_back(p.omega / full_turn);
       if (p.border != border) {
         part.x.push_back(gap);
         part.y.push_back(gap);
@@ -117,7 +116,7 @@ Figure bode_figure(std::string title, const std::string& quantity, const std::ve
   magnitude.share = 1.4;
   for (const NamedResponse& r : responses) {
     magnitude.curves.push_back({r.name, frequency_hz, r.curve->magnitude, r.colour, r.dash});
-    phase.curves.push_back({r.name, frequency_hz, scaled(r.curve->phase, 360.0 / turn), r.colour, r.dash});
+    phase.curves.push_back({r.name, frequency_hz, scaled(r.curve->phase, 360.0 / full_turn), r.colour, r.dash});
     phase.curves.back().in_legend = false;
   }
   figure.panels = {std::move(magnitude), std::move(phase)};
@@ -134,8 +133,8 @@ Figure nyquist_figure(std::string title, std::span<const NamedLoop> loops) {
   panel.y.range = {{-1.9, 1.9}};
   Curve circle{"unit circle", {}, {}, black, Dash::dotted};
   for (int i = 0; i <= 180; ++i) {
-    circle.x.push_back(std::cos(turn * i / 180.0));
-    circle.y.push_back(std::sin(turn * i / 180.0));
+    circle.x.push_back(std::cos(full_turn * i / 180.0));
+    circle.y.push_back(std::sin(full_turn * i / 180.0));
   }
   panel.curves.push_back(std::move(circle));
   int colour = 0;
@@ -147,7 +146,7 @@ Figure nyquist_figure(std::string title, std::span<const NamedLoop> loops) {
       upper.x.push_back(at.real());
       upper.y.push_back(at.imag());
       lower.y.push_back(-at.imag());
-      upper.along.push_back(loop.data->omega[i] / turn);
+      upper.along.push_back(loop.data->omega[i] / full_turn);
     }
     lower.x = upper.x;
     lower.along = upper.along;
@@ -178,7 +177,7 @@ Figure root_figure(std::string title, const RootSet& roots) {
   for (const Complex s : roots.roots) {
     Curve& side = s.real() < 0.0 ? stable : unstable;
     side.x.push_back(s.real());
-    side.y.push_back(s.imag() / turn);
+    side.y.push_back(s.imag() / full_turn);
     side.along.push_back(std::abs(s) > 0.0 ? -100.0 * s.real() / std::abs(s) : 0.0);
   }
   for (Curve* side : {&stable, &unstable}) {
@@ -191,7 +190,7 @@ Figure root_figure(std::string title, const RootSet& roots) {
   for (const Complex s : roots.roots) {
     left = std::min(left, s.real());
     right = std::max(right, s.real());
-    top = std::max(top, s.imag() / turn);
+    top = std::max(top, s.imag() / full_turn);
   }
   figure.x.range = {{left - 0.06 * (right - left), right + 0.06 * (right - left)}};
   panel.y.range = {{0.0, 1.1 * std::max(top, 0.1)}};
@@ -221,12 +220,12 @@ Figure locus_figure(const PoleSweep& sweep, const RigDescription& description) {
   for (std::size_t i = 0; i < sweep.axis.count; ++i) {
     for (const Complex s : sweep.roots[i]) {
       roots.x.push_back(s.real());
-      roots.y.push_back(s.imag() / turn);
+      roots.y.push_back(s.imag() / full_turn);
       roots.along.push_back(variable.scale * sweep.axis.value(i));
       for (Curve* end : {&first, &last}) {
         if (i != (end == &first ? 0 : sweep.axis.count - 1)) continue;
         end->x.push_back(s.real());
-        end->y.push_back(s.imag() / turn);
+        end->y.push_back(s.imag() / full_turn);
       }
     }
   }

@@ -6,15 +6,15 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "host_sim/full_turn.hpp"
+
 namespace host_sim::stability {
 namespace {
-
-constexpr double turn = 2.0 * std::numbers::pi;
 
 std::vector<double> in_rad(const std::vector<double>& hz) {
   std::vector<double> omega;
   omega.reserve(hz.size());
-  for (const double f : hz) omega.push_back(turn * f);
+  for (const double f : hz) omega.push_back(full_turn * f);
   return omega;
 }
 
@@ -92,7 +92,7 @@ std::vector<double> frequencies(double from_hz, double to_hz, std::size_t count,
     hz.push_back(from_hz * std::pow(to_hz / from_hz, static_cast<double>(i) / static_cast<double>(count - 1)));
   }
   for (const Complex s : roots) {
-    const double centre = s.imag() / turn, width = std::max(std::abs(s.real()) / turn, 1e-6 * centre);
+    const double centre = s.imag() / full_turn, width = std::max(std::abs(s.real()) / full_turn, 1e-6 * centre);
     if (!(centre > from_hz && centre < to_hz) || width > 0.2 * centre) continue;
     for (int i = -30; i <= 30; ++i) {
       const double f = centre + width * std::sinh(0.15 * i);
@@ -125,7 +125,7 @@ BodeData bode(const LinearRig& rig, double delay, double machine_delay, const st
 }
 
 Peak peak(const RoadResponse& response, model::Channel output, double from_hz, double to_hz) {
-  const auto size = [&](double hz) { return std::abs(response(output, turn * hz)); };
+  const auto size = [&](double hz) { return std::abs(response(output, full_turn * hz)); };
   Peak best;
   const double ratio = std::pow(to_hz / from_hz, 1.0 / 4000.0);
   for (double hz = from_hz; hz <= to_hz; hz *= ratio) {
@@ -169,7 +169,7 @@ NyquistData nyquist(const DelayEquation& equation, const std::vector<Complex>& c
   const auto add = [&](const auto& self, double low, Complex at_low, double high, Complex at_high, int depth) -> void {
     const double turned = std::max(std::abs(std::arg(times(at_high, std::conj(at_low)))),
                                    std::abs(std::arg(times(1.0 + at_high, std::conj(1.0 + at_low)))));
-    if (depth > 0 && turned > turn / 100.0) {
+    if (depth > 0 && turned > full_turn / 100.0) {
       const double middle = 0.5 * (low + high);
       const Complex at_middle = loop(middle);
       self(self, low, at_low, middle, at_middle, depth - 1);
@@ -198,7 +198,7 @@ NyquistData nyquist(const DelayEquation& equation, const std::vector<Complex>& c
     turned += std::arg(times(1.0 + data.loop[i], std::conj(1.0 + data.loop[i - 1])));
   }
   turned -= std::arg(1.0 + data.loop.back());
-  data.encirclements = static_cast<int>(std::lround(2.0 * turned / turn));
+  data.encirclements = static_cast<int>(std::lround(2.0 * turned / full_turn));
   data.closed_loop_unstable = data.open_loop_unstable - data.encirclements;
   return data;
 }

@@ -1,14 +1,13 @@
 #include "host_sim/stability/json.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "host_sim/full_turn.hpp"
 
 namespace host_sim::stability {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double turn = 2.0 * std::numbers::pi;
 
 ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
 
@@ -24,8 +23,9 @@ ordered_json complex_list(const std::vector<Complex>& list) {
 
 ordered_json gain(const std::optional<GainMargin>& margin) {
   if (!margin) return nullptr;
-  return {
-      {"factor", margin->factor}, {"db", 20.0 * std::log10(margin->factor)}, {"frequency_hz", margin->omega / turn}};
+  return {{"factor", margin->factor},
+          {"db", 20.0 * std::log10(margin->factor)},
+          {"frequency_hz", margin->omega / full_turn}};
 }
 
 ordered_json axis_json(const Axis& axis) {
@@ -60,7 +60,7 @@ ordered_json to_json(const StabilityAnalysis& a, const RigDescription& descripti
   json["critical_delay"] = number(a.margins.critical_delay);
   json["critical_virtual_damping"] = a.critical_damping ? number(a.critical_damping->value) : ordered_json(nullptr);
   json["critical_frequency_hz"] =
-      a.margins.critical_delay ? number(a.margins.critical_omega / turn) : ordered_json(nullptr);
+      a.margins.critical_delay ? number(a.margins.critical_omega / full_turn) : ordered_json(nullptr);
   json["sampled"] = sampled_json(a.sampled);
   json["pade"] = ordered_json::array();
   for (const PadeResult& p : a.pade) {
@@ -78,16 +78,17 @@ ordered_json to_json(const StabilityAnalysis& a, const RigDescription& descripti
   json["delay_margin"] = number(a.margins.delay_margin);
   json["gain_margin"] = {{"upper", gain(a.margins.upper_gain)}, {"lower", gain(a.margins.lower_gain)}};
   json["phase_margin_deg"] =
-      a.margins.phase_margin ? number(*a.margins.phase_margin * 360.0 / turn) : ordered_json(nullptr);
+      a.margins.phase_margin ? number(*a.margins.phase_margin * 360.0 / full_turn) : ordered_json(nullptr);
   json["phase_margin_frequency_hz"] =
-      a.margins.phase_margin ? number(a.margins.phase_margin_omega / turn) : ordered_json(nullptr);
-  json["sensitivity_peak"] = {{"value", number(a.sensitivity.value)}, {"frequency_hz", a.sensitivity.omega / turn}};
+      a.margins.phase_margin ? number(a.margins.phase_margin_omega / full_turn) : ordered_json(nullptr);
+  json["sensitivity_peak"] = {{"value", number(a.sensitivity.value)},
+                              {"frequency_hz", a.sensitivity.omega / full_turn}};
   json["stable_delays"] = ordered_json::array();
   for (const StableRange& range : a.margins.stable_delays) json["stable_delays"].push_back({range.from, range.to});
   json["virtual_dampings_on_axis"] = ordered_json::array();
   for (const AxisValue& v : a.virtual_dampings) {
     json["virtual_dampings_on_axis"].push_back(
-        {{"virtual_damping", v.value}, {"frequency_hz", v.omega / turn}, {"border", v.border}});
+        {{"virtual_damping", v.value}, {"frequency_hz", v.omega / full_turn}, {"border", v.border}});
   }
   json["critical_root"] = {{"re", a.critical_root.real()}, {"im", a.critical_root.imag()}};
   json["sensitivities"] = ordered_json::array();
@@ -124,7 +125,7 @@ ordered_json to_json(const StabilityMap& map) {
     for (const BoundaryPoint& p : curve.points) {
       x.push_back(p.x);
       y.push_back(p.y);
-      hz.push_back(p.omega / turn);
+      hz.push_back(p.omega / full_turn);
       border.push_back(p.border);
     }
     curves.push_back({{"connected", curve.connected},
@@ -160,7 +161,7 @@ ordered_json to_json(const BodeData& data) {
 ordered_json to_json(const NyquistData& data) {
   ordered_json re = ordered_json::array(), im = ordered_json::array(), hz = ordered_json::array();
   for (std::size_t i = 0; i < data.loop.size(); ++i) {
-    hz.push_back(data.omega[i] / turn);
+    hz.push_back(data.omega[i] / full_turn);
     re.push_back(data.loop[i].real());
     im.push_back(data.loop[i].imag());
   }

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <numbers>
 
+#include "host_sim/full_turn.hpp"
+
 namespace host_sim::stability {
 namespace {
-
-constexpr double turn = 2.0 * std::numbers::pi;
 
 template <class... Values>
 std::string text(const char* format, Values... values) {
@@ -25,7 +25,7 @@ std::string milliseconds(double seconds) { return text("%.4g ms", 1e3 * seconds)
 std::string verdict(const StabilityAnalysis& a) {
   const Complex worst = a.roots.rightmost();
   if (!a.stable) {
-    std::string line = text("unstable at %.4g Hz, doubling every %.3g s", worst.imag() / turn,
+    std::string line = text("unstable at %.4g Hz, doubling every %.3g s", worst.imag() / full_turn,
                             std::numbers::ln2 / std::max(worst.real(), 1e-300));
     if (worst.real() == 0.0) line = "not stable: a root rests on the axis";
     if (a.margins.delay_margin) {

@@ -9,12 +9,12 @@ configure tidy
 not_here=$(for file in hal/linux/gpio_v*.cpp; do grep -q "/$file\"" "$builds/tidy/compile_commands.json" || echo "$file"; done)
 mapfile -t judged < <(sources | grep '\.cpp$' | grep -v '^tests/' | grep -vxF "${not_here:-none}" | sort)
 
-# Half of the time goes into headers of libraries, read and judged anew for each source: a dozen sources are judged as one.
+# Half of the time goes into headers of libraries, read and judged anew for each source: two dozen sources are judged as one.
 # Where that does not compile, or anything is found, each is judged by itself, and that counts.
 groups=$(cd "$builds/tidy" && pwd)/groups
 rm -rf "$groups"
 mkdir -p "$groups"
-LC_ALL=C awk -v FOLDER="$groups" -v most=12 -f tests/checks/tidy_groups.awk "${judged[@]/#/$PWD/}" \
+LC_ALL=C awk -v FOLDER="$groups" -v most=24 -f tests/checks/tidy_groups.awk "${judged[@]/#/$PWD/}" \
   "$builds/tidy/compile_commands.json" >"$groups/list"
 grouped=$(cut -d ' ' -f 2- "$groups/list" | wc -w)
 [ "$grouped" = "${#judged[@]}" ] || { echo "$grouped of ${#judged[@]} sources are compiled"; exit 1; }
