@@ -155,7 +155,7 @@ Hypothesis moved(const Hypothesis& from, const Unknown& unknown, double u) {
   return hypothesis;
 }
 
-/// What slopes are differences from: a fit's prediction, with whole steps.
+/// What slopes are differences from: a fit's prediction, with half of the steps.
 struct Base {
   Prediction prediction;
   Eigen::VectorXd residual;
@@ -176,18 +176,18 @@ Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Base& base, const
   if (unknown.role == Unknown::Role::start) {  // which begins one recording only
     Prediction prediction = base.prediction;
     for (std::size_t i = 0; i < all.fitted.size(); ++i) {
-      if (all.fitted[i] == unknown.recording) predict_recording(all, other, i, Steps::whole, prediction);
+      if (all.fitted[i] == unknown.recording) predict_recording(all, other, i, Steps::half, prediction);
     }
     return (residuals(all, prediction) - base.residual) / step;
   }
-  return (residuals(all, predict(all, other, Steps::whole)) - base.residual) / step;
+  return (residuals(all, predict(all, other, Steps::half)) - base.residual) / step;
 }
 
 /// Columns of J from `first` on.
 void find_slopes(const Case& all, Fit& at, Eigen::Index first) {
   Base base{at.prediction, at.residual};
   if (has_corners(at.hypothesis.rig)) {
-    base.prediction = predict(all, at.hypothesis, Steps::whole);
+    base.prediction = predict(all, at.hypothesis, Steps::half);
     base.residual = residuals(all, base.prediction);
     ++at.simulations;
   }

@@ -32,8 +32,9 @@ Response true_channels(const Rig& rig, const Evidence& evidence, const Drive& dr
                        std::size_t samples, Steps steps) {
   Rig bare = rig;
   bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
-  const bool finely = steps == Steps::fine && has_corners(bare) && !find_rig_fault(bare, drive.period / evidence.fine);
-  const int parts = finely ? evidence.fine : 1;
+  const bool finely = has_corners(bare) && !find_rig_fault(bare, drive.period / evidence.fine);
+  const int wanted = steps == Steps::fine ? evidence.fine : (evidence.fine + 1) / 2;
+  const int parts = finely ? wanted : 1;
   Response response = host_sim::respond(bare, drive, start, samples, parts);
   if (evidence.explains(Channel::zdd_r)) {
     auto& acceleration = response[index(Channel::zdd_r)];

@@ -12,9 +12,9 @@ namespace host_sim::diagnose {
 /// limit.
 [[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
 
-/// With what steps a rig with corners is simulated: `Evidence::fine` a sample, or one, which is as good for a
-/// difference of two.
-enum class Steps : unsigned char { fine, whole };
+/// With how many steps a sample a rig with corners is simulated: `Evidence::fine`, or half as many, which are as good
+/// for a difference of two.
+enum class Steps : unsigned char { fine, half };
 
 /// Channels of the evidence before their sensors: the rig's own answer, at full rate. `drive`: that of the evidence, or
 /// one that differs from it by noise.
