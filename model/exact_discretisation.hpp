@@ -15,19 +15,13 @@ template <class S, int Rows, int Columns>
 using Block = Eigen::Matrix<S, Rows, Columns>;
 
 /// a · b, summed column by column: the same order, and so the same bits, whatever the vector width.
-///
-/// In loops over numbers, here and below: as expressions of matrices, a type each for every size, they took half of the
-/// time in which the model compiles.
 template <class S, int R, int N, int C>
 [[nodiscard]] Block<S, R, C> product(const Block<S, R, N>& a, const Block<S, N, C>& b) {
   Block<S, R, C> result;
   for (int j = 0; j < C; ++j) {
-    std::array<S, static_cast<std::size_t>(R)> sum;
-    for (int i = 0; i < R; ++i) sum[static_cast<std::size_t>(i)] = a(i, 0) * b(0, j);
-    for (int k = 1; k < N; ++k) {
-      for (int i = 0; i < R; ++i) sum[static_cast<std::size_t>(i)] += a(i, k) * b(k, j);
-    }
-    for (int i = 0; i < R; ++i) result(i, j) = sum[static_cast<std::size_t>(i)];
+    Column<S, R> sum = a.col(0) * b(0, j);
+    for (int k = 1; k < N; ++k) sum += a.col(k) * b(k, j);
+    result.col(j) = sum;
   }
   return result;
 }
@@ -67,17 +61,18 @@ class ExactDiscretisation {
     S scale = h;
     for (; size > S(0.5); size *= S(0.5), ++doublings) scale *= S(0.5);
 
-    const Matrix z = each([&](int i, int j) { return a(i, j) * scale; });
+    const Matrix z = a * scale;
     constexpr int last = 16;  // powers up to 12 in φ₄: 0.5^13 · 4!/17! < 1e-17
     S factorial = S(1);
     for (int k = 2; k <= last; ++k) factorial *= S(k);  // exact: 16! < 2^53
-    Matrix series = each([&](int i, int j) { return i == j ? S(1) / factorial : S(0); });
+    Matrix series = Matrix::Identity() * (S(1) / factorial);
     for (int k = last; k >= orders; --k) {
       factorial /= S(k);
       series = product(z, series);
       for (int i = 0; i < N; ++i) series(i, i) += S(1) / factorial;
     }
     phi_[4] = series;
+    constexpr std::array<double, orders> inverse_factorial{1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0};
     for (std::size_t k = orders - 1; k-- > 0;) {
       phi_[k] = product(z, phi_[k + 1]);
       for (int i = 0; i < N; ++i) phi_[k](i, i) += S(inverse_factorial[k]);
@@ -91,10 +86,7 @@ class ExactDiscretisation {
   /// Effect of an input that is s^m during the period, entering by column b: h m! φ_{m+1} b.
   [[nodiscard]] Vector monomial(const Vector& b, int m) const {
     constexpr std::array<double, 4> factorial{1.0, 1.0, 2.0, 6.0};
-    Vector effect = product(phi_[static_cast<std::size_t>(m) + 1], b);
-    const S scale = period_ * S(factorial[static_cast<std::size_t>(m)]);
-    for (int i = 0; i < N; ++i) effect(i) *= scale;
-    return effect;
+    return product(phi_[static_cast<std::size_t>(m) + 1], b) * (period_ * S(factorial[static_cast<std::size_t>(m)]));
   }
 
   /// Column for an input held over the period.
@@ -102,12 +94,9 @@ class ExactDiscretisation {
 
   /// Columns for an input that goes straight from u₀ to u₁.
   [[nodiscard]] Block<S, N, 2> straight(const Vector& b) const {
-    const Vector c0 = monomial(b, 0), c1 = monomial(b, 1);
     Block<S, N, 2> columns;
-    for (int i = 0; i < N; ++i) {
-      columns(i, 0) = c0(i) - c1(i);
-      columns(i, 1) = c1(i);
-    }
+    columns.col(1) = monomial(b, 1);
+    columns.col(0) = monomial(b, 0) - columns.col(1);
     return columns;
   }
 
@@ -117,16 +106,13 @@ class ExactDiscretisation {
     std::array<Vector, 4> c;
     c[0] = monomial(by_value, 0);
     for (int m = 1; m < 4; ++m) {
-      const Vector value = monomial(by_value, m), rate = monomial(by_rate, m - 1);
-      for (int i = 0; i < N; ++i) c[static_cast<std::size_t>(m)](i) = value(i) + rate(i) * (S(m) / period_);
+      c[static_cast<std::size_t>(m)] = monomial(by_value, m) + monomial(by_rate, m - 1) * (S(m) / period_);
     }
     Block<S, N, 4> columns;
-    for (int i = 0; i < N; ++i) {
-      columns(i, 2) = c[2](i) * S(3) - c[3](i) * S(2);
-      columns(i, 0) = c[0](i) - columns(i, 2);
-      columns(i, 1) = (c[1](i) - c[2](i) * S(2) + c[3](i)) * period_;
-      columns(i, 3) = (c[3](i) - c[2](i)) * period_;
-    }
+    columns.col(2) = c[2] * S(3) - c[3] * S(2);
+    columns.col(0) = c[0] - columns.col(2);
+    columns.col(1) = (c[1] - c[2] * S(2) + c[3]) * period_;
+    columns.col(3) = (c[3] - c[2]) * period_;
     return columns;
   }
 
@@ -135,12 +121,10 @@ class ExactDiscretisation {
   [[nodiscard]] Block<S, N, 4> through_newest(const Vector& b) const {
     const Vector c0 = monomial(b, 0), c1 = monomial(b, 1), c2 = monomial(b, 2), c3 = monomial(b, 3);
     Block<S, N, 4> columns;
-    for (int i = 0; i < N; ++i) {
-      columns(i, 0) = c1(i) * S(1.0 / 3.0) + c2(i) * S(0.5) + c3(i) * S(1.0 / 6.0);
-      columns(i, 1) = c0(i) + c1(i) * S(0.5) - c2(i) - c3(i) * S(0.5);
-      columns(i, 2) = c2(i) * S(0.5) + c3(i) * S(0.5) - c1(i);
-      columns(i, 3) = (c1(i) - c3(i)) * S(1.0 / 6.0);
-    }
+    columns.col(0) = c1 * S(1.0 / 3.0) + c2 * S(0.5) + c3 * S(1.0 / 6.0);
+    columns.col(1) = c0 + c1 * S(0.5) - c2 - c3 * S(0.5);
+    columns.col(2) = c2 * S(0.5) + c3 * S(0.5) - c1;
+    columns.col(3) = (c1 - c3) * S(1.0 / 6.0);
     return columns;
   }
 
@@ -152,50 +136,29 @@ class ExactDiscretisation {
     const Vector c0 = monomial(b, 0), c1 = monomial(b, 1), c2 = monomial(b, 2);
     Block<S, N, Order> columns;
     if constexpr (Order == 3) {
-      for (int i = 0; i < N; ++i) {
-        columns(i, 0) = (c1(i) + c2(i)) * S(0.5);
-        columns(i, 1) = c1(i) * S(-2) - c2(i);
-        columns(i, 2) = c0(i) + c1(i) * S(1.5) + c2(i) * S(0.5);
-      }
+      columns.col(0) = (c1 + c2) * S(0.5);
+      columns.col(1) = c1 * S(-2) - c2;
+      columns.col(2) = c0 + c1 * S(1.5) + c2 * S(0.5);
     } else {
       const Vector c3 = monomial(b, 3);
-      for (int i = 0; i < N; ++i) {
-        columns(i, 0) = c1(i) * S(-1.0 / 3.0) - c2(i) * S(0.5) - c3(i) * S(1.0 / 6.0);
-        columns(i, 1) = c1(i) * S(1.5) + c2(i) * S(2) + c3(i) * S(0.5);
-        columns(i, 2) = c1(i) * S(-3) - c2(i) * S(2.5) - c3(i) * S(0.5);
-        columns(i, 3) = c0(i) + c1(i) * S(11.0 / 6.0) + c2(i) + c3(i) * S(1.0 / 6.0);
-      }
+      columns.col(0) = c1 * S(-1.0 / 3.0) - c2 * S(0.5) - c3 * S(1.0 / 6.0);
+      columns.col(1) = c1 * S(1.5) + c2 * S(2) + c3 * S(0.5);
+      columns.col(2) = c1 * S(-3) - c2 * S(2.5) - c3 * S(0.5);
+      columns.col(3) = c0 + c1 * S(11.0 / 6.0) + c2 + c3 * S(1.0 / 6.0);
     }
     return columns;
   }
 
  private:
-  /// The matrix of which each entry is entry(i, j).
-  template <class Entry>
-  [[nodiscard]] static Matrix each(const Entry& entry) {
-    Matrix matrix;
-    for (int j = 0; j < N; ++j) {
-      for (int i = 0; i < N; ++i) matrix(i, j) = entry(i, j);
-    }
-    return matrix;
-  }
-
-  /// The doubling formula, φ₄ first: each needs those below as they were.
   void twice() {
-    S scale = S(1.0 / 16.0);
-    for (std::size_t k = orders - 1; k > 0; --k, scale *= S(2)) {
-      Matrix sum = product(phi_[0], phi_[k]);
-      for (std::size_t j = k; j > 0; --j) {
-        const S weight = S(inverse_factorial[k - j]);
-        const Matrix& phi = phi_[j];
-        for (int n = 0; n < N * N; ++n) sum.data()[n] += phi.data()[n] * weight;
-      }
-      for (int n = 0; n < N * N; ++n) phi_[k].data()[n] = sum.data()[n] * scale;
-    }
-    phi_[0] = product(phi_[0], phi_[0]);
+    const Matrix one = phi_[0];
+    const Matrix p1 = phi_[1], p2 = phi_[2], p3 = phi_[3];
+    phi_[4] = (product(one, phi_[4]) + phi_[4] + p3 + p2 * S(0.5) + p1 * S(1.0 / 6.0)) * S(1.0 / 16.0);
+    phi_[3] = (product(one, p3) + p3 + p2 + p1 * S(0.5)) * S(1.0 / 8.0);
+    phi_[2] = (product(one, p2) + p2 + p1) * S(1.0 / 4.0);
+    phi_[1] = (product(one, p1) + p1) * S(1.0 / 2.0);
+    phi_[0] = product(one, one);
   }
-
-  static constexpr std::array<double, orders> inverse_factorial{1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0};
 
   S period_;
   std::array<Matrix, orders> phi_;
