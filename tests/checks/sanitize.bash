@@ -24,4 +24,8 @@ status=0
   grep -vE "^($long)\." <<<"$suites" | xargs -n 20 | tr ' ' ':'
 } | cat -n | LOGS=$logs xargs -P "$(nproc)" -L 1 bash -c 'GTEST_FILTER="$1$LEFT_OUT" "$RUN" >"$LOGS/$0.log" 2>&1' || status=1
 for log in $(ls "$logs" | sort -n); do cat "$logs/$log"; done
+listed=$(GTEST_FILTER=$LEFT_OUT "$RUN" --gtest_list_tests | grep -c '^  ')
+ran=$(awk '/^\[==========\] [0-9]+ tests? .*ran\./ { sum += $2 } END { print sum + 0 }' "$logs"/*.log)
+echo "$ran of $listed tests ran under the sanitizers"
+[ "$ran" -eq "$listed" ] || status=1
 exit $status
