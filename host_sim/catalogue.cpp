@@ -79,6 +79,12 @@ std::vector<PlacedEffect> effects_of(const Rig& rig) {
   return effects;
 }
 
+std::string effect_path(const PlacedEffect& effect, std::size_t parameter) {
+  std::string path = "effects." + std::string(effect.entry->name) + ".";
+  if (effect.channel) path += std::string(model::name(*effect.channel)) + ".";
+  return path + std::string(effect.entry->parameters[parameter].name);
+}
+
 void put_effect(Rig& rig, const PlacedEffect& effect) {
   visit_slot(rig, effect.entry->name, effect.channel, [&](auto& slot) {
     slot.active = true;

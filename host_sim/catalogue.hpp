@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -39,6 +40,9 @@ struct PlacedEffect {
 
 /// The active effects of a rig, in the order of the list.
 [[nodiscard]] std::vector<PlacedEffect> effects_of(const model::RigParameters<double>& rig);
+
+/// "effects.sensor_lag.F.time_constant"
+[[nodiscard]] std::string effect_path(const PlacedEffect& effect, std::size_t parameter);
 
 /// Puts an effect into a rig, or, if it is there, gives it these values.
 void put_effect(model::RigParameters<double>& rig, const PlacedEffect& effect);

@@ -234,14 +234,13 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
   const double temper = std::max(1.0, fit.chi_squared / count);
 
   const Certainty certainty{worth, temper, seen_from(all, count)};
-  for (std::size_t i = 0; i < tolerated.size(); ++i) {
-    result.parameters[tolerated[i].path] = interval(fit, i, temper);
-  }
+  const std::vector<Interval> unknowns = intervals(fit, temper);
+  for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = unknowns[i];
   const VirtualCar car_of_program = virtual_car(description, all.evidence);
   for (const auto& [path, car] : car_of_program.parameters) {
     result.parameters[path] = {car.value, car.value - 1.96 * car.error, car.value + 1.96 * car.error};
   }
-  result.effects = named_effects(all, findings, price, certainty);
+  result.effects = named_effects(all, findings, price, unknowns, certainty);
   const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close_rival);
   // What the program itself computes is known without noise.
   for (const TyreEffect& tyre : car_of_program.effects) {

@@ -157,8 +157,8 @@ Hypothesis moved(const Hypothesis& from, const Unknown& unknown, double u) {
 
 /// What slopes are differences from: a fit's prediction, with half of the steps.
 struct Base {
-  Prediction prediction;
-  Eigen::VectorXd residual;
+  const Prediction& prediction;
+  const Eigen::VectorXd& residual;
 };
 
 /// Column of J by a one-sided difference.
@@ -185,12 +185,17 @@ Eigen::VectorXd slope_of(const Case& all, const Fit& at, const Base& base, const
 
 /// Columns of J from `first` on.
 void find_slopes(const Case& all, Fit& at, Eigen::Index first) {
-  Base base{at.prediction, at.residual};
-  if (has_corners(at.hypothesis.rig)) {
-    base.prediction = predict(all, at.hypothesis, Steps::half);
-    base.residual = residuals(all, base.prediction);
+  const bool simulates = std::any_of(at.unknowns.begin() + first, at.unknowns.end(),
+                                     [](const Unknown& unknown) { return !unknown.sensor; });
+  const bool anew = simulates && has_corners(at.hypothesis.rig);  // without corners that is the fit's own
+  Prediction halved;
+  Eigen::VectorXd halved_residual;
+  if (anew) {
+    halved = predict(all, at.hypothesis, Steps::half);
+    halved_residual = residuals(all, halved);
     ++at.simulations;
   }
+  const Base base{anew ? halved : at.prediction, anew ? halved_residual : at.residual};
   for_all(at.unknowns.size() - static_cast<std::size_t>(first), [&](std::size_t i) {
     const std::size_t column = i + static_cast<std::size_t>(first);
     at.slope.col(static_cast<Eigen::Index>(column)) = slope_of(all, at, base, at.unknowns[column]);

@@ -77,12 +77,6 @@ std::vector<Unknown> start_unknowns(const RigDescription& description, const std
   return unknowns;
 }
 
-std::string effect_path(const PlacedEffect& effect, std::size_t parameter) {
-  std::string path = "effects." + std::string(effect.entry->name) + ".";
-  if (effect.channel) path += std::string(model::name(*effect.channel)) + ".";
-  return path + std::string(effect.entry->parameters[parameter].name);
-}
-
 std::vector<Unknown> effect_unknowns(const PlacedEffect& effect) {
   std::vector<Unknown> unknowns;
   if (is_hold(*effect.entry)) return unknowns;

@@ -65,7 +65,4 @@ struct Unknown {
 /// The parameters of an effect that is in the hypothesis, those that are to be fitted.
 [[nodiscard]] std::vector<Unknown> effect_unknowns(const PlacedEffect& effect);
 
-/// "effects.sensor_lag.F.time_constant"
-[[nodiscard]] std::string effect_path(const PlacedEffect& effect, std::size_t parameter);
-
 }  // namespace host_sim::diagnose

@@ -34,14 +34,19 @@ double seen_from(const Case& all, double count) {
 
 // Standard deviations: 1.96 for noise that is known; what carries it through the rig is itself known to some per cent
 // only, which over the recordings of tests/confusion takes 1.2 times as much.
-Interval interval(const Fit& fit, std::size_t unknown, double temper) {
+std::vector<Interval> intervals(const Fit& fit, double temper) {
   constexpr double deviations = 1.2 * 1.96;
-  const Unknown& coordinate = fit.unknowns[unknown];
-  const auto k = static_cast<Eigen::Index>(unknown);
-  const double u = coordinate.get(fit.hypothesis);
-  const double half = deviations * std::sqrt(std::max(fit.covariance()(k, k), 0.0) * temper);
-  const double low = std::max(u - half, coordinate.lower), high = std::min(u + half, coordinate.upper);
-  return {coordinate.value(u), coordinate.value(low), coordinate.value(high)};
+  const Eigen::MatrixXd covariance = fit.covariance();
+  std::vector<Interval> list;
+  for (std::size_t i = 0; i < fit.unknowns.size(); ++i) {
+    const Unknown& unknown = fit.unknowns[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    const double u = unknown.get(fit.hypothesis);
+    const double half = deviations * std::sqrt(std::max(covariance(k, k), 0.0) * temper);
+    const double low = std::max(u - half, unknown.lower), high = std::min(u + half, unknown.upper);
+    list.push_back({unknown.value(u), unknown.value(low), unknown.value(high)});
+  }
+  return list;
 }
 
 bool has_close_rival(const NamedEffect& effect) {
@@ -50,17 +55,17 @@ bool has_close_rival(const NamedEffect& effect) {
 }
 
 std::vector<NamedEffect> named_effects(const Case& all, const Findings& findings, const Price& price,
-                                       const Certainty& certainty) {
+                                       const std::vector<Interval>& unknowns, const Certainty& certainty) {
   constexpr std::size_t most_alternatives = 5;
   const Explanation& best = findings.best;
-  std::size_t unknown = best.fit.unknowns.size();  // those of the effects stand last
+  std::size_t unknown = unknowns.size();  // those of the effects stand last
   for (const PlacedEffect& effect : best.effects) unknown -= effect_unknowns(effect).size();
   std::vector<NamedEffect> list;
   for (std::size_t i = 0; i < best.effects.size(); ++i) {
     NamedEffect named{best.effects[i], {}, 0.0, {}};
     const bool is_read_off = is_hold(*named.effect.entry);
     for (std::size_t p = 0; p < effect_unknowns(named.effect).size(); ++p, ++unknown) {
-      named.parameters.push_back(interval(best.fit, unknown, certainty.temper));
+      named.parameters.push_back(unknowns[unknown]);
     }
     if (is_read_off) {
       const HoldPeriod period = hold_period(all.evidence, *named.effect.channel).value();

@@ -37,11 +37,12 @@ struct Certainty {
 /// χ² that must be left over to be seen: a rest in one channel and two bands. `count` residuals in all.
 [[nodiscard]] double seen_from(const Case& all, double count);
 
-/// 95 % of an unknown of a fit, widened by what the model leaves unexplained.
-[[nodiscard]] Interval interval(const Fit& fit, std::size_t unknown, double temper);
+/// 95 % of each unknown of a fit, widened by what the model leaves unexplained.
+[[nodiscard]] std::vector<Interval> intervals(const Fit& fit, double temper);
 
+/// The effects of `findings.best`; `unknowns`: intervals() of its fit.
 [[nodiscard]] std::vector<NamedEffect> named_effects(const Case& all, const Findings& findings, const Price& price,
-                                                     const Certainty& certainty);
+                                                     const std::vector<Interval>& unknowns, const Certainty& certainty);
 
 /// Whether a rival is so near that the two count as not told apart.
 [[nodiscard]] bool has_close_rival(const NamedEffect& effect);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host_sim/catalogue.hpp"
 #include "host_sim/full_turn.hpp"
 #include "host_sim/stability/boundary.hpp"
 
@@ -91,18 +92,11 @@ ShownVariable shown(const std::string& variable, const model::RigParameters<doub
     }
   }
   ShownVariable result{variable, "SI", 1.0};
-  const auto look = [&](const auto& slot, const std::string& table) {
-    for (const auto& parameter : std::remove_cvref_t<decltype(slot.effect)>::card.parameters) {
-      if (variable == table + "." + std::string(parameter.name)) result.unit = parameter.unit;
+  for (const PlacedEffect& effect : effects_of(rig)) {
+    for (std::size_t i = 0; i < effect.values.size(); ++i) {
+      if (variable == effect_path(effect, i)) result.unit = effect.entry->parameters[i].unit;
     }
-  };
-  model::RigParameters<double> copy = rig;
-  copy.effects.for_each(
-      [&](auto& slot) { look(slot, "effects." + std::string(std::remove_cvref_t<decltype(slot.effect)>::card.name)); });
-  copy.effects.for_each_sensor([&](auto& slot, model::Channel channel) {
-    look(slot, "effects." + std::string(std::remove_cvref_t<decltype(slot.effect)>::card.name) + "." +
-                   std::string(model::name(channel)));
-  });
+  }
   return result;
 }
 
