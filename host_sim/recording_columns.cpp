@@ -178,6 +178,8 @@ std::vector<std::optional<Target>> find_targets(const std::vector<Heading>& head
   return targets;
 }
 
+std::string age_name(model::Channel channel) { return "age_" + std::string(model::name(channel)); }
+
 Objection object_to(Quantity quantity, double value) {
   if (!std::isfinite(value)) return {std::string(name(quantity)) + " is " + shortest(value), "a finite number"};
   if (quantity >= first_duct && value != 0.0 && value != 1.0) {

@@ -1,6 +1,7 @@
 // How the columns of a file, whatever its format, become the quantities of a recording. For the readers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -91,11 +92,16 @@ void check_time(Recording& recording, const StampRounding& rounding, const Place
 [[nodiscard]] Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap& map,
                                            std::optional<double> expected_rate);
 
+/// The column with the ages of a channel's samples: "age_F".
+[[nodiscard]] std::string age_name(model::Channel channel);
+
 /// A CSV recording row by row as it stands in the file, for a replay: times must rise and nothing else; a controller's
 /// nan are kept, its gaps are not filled.
 struct AsRecorded {
   Recording recording;
   std::vector<double> late;  ///< of each row of a controller's recording [s]; empty: anybody else's
+  /// Of each sample of a controller's recording [s], nan where none came; empty: not on record.
+  std::array<std::vector<double>, model::channel_count> age;
 };
 [[nodiscard]] AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map);
 

@@ -50,7 +50,9 @@ const char* read_number(const char* text, const char* end, double& value) {
 // Reads a file line by line, whatever blocks its bytes come in.
 class CsvReader {
  public:
-  CsvReader(std::string_view source, const ChannelMap& map) : map_(map) { recording_.source = source; }
+  CsvReader(std::string_view source, const ChannelMap& map, bool ages = false) : map_(map), ages_(ages) {
+    recording_.source = source;
+  }
 
   void take(std::string_view block) {
     if (!rest_.empty()) {
@@ -92,7 +94,7 @@ class CsvReader {
   AsRecorded finish_as_recorded() {
     take_last_row();
     check_time_rises(recording_, {recording_.source, first_row_});
-    return {std::move(recording_), std::move(late_)};
+    return {std::move(recording_), std::move(late_), std::move(age_)};
   }
 
  private:
@@ -167,6 +169,9 @@ class CsvReader {
         if (own_ && headings[c].name == "late") {
           by_controller_ = true;
           columns_.back() = {&late_, Target{time_quantity}};
+        }
+        for (std::size_t i = 0; own_ && ages_ && i < age_.size(); ++i) {
+          if (headings[c].name == age_name(model::channel_at(i))) columns_.back() = {&age_[i], Target{1 + i}};
         }
       }
     }
@@ -285,6 +290,8 @@ class CsvReader {
   bool own_ = false;            // written by rigtwin
   bool by_controller_ = false;  // by rig_controller: it has a column late
   std::vector<double> late_;    // of each row [s]
+  bool ages_;                   // are read as well
+  std::array<std::vector<double>, model::channel_count> age_;
 };
 
 void append(std::string& text, double value) {
@@ -332,7 +339,7 @@ Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap
 AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map) {
   const RecordingFile opened(file);
   refuse_matlab(opened, file);
-  CsvReader reader(file.string(), map);
+  CsvReader reader(file.string(), map, true);
   read_all(reader, opened.descriptor(), opened.head(), file.string(), std::size_t{1} << 20U);
   return reader.finish_as_recorded();
 }

@@ -5,14 +5,15 @@
 
 namespace firmware::controller {
 
-/// A span that is too short once in a thousand times: raised by a step when it was, lowered by a 999th of it when not.
+/// A span that is too short once in ten thousand times: raised by a step when it was, lowered by a 9999th of it when
+/// not.
 class RarelyTooShort {
  public:
   constexpr RarelyTooShort(hal::Time first, hal::Time least, hal::Time most, hal::Time step)
       : span_(first), least_(least), most_(most), step_(step) {}
 
   constexpr void follow(bool too_short) {
-    span_ = too_short ? span_ + step_ : span_ - hal::nanoseconds(step_.ns / 999);
+    span_ = too_short ? span_ + step_ : span_ - hal::nanoseconds(step_.ns / 9999);
     if (span_ < least_) span_ = least_;
     if (span_ > most_) span_ = most_;
   }
@@ -24,8 +25,9 @@ class RarelyTooShort {
 
 /// Wakes up early enough to rehearse a period, and hardly earlier: what it waits for the instant it does not sleep.
 ///
-///   wake up at  due − early()      early: the rehearsal and the machine's wake-up latency, of 999 periods in 1000
-///   rehearse where there_is_time   the rehearsal's own time, of 999 in 1000
+///   wake up at  due − early()      early: a rehearsal and the machine's wake-up latency, of 9999 periods in 10 000
+///   rehearse where there_is_time   a rehearsal's own time, of 9999 in 10 000
+///   again while still_time         so that what others do in the meantime is mended
 class EarlyWake {
  public:
   explicit constexpr EarlyWake(hal::Time most)
@@ -36,13 +38,16 @@ class EarlyWake {
 
   /// The sleep has ended `left` before the period is due.
   [[nodiscard]] constexpr bool there_is_time(hal::Time left) {
-    const bool time = left >= rehearsal_.span();
+    const bool time = still_time(left);
     early_.follow(!time);
     if (!time) rehearsal_.follow(false);
     return time;
   }
 
-  /// The rehearsal has ended `left` before the period is due; less than 0: after it.
+  /// A rehearsal has ended `left` before the period is due.
+  [[nodiscard]] constexpr bool still_time(hal::Time left) const { return left >= rehearsal_.span(); }
+
+  /// So has the last one; less than 0: after it.
   constexpr void rehearsed(hal::Time left) { rehearsal_.follow(left < hal::Time{}); }
 
  private:

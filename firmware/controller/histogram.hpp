@@ -1,6 +1,7 @@
 // How long things took: counted, not kept.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
@@ -15,8 +16,9 @@ class Histogram {
  public:
   void add(std::int64_t span) {
     const auto value = static_cast<std::uint64_t>(span > 0 ? span : 0);
-    raise(classes_[index(value)]);
-    raise(count_);
+    raise(classes_[index(value)], 1);
+    raise(count_, 1);
+    raise(sum_, value);
     if (value > highest_.load(std::memory_order_relaxed)) highest_.store(value, std::memory_order_relaxed);
     if (value < lowest_.load(std::memory_order_relaxed)) lowest_.store(value, std::memory_order_relaxed);
   }
@@ -25,6 +27,17 @@ class Histogram {
   [[nodiscard]] std::uint64_t highest() const { return highest_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t lowest() const { return count() > 0 ? lowest_.load(std::memory_order_relaxed) : 0; }
 
+  [[nodiscard]] std::uint64_t mean() const { return count() > 0 ? sum_.load(std::memory_order_relaxed) / count() : 0; }
+
+  /// take(longest, spans) for each class that holds some: the upper end of the class, at most the highest span.
+  template <class Take>
+  void for_each_class(Take&& take) const {
+    for (std::size_t i = 0; i < classes_.size(); ++i) {
+      const std::uint64_t spans = classes_[i].load(std::memory_order_relaxed);
+      if (spans > 0) take(std::min(upper_end(i), highest()), spans);
+    }
+  }
+
   /// Not exceeded by this share of the spans: the upper end of its class, at most the highest span.
   [[nodiscard]] std::uint64_t quantile(double share) const {
     const double wanted = share * static_cast<double>(count());
@@ -32,8 +45,7 @@ class Histogram {
     for (std::size_t i = 0; i < classes_.size(); ++i) {
       passed += classes_[i].load(std::memory_order_relaxed);
       if (passed > 0 && static_cast<double>(passed) >= wanted) {
-        const std::uint64_t end = upper_end(i);
-        return end < highest() ? end : highest();
+        return std::min(upper_end(i), highest());
       }
     }
     return highest();
@@ -42,8 +54,8 @@ class Histogram {
  private:
   static constexpr unsigned sub_bits = 5;
 
-  static void raise(std::atomic<std::uint64_t>& counter) {
-    counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  static void raise(std::atomic<std::uint64_t>& counter, std::uint64_t by) {
+    counter.store(counter.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
   }
   [[nodiscard]] static std::size_t index(std::uint64_t value) {
     if (value < (1U << sub_bits)) return static_cast<std::size_t>(value);
@@ -58,6 +70,7 @@ class Histogram {
 
   std::array<std::atomic<std::uint64_t>, (64 - sub_bits + 1) << sub_bits> classes_{};
   std::atomic<std::uint64_t> count_{0};
+  std::atomic<std::uint64_t> sum_{0};
   std::atomic<std::uint64_t> highest_{0};
   std::atomic<std::uint64_t> lowest_{~std::uint64_t{0}};
 };

@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
     return static_cast<int>(run(options));
   } catch (const host_sim::UsageError& error) {
     return end(Status::wrong_usage, error.what());
+  } catch (const host_sim::OutputError& error) {
+    return end(Status::cannot_write, error.what());
   } catch (const host_sim::InputError& error) {
     return end(Status::unfit_input, error.what());
   } catch (const std::exception& error) {

@@ -14,6 +14,7 @@ const char* const usage =
   rig_controller --rig RIG.toml --check     lines, converters, rights, limits: everything but motion
   rig_controller --list                     GPIO chips and lines, converters and triggers that are there
 
+  --histogram FILE  wake-up latency, step time and sample age as `cyclictest -h` writes them
   --no-realtime     run without real-time rights; the recording says so
   --simulated       the rig's model in place of its devices, in real time
   --virtual-time    with --simulated: nobody sleeps, the same bits on every machine
@@ -57,8 +58,8 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       options.virtual_time = true;
     } else {
       const bool known = word == "--rig" || word == "--out" || word == "--road" || word == "--speed" ||
-                         word == "--duration" || word == "--seed" || word == "--replay" || word == "--bandwidth" ||
-                         word == "--cut-off";
+                         word == "--duration" || word == "--histogram" || word == "--seed" || word == "--replay" ||
+                         word == "--bandwidth" || word == "--cut-off";
       if (!known) {
         trouble = "unknown option " + std::string(word) + ", see rig_controller --help";
         return options;
@@ -71,6 +72,7 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       bool fits = true;
       if (word == "--rig") options.rig = value;
       if (word == "--out") options.out = value;
+      if (word == "--histogram") options.histogram = value;
       if (word == "--road") options.road = value;
       if (word == "--speed") fits = read(value, options.speed) && options.speed > 0.0 && options.speed < 1e3;
       if (word == "--duration")
@@ -90,6 +92,9 @@ Options read_options(int argc, char** argv, std::string& trouble) {
   if (!trouble.empty() || (options.task != Task::run && options.task != Task::check)) return options;
   if (options.rig.empty()) trouble = "--rig is missing, expected a rig description";
   if (options.task == Task::run && options.out.empty()) trouble = "--out is missing, expected the recording's name";
+  if (!options.histogram.empty() && options.histogram == options.out) {
+    trouble = "--histogram and --out name one file, expected two";
+  }
   if (options.virtual_time && !options.simulated) trouble = "--virtual-time needs --simulated: a rig has its own time";
   if (!options.replay.empty()) {
     if (options.simulated) trouble = "--replay and --simulated: expected one of them";

@@ -12,6 +12,7 @@ struct Options {
   Task task = Task::run;
   std::string rig;
   std::string out;
+  std::string histogram;  ///< a file for what the loop took; empty: none
   std::string road = "iso8608:B";
   double speed = 27.78;    ///< [m/s]
   double duration = 60.0;  ///< [s]

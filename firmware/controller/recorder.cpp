@@ -6,8 +6,10 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <limits>
 
 #include "host_sim/recording.hpp"
+#include "host_sim/recording_columns.hpp"
 #include "host_sim/simulated_rig.hpp"
 
 namespace firmware::controller {
@@ -42,7 +44,12 @@ Recorder::Recorder(const std::string& file, const host_sim::RigDescription& rig,
   }
   for (std::size_t j = 0; j < ducts_; ++j) buffer_ += ",duct_" + std::to_string(j + 1);
   if (estimates_) buffer_ += ",F_w_c [N],v_r [m/s],v_w [m/s],v_b [m/s]";
-  buffer_ += ",late [s],age [s]\n";
+  buffer_ += ",late [s],age [s]";
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    fitted_[i] = sensors[i].fitted;
+    if (fitted_[i]) buffer_ += "," + host_sim::age_name(model::channel_at(i)) + " [s]";
+  }
+  buffer_ += '\n';
   file_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file_ < 0 || !flush()) {
     trouble = file + ": " + std::strerror(file_ < 0 ? errno : error_) + ", expected a file that can be written";
@@ -79,6 +86,12 @@ void Recorder::take(const Record& record) {
   for (const hal::Time span : {record.late, record.time - oldest_sample(record)}) {
     buffer_ += ',';
     number(span.seconds());
+  }
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    if (!fitted_[i]) continue;
+    buffer_ += ',';
+    number(record.taken[i] == hal::never ? std::numeric_limits<double>::quiet_NaN()
+                                         : (record.time - record.taken[i]).seconds());
   }
   buffer_ += '\n';
   ++collected_;

@@ -25,6 +25,7 @@ namespace firmware::controller {
 /// every rig
 ///   late [s]   how long after its instant the period began; the readers explain longer steps by it
 ///   age [s]    of its oldest sample
+///   age_F [s]  of that of each channel that is measured, nan where none came: a replay finds them as old again
 class Recorder {
  public:
   /// Opens the file and writes comments and header. `trouble`: why not.
@@ -59,6 +60,7 @@ class Recorder {
   bool estimates_ = false;
   std::size_t ducts_ = 0;
   std::array<bool, model::channel_count> kept_{};
+  std::array<bool, model::channel_count> fitted_{};
   hal::Time begin_ = hal::never;
 };
 

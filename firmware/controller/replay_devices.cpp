@@ -42,8 +42,10 @@ class ReplayDevices final : public Devices {
     for (std::size_t i = 0; i < model::channel_count; ++i) {
       const std::vector<double>& values = recorded.channels[i];
       if (values.empty() || !setup[i].fitted) continue;
+      const std::vector<double>& age = recorded_.age[i];
       for (std::size_t k = 0; k < values.size(); ++k) {
-        taken_[i].push_back(std::isnan(values[k]) ? hal::never : times_[k]);
+        const double old = !age.empty() ? age[k] : std::isnan(values[k]) ? values[k] : 0.0;
+        taken_[i].push_back(std::isnan(old) ? hal::never : times_[k] - hal::seconds(old));
       }
       played.columns[i] = {values, taken_[i]};
     }

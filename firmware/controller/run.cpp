@@ -21,15 +21,16 @@
 #include "firmware/controller/early_wake.hpp"
 #include "firmware/controller/emergency.hpp"
 #include "firmware/controller/heap_seal.hpp"
-#include "firmware/controller/histogram.hpp"
 #include "firmware/controller/real_time.hpp"
 #include "firmware/controller/recorder.hpp"
 #include "firmware/controller/rehearsal.hpp"
+#include "firmware/controller/spans.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/gpio.hpp"
 #include "hal/linux/iio.hpp"
 #include "host_sim/closed_loop.hpp"
 #include "host_sim/input_error.hpp"
+#include "host_sim/output_file.hpp"
 #include "host_sim/recording_columns.hpp"
 #include "host_sim/road_choice.hpp"
 #include "host_sim/version.hpp"
@@ -43,21 +44,10 @@ constexpr std::size_t write_records = 512;     // at most so many between two wr
 /// Why the program itself, not the firmware, ends a run.
 enum class Cause : int { none, signal, disk, heap };
 
-struct Spans {
-  Histogram wake_up, step, age;
-};
-
-void print_line(const char* what, const Histogram& h) {
-  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
-  std::printf("  %-17s C:%8llu Min:%9.1f P50:%9.1f P99:%9.1f P99.9:%9.1f Max:%9.1f us\n", what,
-              static_cast<unsigned long long>(h.count()), us(h.lowest()), us(h.quantile(0.5)), us(h.quantile(0.99)),
-              us(h.quantile(0.999)), us(h.highest()));
-}
-
 void print(const Spans& spans, double allowed_delay) {
-  print_line("wake-up latency", spans.wake_up);
-  print_line("step time", spans.step);
-  print_line("sample age", spans.age);
+  const std::string lines =
+      line("wake-up latency", spans.wake_up) + line("step time", spans.step) + line("sample age", spans.age);
+  std::fputs(lines.c_str(), stdout);
   const double delay = static_cast<double>(spans.age.quantile(0.999) + spans.step.quantile(0.999)) * 1e-9;
   if (allowed_delay > 0.0 && delay > allowed_delay) {
     std::printf("NOTE: samples and computation take %.3f ms (P99.9), stability leaves %.3f ms: this loop may grow\n",
@@ -185,15 +175,19 @@ void drain(const hal::Rig& roles, hal::Time period) {
   }
 }
 
-/// Sleeps until a moment before a period is due, rehearses it where there is time left, and waits for its instant
-/// without sleeping. How late the sleep ended.
+/// Sleeps until a moment before a period is due, rehearses it over and over while there is time, and waits for its
+/// instant without sleeping. How late the sleep ended.
 hal::Time wake_before(hal::Time due, EarlyWake& wake, hal::Clock& machine, Rehearsal& rehearsal) {
   const hal::Time wanted = due - wake.early();
   machine.sleep_until(wanted);
   const hal::Time woken = machine.now();
   if (wake.there_is_time(due - woken)) {
-    rehearsal.step();
-    wake.rehearsed(due - machine.now());
+    hal::Time left{};
+    do {
+      rehearsal.step();
+      left = due - machine.now();
+    } while (wake.still_time(left));
+    wake.rehearsed(left);
   }
   while (machine.now() < due) {
   }
@@ -349,6 +343,14 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
     why = "the recording cannot be written: " + std::string(std::strerror(recorder.error()));
     status = Status::cannot_write;
   }
+  if (!options.histogram.empty()) {
+    try {
+      host_sim::write_file(options.histogram, as_cyclictest(*spans));
+    } catch (const host_sim::OutputError& error) {
+      std::fprintf(stderr, "rig_controller: %s\n", error.what());
+      if (status == Status::done) status = Status::cannot_write;
+    }
+  }
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
               loop->at_rest() ? "at rest" : "NOT AT REST", static_cast<unsigned long long>(recorder.rows()),
               options.out.c_str());
@@ -400,6 +402,9 @@ Status run(const Options& options) {
   }
   const host_sim::RigDescription rig = host_sim::read_rig(options.rig);
   std::string trouble;
+  if (!options.histogram.empty()) {  // that it cannot be written is to be known before anything moves
+    static_cast<void>(host_sim::OutputFile(options.histogram));
+  }
   const std::unique_ptr<Devices> devices = open_devices(rig, options, trouble);
   if (!devices) {
     std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());

@@ -102,7 +102,7 @@ micros=$(sed -n 's/^ok .*stop button to safe valves: OBSERVED after \([0-9]*\) u
 [ -n "$micros" ] || complain "the button was not answered"
 for each in $micros; do [ "$each" -le 5000 ] || complain "valves safe after $each us, expected 5000 us at most"; done
 # Recordings are read as they are, whole up to the end; on a real-time kernel no period is late.
-for name in run killed full; do
+for name in run killed slow full; do
   received "$name.csv"
   rows=$(grep -c '^[0-9]' "$folder/$name.csv")
   "$rigtwin" frf --data "$folder/$name.csv" --input dz_w --output F_w --json "$folder/$name.json" >"$folder/out" 2>&1 || true
@@ -111,6 +111,13 @@ for name in run killed full; do
 done
 [ "$(grep -c '^[0-9]' "$folder/run.csv")" -ge 29000 ] || complain "the recording of 30 s is shorter"
 [ "$(grep -c '^[0-9]' "$folder/killed.csv")" -ge 2000 ] || complain "more than the last second is lost by kill -9"
+# Ages of samples that come every 1/239 s, read every millisecond: evenly between none and 4.18 ms, whatever is between
+# sampling and reading on top (0.2 ms allowed). Two queued samples, or stamps of when they were read, would not show that.
+awk -F, '/^t,/ { for (i = 1; i <= NF; ++i) if ($i == "age_F_w [s]") c = i } /^[0-9]/ && $1 > 1 { print 1e6 * $c }' "$folder/slow.csv" | sort -g |
+  awk '{ a[NR] = $1 } END { low = a[1]; middle = a[int(NR / 2)]; high = a[NR]
+    printf "ages of a slower converter: %.0f to %.0f us, median %.0f us\n", low, high, middle
+    exit !(NR > 1000 && low >= 0 && low < 200 && middle > 1992 && middle < 2192 && high > 3984 && high < 4384) }' ||
+  complain "expected 0 to 4184 us, median 2092"
 # The same bits as here.
 for name in hil replay; do
   received $name.csv

@@ -1,13 +1,15 @@
 // What this machine takes for as much work as a period of the control loop is, after as long a sleep: the floor that
 // the loop's own time is held against (real_time.bash).
 //
-//   rigtwin_rival SECONDS [PRIORITY]
+//   rigtwin_rival SECONDS PRIORITY NANOSECONDS        priority 0: as an ordinary program
 //
 // Every millisecond the program sleeps and then goes once through 48 pieces of code, each of four cache lines and three
 // more of data, spread over as many pages as the loop's data: 201 lines of code, 144 of data, 2400 instructions, hardly
 // a branch among them. (A period of the hil loop on x86-64, simulated rig included, with all its branches: 197 lines of
-// code, 144 of data, 2380 instructions; counted with valgrind's lackey.) In every other period it does so once before,
-// too, while it waits awake for its instant, as rig_controller does.
+// code, 144 of data, 2380 instructions; counted with valgrind's lackey.) In every third period it does so before, too,
+// over and over while it waits awake for its instant, as rig_controller does; and in every third it does nothing at all
+// after such a wait but read the clock until NANOSECONDS have passed: how often that takes longer than 5 µs is the
+// machine's doing alone.
 #include <sched.h>
 #include <sys/mman.h>
 
@@ -19,7 +21,7 @@
 #include <utility>
 
 #include "firmware/controller/early_wake.hpp"
-#include "firmware/controller/histogram.hpp"
+#include "firmware/controller/spans.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace {
@@ -55,19 +57,14 @@ template <std::size_t... I>
   (piece<(I * 23) % pieces>(data[I]), ...);
 }
 
-void print(const char* what, const firmware::controller::Histogram& h) {
-  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
-  std::printf("  %-17s C:%8llu Min:%9.1f P50:%9.1f P99:%9.1f P99.9:%9.1f Max:%9.1f us\n", what,
-              static_cast<unsigned long long>(h.count()), us(h.lowest()), us(h.quantile(0.5)), us(h.quantile(0.99)),
-              us(h.quantile(0.999)), us(h.highest()));
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  const long seconds = argc > 1 ? std::atol(argv[1]) : 0;
-  if (seconds < 1 || argc > 3) {
-    std::fputs("usage: rigtwin_rival SECONDS [PRIORITY]\n", stderr);
+  const long seconds = argc == 4 ? std::atol(argv[1]) : 0;
+  const int priority = argc == 4 ? std::atoi(argv[2]) : 0;
+  const hal::Time window = hal::nanoseconds(argc == 4 ? std::atol(argv[3]) : 0);
+  if (seconds < 1 || window <= hal::Time{}) {
+    std::fputs("usage: rigtwin_rival SECONDS PRIORITY NANOSECONDS\n", stderr);
     return 2;
   }
   auto memory = std::make_unique<std::array<double, pages * page>>();
@@ -81,36 +78,50 @@ int main(int argc, char** argv) {
   };
   for (Data& d : data) d = {take(), take(), take()};
   ::mlockall(MCL_CURRENT | MCL_FUTURE);
-  if (argc > 2) {
+  if (priority > 0) {
     sched_param parameters{};
-    parameters.sched_priority = std::atoi(argv[2]);
+    parameters.sched_priority = priority;
     if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) std::puts("  SCHED_FIFO refused");
   }
 
   const auto work = [&] { go_through(data, std::make_index_sequence<pieces>{}); };
   hal::linux::MonotonicClock clock;
   firmware::controller::EarlyWake wake(hal::microseconds(200));
-  const auto plain = std::make_unique<firmware::controller::Histogram>();
-  const auto rehearsed = std::make_unique<firmware::controller::Histogram>();
+  enum Kind : std::size_t { plain, rehearsed, nothing };
+  const auto histograms = std::make_unique<std::array<firmware::controller::Histogram, 3>>();
   hal::Time due = clock.now() + hal::milliseconds(1);
-  for (long k = 0; k < seconds * 1000; ++k, due += hal::milliseconds(1)) {
-    const bool early = k % 2 == 1;
-    clock.sleep_until(early ? due - wake.early() : due);
-    if (early) {
-      if (wake.there_is_time(due - clock.now())) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(seconds) * 1000; ++k, due += hal::milliseconds(1)) {
+    const auto kind = static_cast<Kind>(k % 3);
+    clock.sleep_until(kind == plain ? due : due - wake.early());
+    if (kind == rehearsed && wake.there_is_time(due - clock.now())) {
+      hal::Time left{};
+      do {
         work();
-        wake.rehearsed(due - clock.now());
-      }
-      while (clock.now() < due) {
-      }
+        left = due - clock.now();
+      } while (wake.still_time(left));
+      wake.rehearsed(left);
+    }
+    while (clock.now() < due) {
     }
     const hal::Time begin = clock.now();
-    work();
-    const hal::Time end = clock.now();
-    (early ? rehearsed : plain)->add((end - begin).ns);
+    hal::Time end = begin;
+    if (kind == nothing) {
+      while (end < begin + window) end = clock.now();
+    } else {
+      work();
+      end = clock.now();
+    }
+    (*histograms)[kind].add((end - begin).ns);
     if (end > due + hal::milliseconds(1)) due = end;
   }
-  print("rival", *plain);
-  print("rival, rehearsed", *rehearsed);
+  for (const auto& [what, kind] : {std::pair{"rival", plain}, {"rival, rehearsed", rehearsed}, {"nothing", nothing}}) {
+    std::fputs(firmware::controller::line(what, (*histograms)[kind]).c_str(), stdout);
+  }
+  std::uint64_t beyond = 0;
+  (*histograms)[nothing].for_each_class([&](std::uint64_t longest, std::uint64_t spans) {
+    if (longest >= 5000) beyond += spans;
+  });
+  std::printf("  nothing took 5 us or longer: %llu of %llu\n", static_cast<unsigned long long>(beyond),
+              static_cast<unsigned long long>((*histograms)[nothing].count()));
   return (*memory)[0] == 42.0 ? 1 : 0;  // the work has a result
 }

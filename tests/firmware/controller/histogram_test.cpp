@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "tests/support/without_heap.hpp"
 
@@ -40,6 +42,23 @@ TEST(Histogram, HoldsEverySpan) {
   const auto histogram = std::make_unique<Histogram>();
   histogram->add(-5);
   EXPECT_EQ(histogram->highest(), 0U);
+}
+
+// Law. The classes hold all spans, each not too long by more than 1/32; the mean is that of the spans themselves.
+TEST(Histogram, ShowsItsClasses) {
+  const auto histogram = std::make_unique<Histogram>();
+  EXPECT_EQ(histogram->mean(), 0U);
+  for (const int span : {3, 700, 700, 5000, 90'000}) histogram->add(span);
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> found;
+  histogram->for_each_class([&](std::uint64_t longest, std::uint64_t spans) { found.emplace_back(longest, spans); });
+  ASSERT_EQ(found.size(), 4U);
+  const std::vector<std::pair<std::uint64_t, std::uint64_t>> wanted{{3, 1}, {700, 2}, {5000, 1}, {90'000, 1}};
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    EXPECT_GE(found[i].first, wanted[i].first);
+    EXPECT_LE(found[i].first, wanted[i].first + wanted[i].first / 32);
+    EXPECT_EQ(found[i].second, wanted[i].second);
+  }
+  EXPECT_EQ(histogram->mean(), (3U + 700U + 700U + 5000U + 90'000U) / 5U);
 }
 
 TEST(Histogram, TakesNoHeap) {

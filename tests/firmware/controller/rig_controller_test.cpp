@@ -1,5 +1,6 @@
 // The program rig_controller as a shell on the board meets it, with the simulated back-end. On a real-time kernel with
 // lines and converters: tests/guest.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/syscall.h>
@@ -20,6 +21,8 @@ namespace {
 
 using support::Ended;
 using support::TemporaryFolder;
+using testing::AllOf;
+using testing::HasSubstr;
 
 std::string rig_file(const char* name) {
   return (support::source / "host_sim/rigs" / (std::string(name) + ".toml")).string();
@@ -72,7 +75,9 @@ TEST(RigController, RecordsTheBitsOfTheSimulation) {
     EXPECT_EQ(recording.time, run.recording.time);
     EXPECT_EQ(recording.channels, run.recording.channels) << name;
     EXPECT_EQ(recording.ducts, run.recording.ducts) << name;
-    EXPECT_EQ(recording.ignored_columns.back(), "age [s]");
+    EXPECT_THAT(recording.ignored_columns, testing::Contains("age [s]"));
+    EXPECT_EQ(recording.ignored_columns.back(),
+              rig.rig.kind == model::RigKind::quarter_car ? "age_F_w [s]" : "age_F [s]");
     EXPECT_NE(last_line(ended.output).find("ended by reference_ended; valves safe, command at rest, 12000 rows"),
               std::string::npos)
         << last_line(ended.output);
@@ -105,23 +110,41 @@ TEST(RigController, ReplaysARecordingToTheBit) {
   }
 }
 
+/// A recording by hand, replayed: what the program says of it and what it records.
+struct Replayed {
+  Ended ended;
+  std::string recording;
+  explicit Replayed(const std::string& rows) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("run.csv", "# rigtwin recording: SI units\n" + rows);
+    const std::string out = folder / "again.csv";
+    ended = controller({"--rig", rig_file("paper_bench_fdva"), "--replay", file, "--out", out});
+    recording = TemporaryFolder::read(out);
+  }
+};
+
 // A late period is late again, and a sample that did not come is missing again: the program counts the same.
 TEST(RigController, ReplaysWhatWentWrong) {
-  const TemporaryFolder folder;
-  const std::string file = folder.write("run.csv",
-                                        "# rigtwin recording: SI units\nt,x_act [m],F [N],late [s],age [s]\n"
-                                        "0,0,0,0,0\n0.001,0,0,0.0001,0\n0.002,nan,0,0,0\n0.0054,0,0,0.0024,0\n"
-                                        "0.0064,0,0,0,0\n0.0074,0,0,0,0\n");
-  const std::string out = folder / "again.csv";
-  const Ended ended = controller({"--rig", rig_file("paper_bench_fdva"), "--replay", file, "--out", out});
-  EXPECT_EQ(ended.status, 0) << ended.errors;
+  const Replayed run(
+      "t,x_act [m],F [N],late [s],age [s]\n0,0,0,0,0\n0.001,0,0,0.0001,0\n0.002,nan,0,0,0\n0.0054,0,0,0.0024,0\n"
+      "0.0064,0,0,0,0\n0.0074,0,0,0,0\n");
+  EXPECT_EQ(run.ended.status, 0) << run.ended.errors;
   // Bridged are the sample that is missing and, after the last row, both channels of a source that is at its end.
-  EXPECT_NE(ended.output.find("late periods 1, bridged samples 3, missed frames 1,"), std::string::npos)
-      << ended.output;
-  const std::string text = TemporaryFolder::read(out);
-  EXPECT_NE(text.find("\n0.0054,"), std::string::npos) << text;
-  EXPECT_NE(text.find("\n0.002,"), std::string::npos) << text;
-  EXPECT_NE(text.find(",nan,"), std::string::npos) << text;
+  EXPECT_THAT(run.ended.output, HasSubstr("late periods 1, bridged samples 3, missed frames 1,"));
+  EXPECT_THAT(run.recording, AllOf(HasSubstr("\n0.0054,"), HasSubstr("\n0.002,"), HasSubstr(",nan,")));
+}
+
+// A sample that was as old as it may not be is as old again, also beside younger ones: with six periods F is bridged.
+TEST(RigController, ReplaysWhatWasStale) {
+  const Replayed run(
+      "t,x_act [m],F [N],late [s],age [s],age_x_act [s],age_F [s]\n0,0,0,0,0.0049,0.00025,0.0049\n"
+      "0.001,0,0,0,0.006,0,0.006\n0.002,0,0,0,0,0,0\n0.003,0,0,0,0.001,nan,0.001\n0.004,0,nan,0,0.001,0,0.001\n");
+  EXPECT_EQ(run.ended.status, 0) << run.ended.errors;
+  // F that is stale, x_act that is missing, F that is not finite, and after the last row both.
+  EXPECT_THAT(run.ended.output, HasSubstr("bridged samples 5, missed frames 1,"));
+  EXPECT_THAT(run.recording, AllOf(HasSubstr(",0,0.0049,0.00025,0.0049\n"), HasSubstr(",0,0.006,0,0.006\n"),
+                                   HasSubstr(",nan,0,1,1,0,0,0,0,0,0.001,nan,0.001\n"),
+                                   HasSubstr(",nan,0,0,0,0,0,0,0,0.001,0,0.001\n")));
 }
 
 // Roads come by the code of `rigtwin simulate`: from a file as well, and shaped as wished.
@@ -260,6 +283,10 @@ TEST(RigController, RefusesInOneLine) {
       {{"--rig", hil}, 2, "--out is missing"},
       {{"--out", out}, 2, "--rig is missing"},
       {{"--rig", hil, "--out", out, "--fast"}, 2, "unknown option --fast"},
+      {{"--rig", hil, "--out", out, "--histogram", out}, 2, "--histogram and --out name one file"},
+      {{"--rig", hil, "--out", out, "--simulated", "--virtual-time", "--histogram", "/no/such/folder"},
+       4,
+       "/no/such/folder: cannot be created"},
       {{"--rig", hil, "--out", out, "--duration", "x"}, 2, "--duration x does not fit"},
       {{"--rig", hil, "--out", out, "--duration"}, 2, "--duration needs a value"},
       {{"--rig", hil, "--out", out, "--virtual-time"}, 2, "--virtual-time needs --simulated"},
@@ -285,6 +312,24 @@ TEST(RigController, RefusesInOneLine) {
     EXPECT_NE(ended.errors.find(c.words), std::string::npos) << ended.errors;
   }
   EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+// The histogram is there when the run has ended; one that cannot be written then is told beside the last line.
+TEST(RigController, WritesItsHistograms) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& file) {
+    return controller({"--rig", rig_file("paper_hil_fdva"), "--simulated", "--virtual-time", "--duration", "1", "--out",
+                       folder / "run.csv", "--histogram", file});
+  };
+  EXPECT_EQ(run(folder / "run.us").status, 0);
+  const std::string text = TemporaryFolder::read(folder / "run.us");
+  EXPECT_NE(text.find("\n# Total: 000001"), std::string::npos) << text;
+
+  const Ended full = run("/dev/full");
+  EXPECT_EQ(full.status, 4);
+  EXPECT_NE(full.errors.find("/dev/full: cannot be written"), std::string::npos) << full.errors;
+  EXPECT_NE(last_line(full.output).find("ended by reference_ended; valves safe, command at rest, 1000 rows"),
+            std::string::npos);
 }
 
 // A trip is a safe stop with a status of its own, which systemd takes as a wish to stay down.
