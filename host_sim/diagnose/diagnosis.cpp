@@ -53,6 +53,8 @@ double explained_share(double refit, double after, double count) {
 
 /// Below this share of the power explained, what is found is not the whole of it.
 constexpr double all_but_noise = 0.97;
+/// Below this, comparing with rivals has never made it the whole (tests/confusion): a second look comes before it.
+constexpr double far_from_all = 0.9;
 
 /// Of a long recording the beginning is fitted and the end held out: minutes say what hours would, and fit into memory.
 std::vector<std::string> without_the_middle(std::vector<Record>& records) {
@@ -172,16 +174,23 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
     whiten(part, noises);
     return part;
   };
-  Findings findings = search(all, given, tolerated, starts, price, rewhiten, shorten, tell);
+  Findings findings = search(all, given, tolerated, starts, {price, rewhiten, shorten, tell});
   const auto count = static_cast<double>(findings.best.fit.residual.size());
-  if (rest_of(all, findings.best.fit.hypothesis).significant &&
-      explained_share(findings.nothing.fit.chi_squared / count, findings.best.fit.chi_squared / count, count) <
-          all_but_noise) {
+  /// Whether more is left than noise, and at least so much.
+  const auto lacks = [&](double share) {
+    const double explained =
+        explained_share(findings.nothing.fit.chi_squared / count, findings.best.fit.chi_squared / count, count);
+    return explained < share && rest_of(all, findings.best.fit.hypothesis).significant;
+  };
+  const auto compare_all = [&] { compare(all, tolerated, starts, {price, rewhiten, shorten, tell}, findings); };
+  const bool far = lacks(far_from_all);
+  if (!far) compare_all();
+  if (far || lacks(all_but_noise)) {
     all.model_error = pooled_error(all, findings.best.fit.hypothesis);
     whiten(all, noises);
     constexpr double enough = 24.0;  // [s]: errors of the model differ from one second to the next, unlike noise
     const double share = telling_share(all, enough / static_cast<double>(all.fitted.size()));
-    const auto look = [&](const Price& smaller) {
+    const Look look = [&](const Price& smaller, const auto& is_worth_comparing) {
       Case part = shorten(share);
       // What steps get wrong is small beside the error allowed for.
       for (Evidence& e : part.evidence) e.fine = (e.fine + 1) / 2;
@@ -190,13 +199,23 @@ Diagnosis diagnose(const RigDescription& description, std::vector<Record> record
         if (depends) whiten(part, noises);
         return depends;
       };
-      Findings some = search(part, given, tolerated, starts, smaller, rewhiten_part, {}, tell);
+      const Tools tools{smaller, rewhiten_part, {}, tell};
+      Findings some = search(part, given, tolerated, starts, tools);
+      if (is_worth_comparing) {
+        Findings whole = some;
+        settle_on(all, tolerated, starts, smaller, whole);
+        if (!is_worth_comparing(whole)) return whole;
+      }
+      compare(part, tolerated, starts, tools, some);
       settle_on(all, tolerated, starts, smaller, some);
       return some;
     };
-    findings = second_look(all, std::move(findings), all.model_error, look, result.remarks);
+    const std::vector<CarriedNoise> noises_found = noises;
+    const bool replaced = second_look(all, findings, all.model_error, look, result.remarks);
     all.model_error = 0.0;
+    if (!replaced) noises = noises_found;
     whiten(all, noises);
+    if (far && !replaced) compare_all();
   }
   result.simulations = findings.simulations;
   result.candidates = findings.tried;

@@ -355,142 +355,191 @@ std::vector<Rival> rivals_of(const Search& search, const Explanation& best, cons
   return rivals;
 }
 
-}  // namespace
+struct Cheaper {
+  const Price& price;
+  bool operator()(const Explanation& a, const Explanation& b) const { return a.cost(price) < b.cost(price); }
+};
 
-Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
-                const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten,
-                const Shorten& shorten, const Tell& tell) {
-  const std::vector<Unknown> common = in_a_row(tolerated, starts);
-  const Search search(all, common, price);
-  Findings findings;
-  Explanation& nothing = findings.nothing;
-  Explanation& best = findings.best;
-  const auto report = [&](double share, const std::string& what) {
-    if (tell) tell(share, what, search.simulations, search.tried);
-  };
-  report(0.05, "tolerated parameters");
-  nothing = search.settled(given, {});
-  const Scales scales = scales_of(all, nothing.fit.hypothesis, respond(all, nothing.fit.hypothesis));
-  const auto cheaper = [&](const Explanation& a, const Explanation& b) { return a.cost(price) < b.cost(price); };
+/// What forward, backward and swap share: one case, its prices and its reports.
+class Explorer {
+ public:
+  Explorer(Case& all, const std::vector<Unknown>& tolerated, const std::vector<Unknown>& starts, const Tools& tools)
+      : all_(all),
+        common_(in_a_row(tolerated, starts)),
+        tools_(tools),
+        price_(tools.price),
+        search_(all, common_, price_),
+        share_scanned_(tools.shorten ? telling_share(all, seconds_telling) : 1.0) {}
 
-  const double share_scanned = shorten ? telling_share(all, seconds_telling) : 1.0;
+  /// From nothing on, one effect more at a time.
+  void forward(const Hypothesis& given, Findings& findings) {
+    Explanation& nothing = findings.nothing;
+    Explanation& best = findings.best;
+    report(0.05, "tolerated parameters");
+    nothing = search_.settled(given, {});
+    look_at_scales(nothing);
+
+    constexpr std::size_t most_effects = 4;
+    const std::size_t beam_width = price_.beam;
+    std::vector<Explanation> beam{nothing};
+    std::vector<Explanation>& alone = findings.alone;
+    best = nothing;
+    // Values that repeat themselves in regular turns are a hold: no fit could say it better.
+    for (const Channel channel : all_.evidence.front().channels) {
+      const auto held = search_.held(best, scales_, channel);
+      if (held && is_worth(*held, best, price_, 0.0)) beam.front() = best = *held;
+    }
+    if (!best.effects.empty() && tools_.rewhiten(best.fit.hypothesis)) {
+      search_.settle(nothing, 4);
+      search_.settle(best, 4);
+      beam.front() = best;
+    }
+    for (std::size_t depth = 0; depth < most_effects && (depth == 0 || !search_.leaves_noise(best)); ++depth) {
+      report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
+      std::vector<Explanation> next;
+      for (const Explanation& base : beam) {
+        auto list = extended(base, false);
+        if (base.effects.empty()) alone = list;
+        for (std::size_t i = 0; i < std::min(beam_width, list.size()); ++i) {
+          if (is_worth(list[i], base, price_, price_.share(base))) next.push_back(std::move(list[i]));
+        }
+      }
+      if (next.empty()) break;
+      std::sort(next.begin(), next.end(), Cheaper{price_});
+      if (next.size() > beam_width) next.resize(beam_width);
+      for (Explanation& e : next) search_.settle(e, 6);
+      std::sort(next.begin(), next.end(), Cheaper{price_});
+      if (next.front().cost(price_) >= best.cost(price_)) break;
+      best = next.front();
+      beam = std::move(next);
+      // The noise of the input goes through what was found, too.
+      if (tools_.rewhiten(best.fit.hypothesis)) {
+        search_.settle(nothing, 4);
+        for (Explanation& e : beam) search_.settle(e, 4);
+        std::sort(beam.begin(), beam.end(), Cheaper{price_});
+        best = beam.front();
+        for_all(alone.size(), [&](std::size_t i) {
+          alone[i] = search_.fitted(alone[i].fit.hypothesis, alone[i].effects, 0);
+          lighten(alone[i].fit);
+        });
+      }
+      if (tools_.shorten && has_corners(best.fit.hypothesis.rig) && !search_.leaves_noise(best)) {
+        search_.regrow(best, tools_.shorten);
+        beam.front() = best;
+      }
+    }
+    count(findings);
+  }
+
+  /// Backward: what is not needed any more. Swap: each effect against every other candidate.
+  void backward(Findings& findings) {
+    Explanation& nothing = findings.nothing;
+    Explanation& best = findings.best;
+    if (best.effects.empty()) return;
+    look_at_scales(nothing);
+    for (int round = 0; round < 4 && !best.effects.empty(); ++round) {
+      bool changed = false;
+      findings.rivals.assign(best.effects.size(), {});
+      findings.gains.assign(best.effects.size(), 0.0);
+      for (std::size_t i = 0; i < best.effects.size() && !changed; ++i) {
+        if (search_.is_seen(best.effects[i])) continue;
+        report(0.6 + 0.3 * static_cast<double>(i) / static_cast<double>(best.effects.size()),
+               "rivals of " + std::string(best.effects[i].entry->name));
+        const bool only_one = best.effects.size() == 1;
+        Explanation rest = only_one ? nothing : search_.without(best, i);
+        // With corners the fit without may only be in a worse one of many minima.
+        if (tools_.shorten && !only_one && has_corners(rest.fit.hypothesis.rig)) search_.regrow(rest, tools_.shorten);
+        if (rest.cost(price_) <= best.cost(price_)) {
+          best = rest;
+          changed = true;
+          break;
+        }
+        const bool known = only_one && !findings.alone.empty();
+        std::vector<Explanation> others = known ? findings.alone : extended(rest, true);
+        for (const Explanation& e : others) {
+          if (same_place(e.effects.back(), best.effects[i]) || e.cost(price_) >= best.cost(price_) - 1.0) continue;
+          Explanation full = search_.settled(e.fit.hypothesis, e.effects, 6);
+          if (full.cost(price_) >= best.cost(price_) - 1.0) continue;
+          best = std::move(full);
+          changed = true;
+          break;
+        }
+        if (changed) break;
+        findings.rivals[i] = rivals_of(search_, best, rest, i, others, price_);
+        findings.gains[i] = rest.fit.chi_squared - best.fit.chi_squared;
+      }
+      if (!changed) break;
+      if (tools_.rewhiten(best.fit.hypothesis)) {
+        search_.settle(nothing, 4);
+        search_.settle(best, 6);
+        findings.alone.clear();
+      }
+    }
+    findings.alone.clear();
+    count(findings);
+  }
+
+ private:
+  void look_at_scales(const Explanation& nothing) {
+    scales_ = scales_of(all_, nothing.fit.hypothesis, respond(all_, nothing.fit.hypothesis));
+  }
+
   /// One more effect beside an explanation, cheapest first; `unpromising`: those, too, that will hardly be worth it.
-  const auto extended = [&](const Explanation& base, bool unpromising) {
-    const std::size_t most = unpromising ? price.compared : price.tried;
+  [[nodiscard]] std::vector<Explanation> extended(const Explanation& base, bool unpromising) const {
+    const std::size_t most = unpromising ? price_.compared : price_.tried;
     // A promise is linear: a third of what an effect must gain is worth a fit.
     const auto least = [&](const Explanation& e) {
       const double left = std::max(e.fit.chi_squared - static_cast<double>(e.fit.residual.size()), 0.0);
-      return unpromising ? 0.0 : std::max(price.effect, price.share(e) * left) / 3.0;
+      return unpromising ? 0.0 : std::max(price_.effect, price_.share(e) * left) / 3.0;
     };
-    if (share_scanned < 1.0 && is_loud(base)) {
-      const Case part = shorten(share_scanned);
-      const Search on_part(part, common, price);
+    if (share_scanned_ < 1.0 && is_loud(base)) {
+      const Case part = tools_.shorten(share_scanned_);
+      const Search on_part(part, common_, price_);
       const Explanation start = on_part.settled(base.fit.hypothesis, base.effects, 2);
-      auto list = on_part.extended(start, scales, most, least(start));
-      search.simulations += on_part.simulations;
-      search.tried += on_part.tried;
+      auto list = on_part.extended(start, scales_, most, least(start));
+      search_.simulations += on_part.simulations;
+      search_.tried += on_part.tried;
       for_all(list.size(), [&](std::size_t i) {
-        list[i] = search.fitted(list[i].fit.hypothesis, list[i].effects, i < price.beam ? 6 : 0, base.fit.slope);
+        list[i] = search_.fitted(list[i].fit.hypothesis, list[i].effects, i < price_.beam ? 6 : 0, base.fit.slope);
         lighten(list[i].fit);
       });
-      std::sort(list.begin(), list.end(), cheaper);
+      std::sort(list.begin(), list.end(), Cheaper{price_});
       // What shows itself seldom may not be in the part.
-      if (!list.empty() && is_worth(list.front(), base, price, price.share(base))) return list;
+      if (!list.empty() && is_worth(list.front(), base, price_, price_.share(base))) return list;
     }
-    return search.extended(base, scales, most, least(base));
-  };
-
-  constexpr std::size_t most_effects = 4;
-  const std::size_t beam_width = price.beam;
-  std::vector<Explanation> beam{nothing}, alone;
-  best = nothing;
-  // Values that repeat themselves in regular turns are a hold: no fit could say it better.
-  for (const Channel channel : all.evidence.front().channels) {
-    const auto held = search.held(best, scales, channel);
-    if (held && is_worth(*held, best, price, 0.0)) beam.front() = best = *held;
-  }
-  if (!best.effects.empty() && rewhiten(best.fit.hypothesis)) {
-    search.settle(nothing, 4);
-    search.settle(best, 4);
-    beam.front() = best;
-  }
-  for (std::size_t depth = 0; depth < most_effects && (depth == 0 || !search.leaves_noise(best)); ++depth) {
-    report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
-    std::vector<Explanation> next;
-    for (const Explanation& base : beam) {
-      auto list = extended(base, false);
-      if (base.effects.empty()) alone = list;
-      for (std::size_t i = 0; i < std::min(beam_width, list.size()); ++i) {
-        if (is_worth(list[i], base, price, price.share(base))) next.push_back(std::move(list[i]));
-      }
-    }
-    if (next.empty()) break;
-    std::sort(next.begin(), next.end(), cheaper);
-    if (next.size() > beam_width) next.resize(beam_width);
-    for (Explanation& e : next) search.settle(e, 6);
-    std::sort(next.begin(), next.end(), cheaper);
-    if (next.front().cost(price) >= best.cost(price)) break;
-    best = next.front();
-    beam = std::move(next);
-    // The noise of the input goes through what was found, too.
-    if (rewhiten(best.fit.hypothesis)) {
-      search.settle(nothing, 4);
-      for (Explanation& e : beam) search.settle(e, 4);
-      std::sort(beam.begin(), beam.end(), cheaper);
-      best = beam.front();
-      for_all(alone.size(), [&](std::size_t i) {
-        alone[i] = search.fitted(alone[i].fit.hypothesis, alone[i].effects, 0);
-        lighten(alone[i].fit);
-      });
-    }
-    if (shorten && has_corners(best.fit.hypothesis.rig) && !search.leaves_noise(best)) {
-      search.regrow(best, shorten);
-      beam.front() = best;
-    }
+    return search_.extended(base, scales_, most, least(base));
   }
 
-  // Backward: what is not needed any more. Swap: each effect against every other candidate.
-  for (int round = 0; round < 4 && price.compare && !best.effects.empty(); ++round) {
-    bool changed = false;
-    findings.rivals.assign(best.effects.size(), {});
-    findings.gains.assign(best.effects.size(), 0.0);
-    for (std::size_t i = 0; i < best.effects.size() && !changed; ++i) {
-      if (search.is_seen(best.effects[i])) continue;
-      report(0.6 + 0.3 * static_cast<double>(i) / static_cast<double>(best.effects.size()),
-             "rivals of " + std::string(best.effects[i].entry->name));
-      const bool only_one = best.effects.size() == 1;
-      Explanation rest = only_one ? nothing : search.without(best, i);
-      // With corners the fit without may only be in a worse one of many minima.
-      if (shorten && !only_one && has_corners(rest.fit.hypothesis.rig)) search.regrow(rest, shorten);
-      if (rest.cost(price) <= best.cost(price)) {
-        best = rest;
-        changed = true;
-        break;
-      }
-      std::vector<Explanation> others = only_one && !alone.empty() ? alone : extended(rest, true);
-      for (const Explanation& e : others) {
-        if (same_place(e.effects.back(), best.effects[i]) || e.cost(price) >= best.cost(price) - 1.0) continue;
-        Explanation full = search.settled(e.fit.hypothesis, e.effects, 6);
-        if (full.cost(price) >= best.cost(price) - 1.0) continue;
-        best = std::move(full);
-        changed = true;
-        break;
-      }
-      if (changed) break;
-      findings.rivals[i] = rivals_of(search, best, rest, i, others, price);
-      findings.gains[i] = rest.fit.chi_squared - best.fit.chi_squared;
-    }
-    if (!changed) break;
-    if (rewhiten(best.fit.hypothesis)) {
-      search.settle(nothing, 4);
-      search.settle(best, 6);
-      alone.clear();
-    }
+  void report(double share, const std::string& what) const {
+    if (tools_.tell) tools_.tell(share, what, search_.simulations, search_.tried);
   }
-  report(0.95, "what is left");
-  findings.simulations = search.simulations;
-  findings.tried = search.tried;
+
+  void count(Findings& findings) {
+    findings.simulations += search_.simulations.exchange(0);
+    findings.tried += search_.tried.exchange(0);
+  }
+
+  Case& all_;
+  std::vector<Unknown> common_;
+  const Tools& tools_;
+  const Price& price_;
+  Search search_;
+  double share_scanned_;
+  Scales scales_;
+};
+
+}  // namespace
+
+Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
+                const std::vector<Unknown>& starts, const Tools& tools) {
+  Findings findings;
+  Explorer(all, tolerated, starts, tools).forward(given, findings);
   return findings;
+}
+
+void compare(Case& all, const std::vector<Unknown>& tolerated, const std::vector<Unknown>& starts, const Tools& tools,
+             Findings& findings) {
+  Explorer(all, tolerated, starts, tools).backward(findings);
 }
 
 void settle_on(const Case& all, const std::vector<Unknown>& tolerated, const std::vector<Unknown>& starts,

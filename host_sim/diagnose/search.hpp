@@ -19,7 +19,6 @@ struct Price {
   double first_share = 0.03;  ///< of what is left over beyond noise
   double later_share = 0.30;
   bool sensors = true;              ///< effects of sensors are candidates
-  bool compare = true;              ///< what is found is tried without each effect, and with rivals in its place
   std::size_t beam = 2, tried = 8;  ///< explanations kept for the next effect; candidates fitted beside each
   std::size_t compared = 8;         ///< candidates fitted in the place of each effect
 
@@ -46,7 +45,8 @@ struct Findings {
   Explanation nothing;  ///< only the tolerated parameters refitted
   Explanation best;
   std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
-  std::vector<double> gains;  ///< of each effect in `best`: what χ² is larger by without it, all else refitted
+  std::vector<double> gains;       ///< of each effect in `best`: what χ² is larger by without it, all else refitted
+  std::vector<Explanation> alone;  ///< single effects that were tried, cheapest first; until they are compared
   std::size_t simulations = 0;
   std::size_t tried = 0;  ///< candidates
 };
@@ -61,12 +61,23 @@ using Rewhiten = std::function<bool(const Hypothesis&)>;
 /// The case with only this share of each fitted window, from its beginning. Empty: pieces are not grown.
 using Shorten = std::function<Case(double share)>;
 
-/// Forward with a beam of two, then backward, then each effect against every other candidate. After each effect that is
-/// accepted the case is whitened anew; where it leaves more than noise it is fitted again from the beginning of the
-/// recordings on, in growing pieces: with free play or stops a long recording has many minima, a short one few.
+struct Tools {
+  Price price;
+  Rewhiten rewhiten;
+  Shorten shorten;
+  Tell tell;
+};
+
+/// Forward with a beam. After each effect that is accepted the case is whitened anew; where it leaves more than noise
+/// it is fitted again from the beginning of the recordings on, in growing pieces: with free play or stops a long
+/// recording has many minima, a short one few.
 [[nodiscard]] Findings search(Case& all, const Hypothesis& given, const std::vector<Unknown>& tolerated,
-                              const std::vector<Unknown>& starts, const Price& price, const Rewhiten& rewhiten,
-                              const Shorten& shorten, const Tell& tell);
+                              const std::vector<Unknown>& starts, const Tools& tools);
+
+/// What was found is tried without each effect, then with each other candidate in the place of each: what is better
+/// stands, what is not is its rivals.
+void compare(Case& all, const std::vector<Unknown>& tolerated, const std::vector<Unknown>& starts, const Tools& tools,
+             Findings& findings);
 
 /// The share of the fitted windows that has `enough` seconds of the longest; 1 where that would not save much.
 [[nodiscard]] double telling_share(const Case& all, double enough);

@@ -1,5 +1,6 @@
 #include "host_sim/diagnose/second_look.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -8,8 +9,7 @@
 
 namespace host_sim::diagnose {
 
-Findings second_look(const Case& all, Findings found, double left, const std::function<Findings(const Price&)>& look,
-                     std::vector<std::string>& remarks) {
+bool second_look(const Case& all, Findings& found, double left, const Look& look, std::vector<std::string>& remarks) {
   Price smaller;
   smaller.later_share = 0.1;
   smaller.beam = 1;
@@ -17,20 +17,21 @@ Findings second_look(const Case& all, Findings found, double left, const std::fu
   smaller.compared = 3;
   // Sensors last: several of them bend any channel into place, but what a rig does has one cause for all channels.
   double least = 0.98 * left;
+  bool replaced = false;
   for (const bool sensors : {false, true}) {
     smaller.sensors = sensors;
-    smaller.compare = !sensors;
-    Findings again = look(smaller);
-    double error = pooled_error(all, again.best.fit.hypothesis);
-    if (sensors && error < least) {
-      smaller.compare = true;
-      again = look(smaller);
-      error = pooled_error(all, again.best.fit.hypothesis);
-    }
+    double error = INFINITY;
+    const auto is_less = [&](const Findings& findings) {
+      error = pooled_error(all, findings.best.fit.hypothesis);
+      return error < least;
+    };
+    Findings again = sensors ? look(smaller, is_less) : look(smaller, {});
+    const bool less = is_less(again);
     again.simulations += found.simulations;
     again.tried += found.tried;
-    if (error < least) {
+    if (less) {
       found = std::move(again);
+      replaced = true;
       left = error;
       least = 0.75 * error;
       continue;
@@ -45,7 +46,7 @@ Findings second_look(const Case& all, Findings found, double left, const std::fu
                   100.0 * left);
     remarks.push_back(joined(names) + change + ": rivals of what is listed, which has fewer causes in sensors");
   }
-  return found;
+  return replaced;
 }
 
 }  // namespace host_sim::diagnose
