@@ -5,34 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/diagnose/candidates.hpp"
-#include "host_sim/diagnose/fit.hpp"
+#include "host_sim/diagnose/explainer.hpp"
 
 namespace host_sim::diagnose {
-
-struct Explanation;
-
-/// What an effect must gain to be believed, in χ² of whitened residuals, and how widely is searched for it.
-struct Price {
-  double effect = 30.0;       ///< for each effect
-  double parameter = 10.0;    ///< and each of its parameters
-  double first_share = 0.03;  ///< of what is left over beyond noise
-  double later_share = 0.30;
-  bool sensors = true;              ///< effects of sensors are candidates
-  std::size_t beam = 2, tried = 8;  ///< explanations kept for the next effect; candidates fitted beside each
-  std::size_t compared = 8;         ///< candidates fitted in the place of each effect
-
-  /// Of what is left over by an explanation, that one more effect must explain.
-  [[nodiscard]] double share(const Explanation& base) const;
-};
-
-/// A set of effects, fitted.
-struct Explanation {
-  Fit fit;
-  std::vector<PlacedEffect> effects;  ///< those found, without those of the rig description
-
-  [[nodiscard]] double cost(const Price& price) const;
-};
 
 /// An effect that could stand in the place of one that was named.
 struct Rival {
@@ -57,9 +32,6 @@ using Tell =
 
 /// Whitens the case anew for a hypothesis; false where its noise does not depend on one.
 using Rewhiten = std::function<bool(const Hypothesis&)>;
-
-/// The case with only this share of each fitted window, from its beginning. Empty: pieces are not grown.
-using Shorten = std::function<Case(double share)>;
 
 struct Tools {
   Price price;

@@ -18,8 +18,6 @@ using firmware::ValvePlan;
 using hal::Openings;
 using model::RigKind;
 
-constexpr hal::Time ms = hal::milliseconds(1);
-
 std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 
 // Journey. One run of each kind from idle to its orderly end: every sample of the reference is a row of the run, no

@@ -2,14 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "hal/replay/rig.hpp"
 #include "tests/firmware/rig_under_test.hpp"
 
 namespace {
@@ -27,29 +24,7 @@ using Kind = ChannelFault::Kind;
 using Device = DeviceFault::Device;
 using model::RigKind;
 
-constexpr hal::Time ms = hal::milliseconds(1);
 constexpr Window from_300{ms * 300};
-constexpr double half_stroke = 0.125, speed = 0.7;
-
-/// What holds after every trip, whatever it was.
-void expect_safe_end(const Journey& run) {
-  EXPECT_EQ(run.loop.mode(), Mode::safe);
-  EXPECT_TRUE(run.loop.at_rest());
-  EXPECT_EQ(run.rig.openings(), run.scene.safe_position);
-  double last = run.scene.settings.ramps.rest;
-  bool tripped = false;
-  for (const Record& row : run.records) {
-    EXPECT_FALSE(tripped && row.mode == Mode::running) << "running again after a trip";
-    if (row.trip.reason != Reason::none) {
-      tripped = true;
-      EXPECT_EQ(row.openings, run.scene.safe_position) << "from the very period of the trip";
-    }
-    EXPECT_LE(std::abs(row.command.position), half_stroke);
-    EXPECT_LE(std::abs(row.command.position - last), speed * h * (1.0 + 1e-9)) << row.period;
-    last = row.command.position;
-  }
-  EXPECT_TRUE(tripped);
-}
 
 struct FaultCase {
   std::string what;
@@ -309,7 +284,7 @@ TEST(Faults, NoFlippedBitMovesTheRigBeyondItsLimits) {
     for (const Record& row : run.records) {
       ASSERT_TRUE(std::isfinite(row.command.position)) << "seed " << seed;
       ASSERT_LE(std::abs(row.command.position), half_stroke) << "seed " << seed;
-      ASSERT_LE(std::abs(row.command.position - last), speed * h * (1.0 + 1e-9)) << "seed " << seed;
+      ASSERT_LE(std::abs(row.command.position - last), speed_limit * h * (1.0 + 1e-9)) << "seed " << seed;
       last = row.command.position;
     }
   }
@@ -432,7 +407,7 @@ TEST(Faults, DriveThatComesBackIsLedToRestWithoutAJump) {
   double last = 0.0;
   for (int k = 0; k < 3000; ++k) {
     run.periods(1);
-    EXPECT_LE(std::abs(run.rig.command().position - last), speed * h * (1.0 + 1e-9)) << k;
+    EXPECT_LE(std::abs(run.rig.command().position - last), speed_limit * h * (1.0 + 1e-9)) << k;
     last = run.rig.command().position;
   }
   EXPECT_EQ(run.rig.command(), hal::Command{});
@@ -488,68 +463,6 @@ TEST(Faults, HeldStopButtonKeepsTheRigInSafe) {
   EXPECT_EQ(run.loop.mode(), Mode::idle);
 }
 
-// Late periods: counted each, never made up for. Three wakes of 0.4 ms too late shift everything after by 1.2 ms; the
-// number of periods per time falls, none is run twice.
-TEST(LatePeriods, AreCountedAndNeverMadeUpFor) {
-  const std::array<LateWake, 3> late{{{{ms * 100, ms * 101}, hal::microseconds(400)},
-                                      {{ms * 150, ms * 151}, hal::microseconds(400)},
-                                      {{ms * 200, ms * 201}, hal::microseconds(400)}}};
-  Scene scene(RigKind::component_bench, 400);
-  scene.faults.late_wakes = late;
-  Journey run{scene};
-  run.whole();
-  EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended);
-  EXPECT_EQ(run.loop.counters().late_periods, 3U);
-  const auto rows = run.rows(Mode::running);
-  ASSERT_EQ(rows.size(), 400U);
-  EXPECT_EQ(rows[99].time, ms * 99);
-  EXPECT_EQ(rows[100].time, ms * 100 + hal::microseconds(400));
-  EXPECT_EQ(rows[100].counters.late_periods, 1U);
-  EXPECT_EQ(rows[100].late, hal::microseconds(400));
-  EXPECT_EQ(rows[101].late, hal::Time{});
-  EXPECT_EQ(rows[399].time, ms * 399 + hal::microseconds(1200));
-}
-
-// Jitter below a quarter of a period is no lateness, and does not shift the periods that follow.
-TEST(LatePeriods, AreToldFromJitter) {
-  const std::array<LateWake, 2> late{
-      {{{ms * 100, ms * 101}, hal::microseconds(250)}, {{ms * 200, ms * 201}, hal::microseconds(251)}}};
-  Scene scene(RigKind::component_bench, 400);
-  scene.faults.late_wakes = late;
-  Journey run{scene};
-  run.whole();
-  EXPECT_EQ(run.loop.counters().late_periods, 1U);
-  const auto rows = run.rows(Mode::running);
-  EXPECT_EQ(rows[100].time, ms * 100 + hal::microseconds(250));
-  EXPECT_EQ(rows[101].time, ms * 101);
-  EXPECT_EQ(rows[201].time, ms * 201 + hal::microseconds(251));
-}
-
-// Five in a row: the machine that runs the program is too slow for its rig, and a hil loop with more delay than it was
-// designed for is about to become unstable.
-TEST(LatePeriods, TripWhenTheyDoNotEnd) {
-  const LateWake late{from_300, ms};
-  Scene scene(RigKind::hil, 1000);
-  scene.faults.late_wakes = {&late, 1};
-  Journey run{scene};
-  run.whole();
-  EXPECT_EQ(run.loop.trip().reason, Reason::late);
-  EXPECT_EQ(run.loop.trip().value, 5.0);
-  EXPECT_EQ(run.rows(Mode::running).back().sample, 304U);
-  expect_safe_end(run);
-}
-
-// Four late ones, one in time, four late ones: a bad moment, no bad machine.
-TEST(LatePeriods, BeginAnewAfterOneInTime) {
-  const std::array<LateWake, 2> late{{{{ms * 100, ms * 108}, ms}, {{ms * 109, ms * 116}, ms}}};
-  Scene scene(RigKind::component_bench, 400);
-  scene.faults.late_wakes = late;
-  Journey run{scene};
-  run.whole();
-  EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended);
-  EXPECT_EQ(run.loop.counters().late_periods, 8U) << "every second millisecond from 100 to 106 and from 109 to 115";
-}
-
 // A journal that nobody reads loses records and says how many; the loop has not noticed.
 TEST(Faults, JournalThatNobodyReadsIsCounted) {
   Scene scene(RigKind::quarter_car, 500);
@@ -565,94 +478,6 @@ TEST(Faults, JournalThatNobodyReadsIsCounted) {
   EXPECT_EQ(sleeping.journal.lost(), total - 64);
   EXPECT_EQ(sleeping.rig.command(), attentive.rig.command());
   EXPECT_EQ(sleeping.loop.trip().reason, attentive.loop.trip().reason);
-}
-
-/// What a journal knows of the samples, as a recording in memory.
-struct Tape {
-  explicit Tape(const std::vector<Record>& records, const hal::SensorSetup& sensors) {
-    for (const Record& row : records) {
-      time.push_back(row.time);
-      for (std::size_t c = 0; c < model::channel_count; ++c) {
-        values[c].push_back(row.values[c]);
-        taken[c].push_back(row.taken[c]);
-      }
-    }
-    recording.time = time;
-    for (std::size_t c = 0; c < model::channel_count; ++c) {
-      if (sensors[c].fitted) recording.columns[c] = {values[c], taken[c]};
-    }
-  }
-  std::vector<hal::Time> time;
-  std::array<std::vector<double>, model::channel_count> values;
-  std::array<std::vector<hal::Time>, model::channel_count> taken;
-  hal::replay::Recording recording;
-};
-
-void expect_same_bits(const Record& a, const Record& b) {
-  const auto same = [](double x, double y) {
-    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
-  };
-  ASSERT_EQ(a.period, b.period);
-  ASSERT_EQ(a.time, b.time);
-  ASSERT_EQ(a.mode, b.mode) << a.period;
-  ASSERT_EQ(a.trip.reason, b.trip.reason) << a.period;
-  ASSERT_EQ(a.bridged, b.bridged) << a.period;
-  ASSERT_EQ(a.openings, b.openings) << a.period;
-  ASSERT_EQ(a.counters.late_periods, b.counters.late_periods) << a.period;
-  ASSERT_EQ(a.counters.bridged_samples, b.counters.bridged_samples) << a.period;
-  ASSERT_TRUE(same(a.command.position, b.command.position) && same(a.command.velocity, b.command.velocity) &&
-              same(a.command.acceleration, b.command.acceleration))
-      << a.period;
-  ASSERT_TRUE(same(a.velocities.wheel, b.velocities.wheel) && same(a.velocities.body, b.velocities.body) &&
-              same(a.velocities.foot_point, b.velocities.foot_point) &&
-              same(a.velocities.deflection, b.velocities.deflection) && same(a.wheel_load, b.wheel_load))
-      << a.period;
-  for (std::size_t c = 0; c < model::channel_count; ++c) ASSERT_TRUE(same(a.values[c], b.values[c])) << a.period;
-}
-
-// A recording replayed through the same firmware gives the same outputs, to the bit: also one of a run with dropped,
-// frozen, late and corrupt samples, late periods and, in the end, the stop button.
-TEST(Replay, GivesTheSameOutputsToTheBit) {
-  for (const RigKind kind : {RigKind::quarter_car, RigKind::hil, RigKind::component_bench}) {
-    const std::size_t channel = model::index(kind == RigKind::quarter_car ? Channel::dz_b : Channel::x_act);
-    const std::array<ChannelFault, 5> faults{
-        {{.kind = Kind::drop, .channel = channel, .probability = 0.05},
-         {.kind = Kind::not_a_number, .channel = channel, .window = {ms * 200, ms * 201}},
-         {.kind = Kind::freeze, .channel = channel, .window = {ms * 250, ms * 255}},
-         {.kind = Kind::delay, .channel = channel, .window = {ms * 300, ms * 302}, .delay_samples = 9},
-         {.kind = Kind::bit_flip, .channel = channel, .window = {ms * 350, ms * 360}, .bit = 40}}};
-    const std::array<LateWake, 2> late{
-        {{{ms * 100, ms * 101}, hal::microseconds(700)}, {{ms * 400, ms * 402}, hal::microseconds(1300)}}};
-    const Press press{{hal::microseconds(700'300), hal::microseconds(700'400)}};
-    Scene scene(kind, 2000);
-    scene.faults = {.channels = faults, .presses = {&press, 1}, .late_wakes = late, .seed = 5};
-    Journey live{scene};
-    live.whole();
-    ASSERT_EQ(live.loop.trip().reason, Reason::stop_button) << name(live.loop.trip().reason) << ", seed 5";
-    ASSERT_GT(live.loop.counters().bridged_samples, 10U);
-    ASSERT_GE(live.loop.counters().late_periods, 2U);
-
-    Tape tape(live.records, scene.sensors);
-    tape.recording.stop_pressed = press.window.from;
-    std::vector<hal::replay::Written<hal::Command>> commands(live.records.size());
-    std::vector<hal::replay::Written<hal::Openings>> openings(live.records.size());
-    hal::replay::Rig rig(tape.recording, scene.sensors, 6, scene.safe_position, {commands, openings, {}});
-    firmware::TableReference reference(scene.reference);
-    std::vector<Record> storage(live.records.size());
-    firmware::Journal journal(storage);
-    firmware::ControlLoop loop(scene.settings, scene.parameters, rig.roles(), reference, scene.valves, journal);
-    loop.start();
-    std::size_t left = live.records.size();
-    loop.run([&left] { return left-- > 0; });
-
-    for (std::size_t k = 0; k < live.records.size(); ++k) {
-      const auto replayed = journal.pop();
-      ASSERT_TRUE(replayed);
-      expect_same_bits(live.records[k], *replayed);
-      ASSERT_EQ(rig.commands().written()[k].value, live.records[k].command) << name(kind);
-      ASSERT_EQ(rig.openings().written()[k].value, live.records[k].openings) << name(kind);
-    }
-  }
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // The control loop around a rig that is the model itself, for tests.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -19,6 +21,8 @@ using firmware::Record;
 using model::Channel;
 
 inline constexpr double h = 1e-3;
+inline constexpr hal::Time ms = hal::milliseconds(1);
+inline constexpr double half_stroke = 0.125, speed_limit = 0.7;  ///< of the settings' own limits
 inline constexpr double two_pi = 6.283185307179586;
 
 /// The paper's rig with the project's FDVA, of any kind.
@@ -185,6 +189,26 @@ class Journey {
     while (const auto record = journal.pop()) records.push_back(*record);
   }
 };
+
+/// What holds after every trip, whatever it was.
+inline void expect_safe_end(const Journey& run) {
+  EXPECT_EQ(run.loop.mode(), firmware::Mode::safe);
+  EXPECT_TRUE(run.loop.at_rest());
+  EXPECT_EQ(run.rig.openings(), run.scene.safe_position);
+  double last = run.scene.settings.ramps.rest;
+  bool tripped = false;
+  for (const Record& row : run.records) {
+    EXPECT_FALSE(tripped && row.mode == firmware::Mode::running) << "running again after a trip";
+    if (row.trip.reason != firmware::Reason::none) {
+      tripped = true;
+      EXPECT_EQ(row.openings, run.scene.safe_position) << "from the very period of the trip";
+    }
+    EXPECT_LE(std::abs(row.command.position), half_stroke);
+    EXPECT_LE(std::abs(row.command.position - last), speed_limit * h * (1.0 + 1e-9)) << row.period;
+    last = row.command.position;
+  }
+  EXPECT_TRUE(tripped);
+}
 
 inline double value(const Record& record, Channel channel) { return record.values[model::index(channel)]; }
 

@@ -1,0 +1,56 @@
+// Runs benchmarks as Google Benchmark's own main does, then prints the ratios that speed is wanted by: two of them run
+// side by side on this machine, medians where there are several repetitions.
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace {
+
+struct Ratio {
+  const char* measured;
+  const char* rival;
+  double most;
+};
+constexpr std::array<Ratio, 3> ratios{{{"step/hil_fdva", "step/limit_matvec6", 2.5},
+                                       {"step/hil_fdva", "step/odeint_rk4", 0.5},
+                                       {"step/hil_fdva_silent", "step/hil_fdva", 1.1}}};  // 1, and a machine's noise
+
+class WithRatios final : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    ConsoleReporter::ReportRuns(runs);
+    for (const Run& run : runs) {
+      const bool single = run.run_type == Run::RT_Iteration && run.repetitions <= 1;
+      if (single || run.aggregate_name == "median") times_[run.run_name.function_name] = run.GetAdjustedCPUTime();
+    }
+  }
+
+  void Finalize() override {
+    ConsoleReporter::Finalize();
+    for (const Ratio& ratio : ratios) {
+      const auto measured = times_.find(ratio.measured), rival = times_.find(ratio.rival);
+      if (measured == times_.end() || rival == times_.end()) continue;
+      const double found = measured->second / rival->second;
+      std::printf("%s takes %.2f times %s, wanted %.2f at most: %s\n", ratio.measured, found, ratio.rival, ratio.most,
+                  found <= ratio.most ? "kept" : "NOT KEPT here");
+    }
+  }
+
+ private:
+  std::map<std::string, double> times_;  // CPU time, in the benchmark's unit
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  WithRatios reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  benchmark::Shutdown();
+  return 0;
+}
