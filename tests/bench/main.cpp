@@ -1,7 +1,7 @@
 // Runs benchmarks as Google Benchmark's own main does, then prints the ratios that speed is wanted by: two of them run
-// side by side on this machine, the least of the repetitions of each. (Not the medians: somebody else on the same core
-// takes half of its units from a step that keeps them all busy, 24 ns become 36, and nothing from the one chain of
-// products that it is held against.)
+// side by side on this machine, the least of the repetitions of each. (Not the medians: on a shared machine a step
+// takes 24 to 36 ns from one run to the next, while the chain of products that it is held against stays at 10.5; a
+// neighbour on the same core would do that.)
 #include <benchmark/benchmark.h>
 
 #include <array>
