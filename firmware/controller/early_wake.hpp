@@ -26,8 +26,8 @@ class RarelyTooShort {
 /// Wakes up early enough to rehearse a period, and hardly earlier: what it waits for the instant it does not sleep.
 ///
 ///   wake up at  due − early()      early: a rehearsal and the machine's wake-up latency, of 9999 periods in 10 000
-///   rehearse where there_is_time   a rehearsal's own time, of 9999 in 10 000
-///   again while still_time         so that what others do in the meantime is mended
+///   rehearse where there is time   a rehearsal's own time, of 9999 in 10 000
+///   again while there is           so that what others do in the meantime is mended
 class EarlyWake {
  public:
   explicit constexpr EarlyWake(hal::Time most)
@@ -36,19 +36,19 @@ class EarlyWake {
 
   [[nodiscard]] constexpr hal::Time early() const { return early_.span(); }
 
-  /// The sleep has ended `left` before the period is due.
-  [[nodiscard]] constexpr bool there_is_time(hal::Time left) {
-    const bool time = still_time(left);
+  /// After the sleep: rehearses over and over while there is time. left(): how long until the period is due, less than
+  /// 0 after it.
+  template <class Left, class Rehearse>
+  constexpr void use(Left&& left, Rehearse&& rehearse) {
+    hal::Time rest = left();
+    const bool time = rest >= rehearsal_.span();
     early_.follow(!time);
-    if (!time) rehearsal_.follow(false);
-    return time;
+    while (rest >= rehearsal_.span()) {
+      rehearse();
+      rest = left();
+    }
+    rehearsal_.follow(time && rest < hal::Time{});
   }
-
-  /// A rehearsal has ended `left` before the period is due.
-  [[nodiscard]] constexpr bool still_time(hal::Time left) const { return left >= rehearsal_.span(); }
-
-  /// So has the last one; less than 0: after it.
-  constexpr void rehearsed(hal::Time left) { rehearsal_.follow(left < hal::Time{}); }
 
  private:
   RarelyTooShort early_;

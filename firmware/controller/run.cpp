@@ -181,14 +181,7 @@ hal::Time wake_before(hal::Time due, EarlyWake& wake, hal::Clock& machine, Rehea
   const hal::Time wanted = due - wake.early();
   machine.sleep_until(wanted);
   const hal::Time woken = machine.now();
-  if (wake.there_is_time(due - woken)) {
-    hal::Time left{};
-    do {
-      rehearsal.step();
-      left = due - machine.now();
-    } while (wake.still_time(left));
-    wake.rehearsed(left);
-  }
+  wake.use([&] { return due - machine.now(); }, [&] { rehearsal.step(); });
   while (machine.now() < due) {
   }
   return woken - wanted;

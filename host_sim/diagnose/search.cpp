@@ -91,7 +91,7 @@ class Search {
     Explanation& best = findings.best;
     report(0.05, "tolerated parameters");
     nothing = explainer_.settled(given, {});
-    look_at_scales(nothing);
+    findings.scales = scales_of(all_, nothing.fit.hypothesis, respond(all_, nothing.fit.hypothesis));
 
     constexpr std::size_t most_effects = 4;
     const std::size_t beam_width = price_.beam;
@@ -100,7 +100,7 @@ class Search {
     best = nothing;
     // Values that repeat themselves in regular turns are a hold: no fit could say it better.
     for (const Channel channel : all_.evidence.front().channels) {
-      const auto held = explainer_.held(best, scales_, channel);
+      const auto held = explainer_.held(best, findings.scales, channel);
       if (held && is_worth(*held, best, price_, 0.0)) beam.front() = best = *held;
     }
     if (!best.effects.empty() && tools_.rewhiten(best.fit.hypothesis)) {
@@ -112,7 +112,7 @@ class Search {
       report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
       std::vector<Explanation> next;
       for (const Explanation& base : beam) {
-        auto list = extended(base, false);
+        auto list = extended(base, findings.scales, false);
         if (base.effects.empty()) alone = list;
         for (std::size_t i = 0; i < std::min(beam_width, list.size()); ++i) {
           if (is_worth(list[i], base, price_, price_.share(base))) next.push_back(std::move(list[i]));
@@ -149,8 +149,8 @@ class Search {
   void backward(Findings& findings) {
     Explanation& nothing = findings.nothing;
     Explanation& best = findings.best;
-    if (best.effects.empty()) return;
-    look_at_scales(nothing);
+    explainer_.simulations = findings.simulations;
+    explainer_.tried = findings.tried;
     for (int round = 0; round < 4 && !best.effects.empty(); ++round) {
       bool changed = false;
       findings.rivals.assign(best.effects.size(), {});
@@ -170,7 +170,7 @@ class Search {
           break;
         }
         const bool known = only_one && !findings.alone.empty();
-        std::vector<Explanation> others = known ? findings.alone : extended(rest, true);
+        std::vector<Explanation> others = known ? findings.alone : extended(rest, findings.scales, true);
         for (const Explanation& e : others) {
           if (same_place(e.effects.back(), best.effects[i]) || e.cost(price_) >= best.cost(price_) - 1.0) continue;
           Explanation full = explainer_.settled(e.fit.hypothesis, e.effects, 6);
@@ -195,12 +195,9 @@ class Search {
   }
 
  private:
-  void look_at_scales(const Explanation& nothing) {
-    scales_ = scales_of(all_, nothing.fit.hypothesis, respond(all_, nothing.fit.hypothesis));
-  }
-
   /// One more effect beside an explanation, cheapest first; `unpromising`: those, too, that will hardly be worth it.
-  [[nodiscard]] std::vector<Explanation> extended(const Explanation& base, bool unpromising) const {
+  [[nodiscard]] std::vector<Explanation> extended(const Explanation& base, const Scales& scales,
+                                                  bool unpromising) const {
     const std::size_t most = unpromising ? price_.compared : price_.tried;
     // A promise is linear: a third of what an effect must gain is worth a fit.
     const auto least = [&](const Explanation& e) {
@@ -211,7 +208,7 @@ class Search {
       const Case part = tools_.shorten(share_scanned_);
       const Explainer on_part(part, common_, price_);
       const Explanation start = on_part.settled(base.fit.hypothesis, base.effects, 2);
-      auto list = on_part.extended(start, scales_, most, least(start));
+      auto list = on_part.extended(start, scales, most, least(start));
       explainer_.simulations += on_part.simulations;
       explainer_.tried += on_part.tried;
       for_all(list.size(), [&](std::size_t i) {
@@ -222,7 +219,7 @@ class Search {
       // What shows itself seldom may not be in the part.
       if (!list.empty() && is_worth(list.front(), base, price_, price_.share(base))) return list;
     }
-    return explainer_.extended(base, scales_, most, least(base));
+    return explainer_.extended(base, scales, most, least(base));
   }
 
   void report(double share, const std::string& what) const {
@@ -230,8 +227,8 @@ class Search {
   }
 
   void count(Findings& findings) {
-    findings.simulations += explainer_.simulations.exchange(0);
-    findings.tried += explainer_.tried.exchange(0);
+    findings.simulations = explainer_.simulations;
+    findings.tried = explainer_.tried;
   }
 
   Case& all_;
@@ -240,7 +237,6 @@ class Search {
   const Price& price_;
   Explainer explainer_;
   double share_scanned_;
-  Scales scales_;
 };
 
 }  // namespace

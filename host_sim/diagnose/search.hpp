@@ -22,6 +22,7 @@ struct Findings {
   std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
   std::vector<double> gains;       ///< of each effect in `best`: what χ² is larger by without it, all else refitted
   std::vector<Explanation> alone;  ///< single effects that were tried, cheapest first; until they are compared
+  Scales scales{};                 ///< from `nothing` before any effect was tried
   std::size_t simulations = 0;
   std::size_t tried = 0;  ///< candidates
 };

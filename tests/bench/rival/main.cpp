@@ -93,14 +93,7 @@ int main(int argc, char** argv) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(seconds) * 1000; ++k, due += hal::milliseconds(1)) {
     const auto kind = static_cast<Kind>(k % 3);
     clock.sleep_until(kind == plain ? due : due - wake.early());
-    if (kind == rehearsed && wake.there_is_time(due - clock.now())) {
-      hal::Time left{};
-      do {
-        work();
-        left = due - clock.now();
-      } while (wake.still_time(left));
-      wake.rehearsed(left);
-    }
+    if (kind == rehearsed) wake.use([&] { return due - clock.now(); }, work);
     while (clock.now() < due) {
     }
     const hal::Time begin = clock.now();

@@ -24,11 +24,13 @@ Shares drive(EarlyWake& wake, Time latest, Time rehearsal) {
   Shares shares{};
   for (int k = 0; k < periods; ++k) {
     Time left = wake.early() - Time{late(generator)};
-    if (!wake.there_is_time(left)) continue;
-    do {
-      left = left - rehearsal;
-    } while (wake.still_time(left));
-    wake.rehearsed(left);
+    bool rehearsed = false;
+    wake.use([&] { return left; },
+             [&] {
+               left = left - rehearsal;
+               rehearsed = true;
+             });
+    if (!rehearsed) continue;
     if (k < periods / 2) continue;
     shares.rehearsed += 2.0 / periods;
     if (left < Time{}) shares.overran += 2.0 / periods;
