@@ -1,3 +1,3 @@
-#include "host_sim/command_line.hpp"
+#include "host_sim/commands/command_line.hpp"
 
 int main(int argc, char** argv) { return host_sim::run_command_line(argc, argv); }

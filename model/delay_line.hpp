@@ -1,4 +1,4 @@
-// What a signal was some time ago.
+// A signal some time ago.
 #pragma once
 
 #include <array>
@@ -28,13 +28,13 @@ struct SampleDelay {
 /// The delay may be changed while running: it slides to the new value by at most `slide` samples a sample, so the
 /// time that is read never jumps and never runs backwards (slide < 1).
 ///
-/// What it does not contain: the hold of a sampled loop. A loop that reads once a period h and holds what it read
-/// until the next is late by another h/2 on average, so a ring of n samples in such a loop acts like n h + h/2 of
-/// continuous delay (tests/model: with 1 ms steps the linear component at b̃ = 0, critical delay 15.25 ms, is stable
-/// with 14 samples and unstable with 15).
+/// The hold of a sampled loop is not included. A loop that reads once a period h and holds the value until the next
+/// reading adds h/2 on average: a ring of n samples in such a loop acts like a continuous delay of n h + h/2
+/// (tests/model: with 1 ms steps the linear component at b̃ = 0, critical delay 15.25 ms, is stable with 14 samples and
+/// unstable with 15).
 ///
-/// Capacity: a power of two; delays up to Capacity − 4 samples. A longer one is a broken assumption here; rigs with
-/// such a delay are refused by RigModel::check when they are configured.
+/// Capacity: a power of two; delays up to Capacity − 4 samples. A longer one is a broken assumption here:
+/// find_fault() refuses rigs with such a delay.
 template <class Value, std::size_t Capacity, class S = double>
 class DelayLine {
  public:

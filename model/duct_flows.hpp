@@ -1,4 +1,4 @@
-// The flows of the single ducts.
+// Flows of the single ducts.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace model {
 
-/// A quantity now and at the three samples before: what an explicit step needs of a nonlinear load.
+/// A nonlinear load at the present and the three previous samples, as an explicit step needs it.
 template <class S>
 struct Recent {
   S now{}, before{}, earlier{}, earliest{};
@@ -36,10 +36,10 @@ template <class S>
 
 /// Flows q_j = A_p u/n + δ_j of the open ducts: the mean follows the piston, the deviations (8b) of Fdva are kept here.
 ///
-/// Opening and closing keeps every flow that goes on, ends the flow of a closing duct and starts an opening one at
-/// zero; the piston then moves with what still flows. Kinetic energy ½ I Σ q_j² can only fall by it.
+/// Switching keeps the flow of a duct that stays open, ends the flow of a closing duct and starts an opening one at
+/// zero. The piston then moves with the remaining flow. The kinetic energy ½ I Σ q_j² never rises.
 ///
-/// A closed duct has no share in the mean, so its flow, deviation and losses stay exactly zero without a branch.
+/// The share of a closed duct in the mean is 0: its flow, deviation and losses stay exactly zero without a branch.
 template <class S>
 class DuctFlows {
  public:

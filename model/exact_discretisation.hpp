@@ -1,4 +1,4 @@
-// One period of a linear system, exactly.
+// Exact solution of a linear system over one period.
 #pragma once
 
 #include <Eigen/Core>
@@ -80,7 +80,7 @@ class ExactDiscretisation {
     for (; doublings > 0; --doublings) twice();
   }
 
-  /// φ₀(hA): what remains of the state after one period.
+  /// φ₀(hA), the transition matrix of one period.
   [[nodiscard]] const Matrix& transition() const { return phi_[0]; }
 
   /// Effect of an input that is s^m during the period, entering by column b: h m! φ_{m+1} b.

@@ -35,7 +35,7 @@ using OpenDucts = std::uint8_t;
 ///   (8b)  δ̇_j = −R/I δ_j − S/I (q_j |q_j| − 1/n Σ_i q_i |q_i|)
 ///
 /// so the linear part has two states (y, u) however many ducts are open, and the deviations only decay. With no duct
-/// open the piston is locked: u = 0, y stays. A closing duct's flow ends and takes its energy ½ I q_j² with it; an
+/// open the piston is locked: u = 0, y stays. The flow of a closing duct ends and its energy ½ I q_j² is lost; an
 /// opening duct starts with q_j = 0.
 ///
 /// Leaves out: unsteady laminar friction, turbulent friction, bulk modulus, cavitation, seal friction (an effect).
@@ -76,7 +76,7 @@ struct Fdva {
     return p.coupling_stiffness * (deflection - travel);
   }
 
-  /// (8a) without the minor losses: what the piston does under a net force on it [m/s²].
+  /// (8a) without the minor losses: acceleration of the piston under a net force [m/s²].
   [[nodiscard]] static constexpr S piston_acceleration(const Parameters& p, const Duct& duct, int open, S velocity,
                                                        S net_force) {
     if (open == 0) return S(0);

@@ -10,17 +10,16 @@ namespace model {
 /// Coulomb friction at up to four contacts, sharp and unconditionally stable.
 ///
 ///   (1)  λ_p = f_p sgn(v_p)  while slipping,   |λ_p| ≤ f_p  while v_p = 0
-///   (2)  v(s) = v₀ + s (v_free − v₀) − s |G| λ     s = 0 … 1 through the step, G: what a unit of λ does in one
+///   (2)  v(s) = v₀ + s (v_free − v₀) − s |G| λ     s = 0 … 1 through the step, G: change of v by a unit of λ in a step
 ///
-/// Within a step the velocity of a contact is taken to go straight (2). A contact that slips goes on slipping; where it
-/// comes to rest before the end, it sticks for the rest of the step if at most f is needed for that, else it slips the
-/// other way. The step gets the mean of these forces, the end of the step the last of them. Several contacts are solved
-/// by projected Gauss–Seidel sweeps, started from the forces of the last step: a fixed number, less only where one more
-/// would change nothing.
-/// Second order in the step, also where a contact sticks, slips or turns round. Work that friction does in a step, −λ
-/// Δe, is never positive but for the part of a step in which a contact turns round, f (f h/m) h/8 at most. Source:
-/// Moreau, time stepping of unilateral and frictional contact, 1988; Acary and Brogliato, Numerical methods for
-/// nonsmooth dynamical systems, 2008; event within the step after (2) is ours.
+/// Within a step the velocity of a contact changes in proportion to time (2). A slipping contact goes on slipping.
+/// Where it comes to rest before the end of the step, it sticks if at most f holds it, else it slips the other way. The
+/// step gets the mean of these forces, the end of the step the last of them. Several contacts are solved by projected
+/// Gauss–Seidel sweeps that start from the forces of the last step: a fixed number, fewer only where another sweep
+/// would change nothing. Second order in the step, also where a contact sticks, slips or reverses. Work that friction
+/// does in a step, −λ Δe, is never positive but for the part of a step in which a contact reverses, f (f h/m) h/8 at
+/// most. Source: Moreau, time stepping of unilateral and frictional contact, 1988; Acary and Brogliato, Numerical
+/// methods for nonsmooth dynamical systems, 2008; the event within the step after (2) is our own.
 template <class S>
 class FrictionContacts {
  public:
@@ -41,9 +40,9 @@ class FrictionContacts {
   [[nodiscard]] bool any() const { return count_ > 0; }
   [[nodiscard]] const Forces& limits() const { return limits_; }
 
-  /// Adds the friction of one step to x, which has gone from `start` to here without it. Velocities: v_p = velocity(p,
-  /// x). `columns.col(p)`: what a unit of λ_p does in one step; `limits`: f_p of this step; `forces`: λ at the end of
-  /// the last step, replaced by that at the end of this.
+  /// Adds the friction of one step to x, the state that the step reaches from `start` without friction. Velocities: v_p
+  /// = velocity(p, x). `columns.col(p)`: change of x by a unit of λ_p in one step; `limits`: f_p of this step;
+  /// `forces`: λ at the end of the last step, replaced by that at the end of this.
   template <int N, class Velocity>
   void solve(Column<S, N>& x, const Column<S, N>& start, const Block<S, N, contacts>& columns, const Forces& limits,
              Forces& forces, const Velocity& velocity) const {
@@ -73,7 +72,7 @@ class FrictionContacts {
     S mean, last;  ///< over the step, at its end [N]
   };
 
-  /// One contact, from velocity `before` to `free` if nothing rubs; `slowing`: |G|.
+  /// One contact whose velocity goes from `before` to `free` without friction; `slowing`: |G|.
   [[nodiscard]] static Friction friction_of(S before, S free, S slowing, S limit) {
     const S slipping = before > S(0) ? limit : (before < S(0) ? -limit : S(0));
     const S arriving = free - slowing * slipping;

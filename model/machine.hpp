@@ -1,9 +1,9 @@
-// The test machine between its delay and what it reaches.
+// The test machine behind its delay.
 #pragma once
 
 #include "model/exact_discretisation.hpp"
 #include "model/motion.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -13,30 +13,33 @@ namespace model {
 ///   (2)  ẍ₂ + 2ζω ẋ₂ + ω² x₂ = ω² x₁,  ω = 2πf      resonance; x₂ = x₁ without it
 ///   (3)  x_act(k+1) = x_act(k) + clamp(x₂(k+1) − x_act(k), ± (v h − d)),  d = (v − ẋ_act)² h / 2(ẋ₂ − ẋ_act)
 ///
-/// (1), (2) are exact for an input that moves on the cubic between two samples. d is what a step lacks that begins
-/// below the limit, ẋ_act < v, and ends above it, ẋ₂ > v, the velocity growing evenly between (0 in all others,
-/// mirrored below −v): without it the machine would be ahead by up to ẍ h²/2 until it has caught up; with it by h³
-/// times the third derivative. Likewise a step in which it catches up with what comes towards it faster than v goes up
-/// until they meet and down from there. The velocity that (3) gives is that of x₂ while it does not limit, ± v while it
-/// does. State 3×1 [x₁ m, x₂ m, ẋ₂ m/s]; input u: delayed command, position and velocity; output: position and
-/// velocity.
+/// (1), (2) are exact for an input that moves on the cubic between two samples.
+///
+/// The correction d belongs to a step that begins below the limit, ẋ_act < v, and ends above it, ẋ₂ > v, while the
+/// velocity grows evenly (mirrored below −v; 0 in all other steps). Without d the machine would be ahead by up to ẍ
+/// h²/2 until it has caught up; with d it is ahead by h³ times the third derivative. A step in which the machine at its
+/// limit meets a target that comes towards it faster than v goes up until they meet and down from there. The velocity
+/// given by (3) is that of x₂ while the machine does not limit, ± v while it does. State 3×1 [x₁ m, x₂ m, ẋ₂ m/s]
+/// (Machine::Index); input u: delayed command, position and velocity; output: position and velocity.
 template <class S>
 class Machine {
  public:
-  using State = Column<S, 3>;
+  enum Index : int { lagged, position, velocity };  ///< x₁, x₂, ẋ₂
+  static constexpr int states = 3;
+  using State = Column<S, states>;
 
   Machine() = default;
   Machine(const MachinePath<S>& path, S period) : path_(path), period_(period) {
     omega_ = S(2) * S(3.141592653589793) * path.resonance_frequency;
     if (!linear()) return;
-    Block<S, 3, 3> a;
-    for (int j = 0; j < 3; ++j) a.col(j) = rates(State::Unit(j), S(0));
-    const ExactDiscretisation<S, 3> exact(a, period);
+    Block<S, states, states> a;
+    for (int j = 0; j < states; ++j) a.col(j) = rates(State::Unit(j), S(0));
+    const ExactDiscretisation<S, states> exact(a, period);
     transition_ = exact.transition();
     input_ = exact.hermite(rates(State::Zero(), S(1)), State::Zero());
   }
 
-  /// Is there anything behind the delay?
+  /// Whether the machine is more than a delay.
   [[nodiscard]] bool any() const { return linear() || path_.rate_limit > S(0); }
   [[nodiscard]] bool has_lag() const { return path_.lag > S(0); }
   [[nodiscard]] bool has_resonance() const { return omega_ > S(0); }
@@ -45,27 +48,28 @@ class Machine {
   /// (1), (2)
   [[nodiscard]] State rates(const State& x, S u) const {
     State rate = State::Zero();
-    if (has_lag()) rate(0) = (u - x(0)) / path_.lag;
+    if (has_lag()) rate(lagged) = (u - x(lagged)) / path_.lag;
     if (has_resonance()) {
-      const S in = has_lag() ? x(0) : u;
-      rate(1) = x(2);
-      rate(2) = omega_ * (omega_ * (in - x(1)) - S(2) * path_.resonance_damping * x(2));
+      const S in = has_lag() ? x(lagged) : u;
+      rate(position) = x(velocity);
+      rate(velocity) = omega_ * (omega_ * (in - x(position)) - S(2) * path_.resonance_damping * x(velocity));
     }
     return rate;
   }
 
-  /// What (1), (2) let through.
+  /// x₂ of (1), (2), with its velocity.
   [[nodiscard]] Stroke<S> output(const State& x, const Stroke<S>& in) const {
-    if (has_resonance()) return {x(1), x(2)};
-    if (has_lag()) return {x(0), (in.position - x(0)) / path_.lag};
+    if (has_resonance()) return {x(position), x(velocity)};
+    if (has_lag()) return {x(lagged), (in.position - x(lagged)) / path_.lag};
     return in;
   }
 
   /// At rest, or moving along with its input.
   [[nodiscard]] State start(const Stroke<S>& in) const {
     State x;
-    x << in.position - in.velocity * path_.lag, in.position - in.velocity * path_.lag, in.velocity;
-    if (has_resonance()) x(1) -= S(2) * path_.resonance_damping / omega_ * in.velocity;
+    x(lagged) = x(position) = in.position - in.velocity * path_.lag;
+    x(velocity) = in.velocity;
+    if (has_resonance()) x(position) -= S(2) * path_.resonance_damping / omega_ * in.velocity;
     return x;
   }
 
@@ -77,22 +81,23 @@ class Machine {
       next += input_.col(1) * before.velocity;
       next += input_.col(2) * now.position;
       next += input_.col(3) * now.velocity;
-      for (int j = 0; j < 3; ++j) next += transition_.col(j) * x(j);
+      for (int j = 0; j < states; ++j) next += transition_.col(j) * x(j);
       x = next;
     }
     Stroke<S> out = output(x, now);
     if (path_.rate_limit > S(0)) {
-      const S way = out.position - reached.position;
-      if (const S turn = turning(reached.velocity, out.velocity, way); turn > S(0)) {
+      const S distance = out.position - reached.position;
+      if (const S turn = turning(reached.velocity, out.velocity, distance); turn > S(0)) {
         return {reached.position + path_.rate_limit * (S(2) * turn - period_), -path_.rate_limit};
       }
-      if (const S turn = turning(-reached.velocity, -out.velocity, -way); turn > S(0)) {
+      if (const S turn = turning(-reached.velocity, -out.velocity, -distance); turn > S(0)) {
         return {reached.position - path_.rate_limit * (S(2) * turn - period_), path_.rate_limit};
       }
-      const S up = longest_way(reached.velocity, out.velocity), down = longest_way(-reached.velocity, -out.velocity);
-      if (way > up) {
+      const S up = longest_distance(reached.velocity, out.velocity);
+      const S down = longest_distance(-reached.velocity, -out.velocity);
+      if (distance > up) {
         out = {reached.position + up, path_.rate_limit};
-      } else if (way < -down) {
+      } else if (distance < -down) {
         out = {reached.position - down, -path_.rate_limit};
       }
     }
@@ -100,17 +105,17 @@ class Machine {
   }
 
  private:
-  /// How long into a step a machine that goes up at its limit meets what it follows, which comes down faster still;
-  /// from there it goes down at its limit. 0: it does not.
-  [[nodiscard]] S turning(S before, S after, S way) const {
+  /// A machine that goes up at its limit meets a target that comes down faster than the limit; from there it goes down
+  /// at its limit. The time of the meeting from the start of the step [s]; 0: they do not meet.
+  [[nodiscard]] S turning(S before, S after, S distance) const {
     const S v = path_.rate_limit;
     if (!(before == v && after < -v)) return S(0);
-    const S met = (way - after * period_) / (v - after);
+    const S met = (distance - after * period_) / (v - after);
     return met > S(0) && met < period_ ? met : S(0);
   }
 
   /// v h − d
-  [[nodiscard]] S longest_way(S before, S after) const {
+  [[nodiscard]] S longest_distance(S before, S after) const {
     const S v = path_.rate_limit, most = v * period_;
     return before < v && after > v ? most - (v - before) * (v - before) * period_ / (S(2) * (after - before)) : most;
   }
@@ -118,8 +123,8 @@ class Machine {
   MachinePath<S> path_{};
   S period_{1};
   S omega_{};
-  Block<S, 3, 3> transition_ = Block<S, 3, 3>::Zero();
-  Block<S, 3, 4> input_ = Block<S, 3, 4>::Zero();
+  Block<S, states, states> transition_ = Block<S, states, states>::Zero();
+  Block<S, states, 4> input_ = Block<S, states, 4>::Zero();
 };
 
 }  // namespace model

@@ -1,18 +1,18 @@
-// How an input moves between two samples.
+// Motion of an input between two samples.
 #pragma once
 
 #include <array>
 
 namespace model {
 
-/// A displacement with its first derivative: what a test machine is told, and what it reaches.
+/// A displacement with its first derivative: the command and the motion of a test machine.
 template <class S>
 struct Stroke {
   S position{};  ///< x [m]
   S velocity{};  ///< ẋ [m/s]
 };
 
-/// A displacement with two derivatives: what the foot point of a rig does.
+/// A displacement with two derivatives: the motion of a foot point.
 template <class S>
 struct Motion {
   S position{};      ///< z [m]

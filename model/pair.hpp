@@ -1,4 +1,4 @@
-// Two numbers that are computed alike.
+// Arithmetic on two numbers at a time.
 #pragma once
 
 #include <array>

@@ -1,11 +1,11 @@
-// A broken assumption of ours stops the program, in every build.
+// Stops the program, in every build, when an assumption of our own does not hold.
 #pragma once
 
 #include <cstdlib>
 
 namespace model {
 
-/// The last assumption that did not hold, for a debugger or a trap handler to read.
+/// The assumption that did not hold, for a debugger or a trap handler.
 inline const char* volatile broken_assumption = nullptr;
 
 [[noreturn]] inline void stop(const char* assumption) {

@@ -1,15 +1,69 @@
-// What makes numbers a rig (included by rig_model.hpp).
+// Validates the parameters of a rig (included by rig_model.hpp).
 #pragma once
 
 #include "model/rig_model.hpp"
 
 namespace model {
 
-/// Whether a channel of this kind of rig has a sensor whose reading can differ from the true value: in a hil rig body,
-/// wheel and road are numbers.
+/// Whether a channel of this kind of rig has a sensor, whose reading can differ from the true value. In a hil rig body,
+/// wheel and road are computed, hence exact.
 [[nodiscard]] constexpr bool has_sensor(RigKind kind, Channel channel) {
   const bool machine = channel == Channel::F || channel == Channel::x_act;
   return kind == RigKind::quarter_car ? !machine && channel != Channel::x_cmd && channel != Channel::F_act : machine;
+}
+
+/// What find_fault() reads of a card: a board's program carries no more of it.
+struct ParameterBounds {
+  std::string_view name;
+  double lower, upper;
+};
+template <class Effect>
+inline constexpr auto parameter_bounds = [] {
+  std::array<ParameterBounds, Effect::values.size()> bounds{};
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    const EffectParameter& parameter = Effect::card.parameters[i];
+    bounds[i] = {parameter.name, parameter.lower, parameter.upper};
+  }
+  return bounds;
+}();
+
+/// The parameter of an effect that has this value.
+template <class Effect, class S>
+[[nodiscard]] std::string_view name_of_value(const Effect& effect, S value) {
+  for (std::size_t i = 0; i < Effect::values.size(); ++i) {
+    if (effect.*Effect::values[i] == value) return parameter_bounds<Effect>[i].name;
+  }
+  return {};
+}
+
+/// The first effect whose delay does not fit into the delay lines of machine and sensors.
+template <class S>
+std::optional<RigFault> find_long_delay(const RigParameters<S>& rig, S period, std::size_t longest_delay) {
+  constexpr std::string_view expected = "a delay within the capacity of the delay line at this sample rate";
+  std::optional<RigFault> fault;
+  rig.effects.for_each([&](const auto& slot) {
+    MachinePath<S> machine{};
+    if constexpr (requires { slot.effect.act_on(machine); }) {
+      if (!slot.active || fault) return;
+      slot.effect.act_on(machine);
+      if (machine.delay > S(longest_delay) * period) {
+        fault = RigFault{slot.effect.card.name, name_of_value(slot.effect, machine.delay), expected};
+      }
+    }
+  });
+  std::size_t delayed = 0;
+  rig.effects.for_each_sensor([&](const auto& slot, Channel channel) {
+    if (!slot.active || fault) return;
+    SensorPath<S> sensor{};
+    slot.effect.act_on(sensor);
+    if (!(sensor.delay > S(0))) return;
+    if (++delayed > delayed_sensors) {
+      fault = RigFault{slot.effect.card.name, "", "absent: at most two sensors of a rig may have a delay", channel};
+    } else if (sensor.delay > S(sensor_delay_capacity - 4) * period) {
+      fault = RigFault{slot.effect.card.name, name_of_value(slot.effect, sensor.delay), expected, channel};
+    }
+  });
+  return fault;
 }
 
 template <class S>
@@ -56,12 +110,12 @@ std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::s
     const bool sound = !fault;
     demand(Effect::card.rigs.contains(rig.kind), Effect::card.name, "", "absent: this kind of rig has no such place");
     demand(!Effect::card.needs_fdva || rig.has_fdva, Effect::card.name, "", "absent: the rig has no FDVA");
-    for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
-      const auto& parameter = Effect::card.parameters[i];
+    for (std::size_t i = 0; i < Effect::values.size(); ++i) {
+      const ParameterBounds& bounds = parameter_bounds<Effect>[i];
       const S value = effect.*Effect::values[i];
-      if (fault || (finite(value) && value >= S(parameter.lower) && value <= S(parameter.upper))) continue;
-      fault = RigFault{Effect::card.name, parameter.name, "a number within the physical bounds of the effect"};
-      fault->bounds = {parameter.lower, parameter.upper};
+      if (fault || (finite(value) && value >= S(bounds.lower) && value <= S(bounds.upper))) continue;
+      fault = RigFault{Effect::card.name, bounds.name, "a number within the physical bounds of the effect"};
+      fault->bounds = {bounds.lower, bounds.upper};
     }
     if (sound && fault) fault->channel = channel;
   };
@@ -77,24 +131,7 @@ std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::s
     }
   });
 
-  MachinePath<S> machine{};
-  rig.effects.act_on(machine);
-  if (!fault) {
-    demand(machine.delay <= S(longest_delay) * period, "actuator_delay", "delay",
-           "a delay within the capacity of the delay line at this sample rate");
-  }
-  std::size_t delayed = 0;
-  rig.effects.for_each_sensor([&](const auto& slot, Channel channel) {
-    if constexpr (requires { slot.effect.delay; }) {
-      if (!slot.active || fault) return;
-      if (++delayed > delayed_sensors) {
-        fault = RigFault{"sensor_delay", "", "absent: at most two sensors of a rig may have a delay", channel};
-      } else if (slot.effect.delay > S(sensor_delay_capacity - 4) * period) {
-        fault = RigFault{"sensor_delay", "delay", "a delay within the capacity of the delay line at this sample rate",
-                         channel};
-      }
-    }
-  });
+  if (!fault) fault = find_long_delay(rig, period, longest_delay);
   return fault;
 }
 

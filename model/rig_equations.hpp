@@ -4,15 +4,15 @@
 #include "model/exact_discretisation.hpp"
 #include "model/fdva.hpp"
 #include "model/inline.hpp"
-#include "model/places.hpp"
 #include "model/quarter_car.hpp"
 #include "model/rig_parameters.hpp"
+#include "model/state_index.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
-/// Right-hand side of car, component, and both joined. All of it is linear in its arguments: what is nonlinear comes in
-/// as a load (argument `…Drive`), so that the matrices of a step are this right-hand side evaluated at unit vectors and
-/// no equation is written twice.
+/// Right-hand side of car, component, and both joined, linear in state and input. Nonlinear forces enter as inputs
+/// (`…Input`). The matrices of a step are this right-hand side evaluated at unit vectors: no equation is written twice.
 ///
 ///   (1)–(4)  QuarterCar
 ///   (5)      F_s = F_p + F_act,   F_p = k_b e + b_b ė + F_c + k_r (e − r) + laws parallel to them
@@ -20,47 +20,51 @@ namespace model {
 ///   (5b)     k_m (d − e) = F_p                                  top mount; e = d without it
 ///   (6)–(9)  Fdva
 ///
-/// d: deflection outside, e: what the component sees. Free play makes it see e + δ (loads free_play and
-/// free_play_rate). (5b) is a differential equation of e with the damping b_b, and algebraic without damping; then a
-/// damping that makes it settle within `settling` = 0.1 µs stands in, an error of ω · 0.1 µs, 1e-5 at 16 Hz, of the
-/// component's force.
+/// d: deflection outside, e: deflection behind the top mount. With free play the component is deflected by e + δ
+/// (inputs free_play and free_play_rate). With the damping b_b (5b) is a differential equation of e. Without damping it
+/// would be algebraic: a damping that lets e settle within `settling` = 0.1 µs replaces it, with an error of ω · 0.1 µs
+/// of the component's force, 1e-5 at 16 Hz.
 ///
-/// Car state 4×1 [z_w, ż_w, z_b, ż_b]; component state 4×1 [y m, ẏ m/s, r m, e m], of which a plain component, one
-/// without relaxation and top mount, has the first two only; joined 8×1 in this order.
+/// Car state 4×1 [z_w, ż_w, z_b, ż_b]; component state 4×1 [y m, ẏ m/s, r m, e m]; joined 8×1 in this order
+/// (state_index.hpp). A plain component, without relaxation and top mount, has y and ẏ only.
 template <class S>
 class RigEquations {
  public:
-  using CarState = Column<S, 4>;
-  using ComponentState = Column<S, 4>;
-  using JoinedState = Column<S, 8>;
+  using CarState = Column<S, car_states>;
+  using ComponentState = Column<S, component_states>;
+  using JoinedState = Column<S, core_states>;
   static constexpr double settling = 1e-7;  ///< [s]
 
-  struct CarDrive {
+  struct CarInput {
     S z_r{}, v_r{};            ///< foot point [m], [m/s]
     S suspension_force{};      ///< F_s [N]
-    S tyre_force{};            ///< what laws add to (3) [N]
+    S tyre_force{};            ///< of laws, added to (3) [N]
     S wheel_guide_friction{};  ///< against ż_w [N]
     S body_guide_friction{};   ///< against ż_b [N]
   };
-  struct ComponentDrive {
+  struct ComponentInput {
     S deflection{}, velocity{};       ///< d [m], ḋ [m/s]
     S minor_losses{};                 ///< Σ_j q_j|q_j| [m⁶/s²]
     S piston_friction{};              ///< against ẏ [N]
-    S parallel_force{};               ///< what laws add to F_p [N]
+    S parallel_force{};               ///< of laws, added to F_p [N]
     S free_play{}, free_play_rate{};  ///< δ [m], δ̇ [m/s]
   };
-  struct JoinedDrive {
+  struct JoinedInput {
     S z_r{}, v_r{};                                                      ///< foot point [m], [m/s]
     S actuator_force{};                                                  ///< F_act [N]
-    S parallel_force{};                                                  ///< what laws add to F_p [N]
-    S tyre_force{};                                                      ///< what laws add to (3) [N]
+    S parallel_force{};                                                  ///< of laws, added to F_p [N]
+    S tyre_force{};                                                      ///< of laws, added to (3) [N]
     S minor_losses{};                                                    ///< Σ_j q_j|q_j| [m⁶/s²]
     S piston_friction{}, body_guide_friction{}, wheel_guide_friction{};  ///< [N]
     S free_play{}, free_play_rate{};                                     ///< δ [m], δ̇ [m/s]
   };
 
   explicit RigEquations(const RigParameters<S>& rig)
-      : car_{rig.body.mass, rig.wheel.mass, rig.tyre.stiffness, rig.tyre.damping, rig.machine.virtual_damping},
+      : car_{.body_mass = rig.body.mass,
+             .wheel_mass = rig.wheel.mass,
+             .tyre_stiffness = rig.tyre.stiffness,
+             .tyre_damping = rig.tyre.damping,
+             .virtual_damping = rig.machine.virtual_damping},
         suspension_{.stiffness = rig.suspension.stiffness, .damping = rig.suspension.damping},
         fdva_(rig.fdva),
         has_fdva_(rig.has_fdva) {
@@ -86,12 +90,12 @@ class RigEquations {
     return QuarterCar<S>::tyre_force(car_, as_car(x), z_r, v_r);
   }
 
-  [[nodiscard]] RIGTWIN_INLINE CarState car(const CarState& x, const CarDrive& in) const {
+  [[nodiscard]] RIGTWIN_INLINE CarState car(const CarState& x, const CarInput& in) const {
     const S tyre = tyre_force(x, in.z_r, in.v_r) + in.tyre_force;
     const auto net = QuarterCar<S>::net_forces(car_, as_car(x), tyre, in.suspension_force);
     CarState rate;
-    rate << x(1), (net.wheel - in.wheel_guide_friction) * per_wheel_mass_, x(3),
-        (net.body - in.body_guide_friction) * per_body_mass_;
+    rate << x(CoreIndex::wheel_velocity), (net.wheel - in.wheel_guide_friction) * per_wheel_mass_,
+        x(CoreIndex::body_velocity), (net.body - in.body_guide_friction) * per_body_mass_;
     return rate;
   }
 
@@ -101,42 +105,66 @@ class RigEquations {
     return has_fdva_ ? spring_damper + Fdva<S>::force(fdva_, deflection, travel) : spring_damper;
   }
 
-  /// F_p [N]: with a top mount what the mount carries, else (5)
-  [[nodiscard]] S component_force(const ComponentState& c, const ComponentDrive& in) const {
-    if (has_mount()) return suspension_.mount_stiffness * (in.deflection - c(3));
+  /// F_p [N]: with a top mount the force of the mount, else (5)
+  [[nodiscard]] S component_force(const ComponentState& c, const ComponentInput& in) const {
+    if (has_mount()) return suspension_.mount_stiffness * (in.deflection - c(ComponentIndex::inner_deflection));
     return inner_force(c, in.deflection + in.free_play, in.velocity + in.free_play_rate) + in.parallel_force;
   }
   [[nodiscard]] S component_force(const ComponentState& c, S deflection, S velocity) const {
-    return component_force(c, ComponentDrive{.deflection = deflection, .velocity = velocity});
+    return component_force(c, ComponentInput{.deflection = deflection, .velocity = velocity});
   }
 
   /// (5a), (5b), (8a)
-  [[nodiscard]] ComponentState component(const ComponentState& c, const ComponentDrive& in, int open) const {
+  [[nodiscard]] ComponentState component(const ComponentState& c, const ComponentInput& in, int open) const {
     ComponentState rate = ComponentState::Zero();
-    const S seen = (has_mount() ? c(3) : in.deflection) + in.free_play;
+    const S seen = (has_mount() ? c(ComponentIndex::inner_deflection) : in.deflection) + in.free_play;
     if (has_mount()) {
       const S inside = inner_force(c, seen, S(0)) + suspension_.damping * in.free_play_rate + in.parallel_force;
-      rate(3) = (suspension_.mount_stiffness * (in.deflection - c(3)) - inside) / inner_damping_;
+      rate(ComponentIndex::inner_deflection) =
+          (suspension_.mount_stiffness * (in.deflection - c(ComponentIndex::inner_deflection)) - inside) /
+          inner_damping_;
     }
-    if (has_relaxation()) rate(2) = (seen - c(2)) / suspension_.relaxation_time;
+    if (has_relaxation()) {
+      rate(ComponentIndex::relaxed_deflection) =
+          (seen - c(ComponentIndex::relaxed_deflection)) / suspension_.relaxation_time;
+    }
     if (!has_fdva_ || open == 0) return rate;
-    const S net = Fdva<S>::force(fdva_, seen, c(0)) - in.piston_friction;
-    rate(0) = c(1);
-    rate(1) = Fdva<S>::piston_acceleration(fdva_, duct_, open, c(1), net) -
-              Fdva<S>::piston_deceleration_per_loss(fdva_, duct_) * in.minor_losses;
+    const S net = Fdva<S>::force(fdva_, seen, c(ComponentIndex::piston_travel)) - in.piston_friction;
+    rate(ComponentIndex::piston_travel) = c(ComponentIndex::piston_velocity);
+    rate(ComponentIndex::piston_velocity) =
+        Fdva<S>::piston_acceleration(fdva_, duct_, open, c(ComponentIndex::piston_velocity), net) -
+        Fdva<S>::piston_deceleration_per_loss(fdva_, duct_) * in.minor_losses;
     return rate;
   }
 
-  [[nodiscard]] JoinedState joined(const JoinedState& x, const JoinedDrive& in, int open) const {
-    const CarState car_state = x.template head<4>();
-    const ComponentState component_state = x.template tail<4>();
-    const ComponentDrive drive{x(0) - x(2),        x(1) - x(3),       in.minor_losses,  // (4)
-                               in.piston_friction, in.parallel_force, in.free_play,    in.free_play_rate};
-    const S force = component_force(component_state, drive) + in.actuator_force;
+  [[nodiscard]] JoinedState joined(const JoinedState& x, const JoinedInput& in, int open) const {
+    const CarState car_state = x.template head<car_states>();
+    const ComponentState component_state = x.template tail<component_states>();
+    const ComponentInput component_input{
+        .deflection = x(CoreIndex::wheel_position) - x(CoreIndex::body_position),  // (4)
+        .velocity = x(CoreIndex::wheel_velocity) - x(CoreIndex::body_velocity),
+        .minor_losses = in.minor_losses,
+        .piston_friction = in.piston_friction,
+        .parallel_force = in.parallel_force,
+        .free_play = in.free_play,
+        .free_play_rate = in.free_play_rate};
+    const S force = component_force(component_state, component_input) + in.actuator_force;
     JoinedState rate;
-    rate << car(car_state, {in.z_r, in.v_r, force, in.tyre_force, in.wheel_guide_friction, in.body_guide_friction}),
-        component(component_state, drive, open);
+    rate << car(car_state, {.z_r = in.z_r,
+                            .v_r = in.v_r,
+                            .suspension_force = force,
+                            .tyre_force = in.tyre_force,
+                            .wheel_guide_friction = in.wheel_guide_friction,
+                            .body_guide_friction = in.body_guide_friction}),
+        component(component_state, component_input, open);
     return rate;
+  }
+
+  [[nodiscard]] RIGTWIN_INLINE static typename QuarterCar<S>::State as_car(const CarState& x) {
+    return {.z_w = x(CoreIndex::wheel_position),
+            .v_w = x(CoreIndex::wheel_velocity),
+            .z_b = x(CoreIndex::body_position),
+            .v_b = x(CoreIndex::body_velocity)};
   }
 
   [[nodiscard]] bool has_mount() const { return suspension_.mount_stiffness > S(0); }
@@ -153,14 +181,11 @@ class RigEquations {
   [[nodiscard]] bool has_fdva() const { return has_fdva_; }
 
  private:
-  /// (5) without loads, on what the component sees
+  /// (5) without loads, at the deflection e + δ
   [[nodiscard]] S inner_force(const ComponentState& c, S seen, S velocity) const {
-    const S force = plain_force(c(0), seen, velocity);
-    return has_relaxation() ? force + suspension_.relaxing_stiffness * (seen - c(2)) : force;
-  }
-
-  [[nodiscard]] RIGTWIN_INLINE static typename QuarterCar<S>::State as_car(const CarState& x) {
-    return {x(0), x(1), x(2), x(3)};
+    const S force = plain_force(c(ComponentIndex::piston_travel), seen, velocity);
+    if (!has_relaxation()) return force;
+    return force + suspension_.relaxing_stiffness * (seen - c(ComponentIndex::relaxed_deflection));
   }
 
   typename QuarterCar<S>::Parameters car_;
@@ -180,23 +205,23 @@ class StepColumns {
  public:
   using Vector = Column<S, N>;
 
-  /// rates(x, drive) → ẋ linear in both.
-  template <class Drive, class Rates>
-  StepColumns(const Drive& no_drive, const Rates& rates, S period) : step_(matrix(no_drive, rates), period) {}
+  /// rates(x, input) → ẋ linear in both.
+  template <class Input, class Rates>
+  StepColumns(const Input& no_input, const Rates& rates, S period) : step_(matrix(no_input, rates), period) {}
 
   [[nodiscard]] const ExactDiscretisation<S, N>& step() const { return step_; }
 
-  /// The column by which `drive`, one unit of one input, enters.
-  template <class Drive, class Rates>
-  [[nodiscard]] static Vector entry(const Drive& drive, const Rates& rates) {
-    return rates(Vector::Zero().eval(), drive);
+  /// The column by which `input`, one unit of one input, enters.
+  template <class Input, class Rates>
+  [[nodiscard]] static Vector entry(const Input& input, const Rates& rates) {
+    return rates(Vector::Zero().eval(), input);
   }
 
  private:
-  template <class Drive, class Rates>
-  static Block<S, N, N> matrix(const Drive& no_drive, const Rates& rates) {
+  template <class Input, class Rates>
+  static Block<S, N, N> matrix(const Input& no_input, const Rates& rates) {
     Block<S, N, N> a;
-    for (int j = 0; j < N; ++j) a.col(j) = rates(Vector::Unit(j).eval(), no_drive);
+    for (int j = 0; j < N; ++j) a.col(j) = rates(Vector::Unit(j).eval(), no_input);
     return a;
   }
 

@@ -15,28 +15,29 @@
 #include "model/machine.hpp"
 #include "model/motion.hpp"
 #include "model/pair.hpp"
-#include "model/places.hpp"
 #include "model/require.hpp"
 #include "model/rig_equations.hpp"
 #include "model/rig_parameters.hpp"
 #include "model/sensors.hpp"
+#include "model/state_index.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
-/// How much of a rig is modelled.
-enum class Extent : unsigned char {
+/// The part of a rig that a model computes.
+enum class ModelledPart : unsigned char {
   whole_rig,     ///< everything: simulation, identification
-  virtual_car,   ///< hil: only the car, its suspension force is measured (the firmware)
-  test_machine,  ///< hil: only machine and component, the deflection is commanded (the simulated rig)
+  virtual_car,   ///< hil: the car alone, its suspension force is measured (the firmware)
+  test_machine,  ///< hil: machine and component alone, the deflection is commanded (the simulated rig)
 };
 
-/// Which of these extents a model can take; what it cannot costs neither code nor memory.
-enum class Scope : unsigned char {
-  every_extent,  ///< of every kind of rig: simulation, identification
-  virtual_car,   ///< Extent::virtual_car alone, no machine, component, sensor or delay line: what a controller carries
+/// The parts that a model can compute. The others cost neither code nor memory.
+enum class ModelVariant : unsigned char {
+  every_part,   ///< every part of every kind of rig: simulation, identification
+  virtual_car,  ///< the virtual car alone, without machine, component, sensors and delay line: the controller
 };
 
-/// In the place of a part that a model of smaller scope does not have.
+/// Stands for a part that a variant of the model does not have.
 template <class Part>
 struct Without {};
 
@@ -49,10 +50,10 @@ struct RigFault {
   struct Bounds {
     double lower, upper;
   };
-  std::optional<Bounds> bounds{};  ///< of an effect's parameter, where these are what it is outside of
+  std::optional<Bounds> bounds{};  ///< that an effect's parameter violates
 };
 
-/// nullopt, or the first thing that is wrong with `rig` when it runs with this period [s] and delay capacity [samples].
+/// The first fault of `rig` with this period [s] and this delay capacity [samples]; nullopt: none.
 template <class S>
 [[nodiscard]] std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::size_t longest_delay);
 
@@ -69,20 +70,20 @@ template <class S>
 ///   linear force; at a kink of a law ∝ h².
 /// * Dry friction: implicit, sharp (FrictionContacts).
 ///
-/// Kinds and extents:
+/// Kinds of rig and their parts:
 ///   quarter_car, whole_rig      foot_point, actuator_force → z_r … dz_b, F_w
 ///   hil, whole_rig              foot_point → car with F held → x_cmd → machine → component → F, once around a period
 ///   hil, virtual_car            foot_point, receive_force → x_cmd = deflection()
 ///   hil, test_machine           command → x_act, F
 ///   component_bench, whole_rig  command → x_act, F
 ///
-/// Memory: all inside; DelayCapacity [samples] bounds the delay of the machine. After every 64 steps what has died away
-/// below 1e-100 becomes zero, so that a silent rig never computes with denormal numbers.
-template <class S = double, std::size_t DelayCapacity = 512, Scope scope = Scope::every_extent>
+/// Memory: all inside; DelayCapacity [samples] bounds the delay of the machine. After every 64 steps values that have
+/// decayed below 1e-100 become zero: a rig at rest never computes with denormal numbers.
+template <class S = double, std::size_t DelayCapacity = 512, ModelVariant variant = ModelVariant::every_part>
 class RigModel {
  public:
   using Line = DelayLine<Stroke<S>, DelayCapacity, S>;
-  static constexpr bool car_alone = scope == Scope::virtual_car;
+  static constexpr bool car_alone = variant == ModelVariant::virtual_car;
   template <class Part>
   using UnlessCarAlone = std::conditional_t<car_alone, Without<Part>, Part>;
 
@@ -91,21 +92,21 @@ class RigModel {
     Motion<S> foot_point{};  ///< z_r, ż_r, z̈_r
     Stroke<S> command{};     ///< x_cmd, ẋ_cmd of a test machine without car
     S actuator_force{};      ///< F_act [N]
-    /// What the sensors add to each channel at the end of the step, nullptr for nothing. It passes through sensors that
-    /// have effects, and around the loop of a hil rig.
+    /// Noise of each sensor at the end of the step; nullptr: none. It passes through sensors that have effects, and
+    /// around the loop of a hil rig.
     const Signals<S>* noise = nullptr;
   };
 
-  /// Everything that changes. Copy it to keep an instant.
+  /// Everything that changes. A copy keeps the instant.
   struct State {
-    Column<S, 8> core = Column<S, 8>::Zero();  ///< z_w, ż_w, z_b, ż_b, y, ẏ, r, e
+    Column<S, core_states> core = Column<S, core_states>::Zero();  ///< entries: CoreIndex
     Motion<S> foot_point{};
     Stroke<S> command{};  ///< x_cmd
     Stroke<S> reached{};  ///< x_act
     S actuator_force{};   ///< F_act [N]
     S received_force{};   ///< F as the car got it [N]
     DuctFlows<S> ducts{};
-    Recent<S> tyre_load{}, suspension_load{};  ///< what laws add to (3) and (5) [N]
+    Recent<S> tyre_load{}, suspension_load{};  ///< of laws, added to (3) and (5) [N]
     typename FrictionContacts<S>::Forces friction{};
     [[no_unique_address]] UnlessCarAlone<Line> line{};
     Stroke<S> delayed{};  ///< x_cmd behind the delay
@@ -115,7 +116,8 @@ class RigModel {
     std::uint32_t steps = 0;
   };
 
-  RigModel(const RigParameters<S>& rig, S period, Extent extent = car_alone ? Extent::virtual_car : Extent::whole_rig);
+  RigModel(const RigParameters<S>& rig, S period,
+           ModelledPart part = car_alone ? ModelledPart::virtual_car : ModelledPart::whole_rig);
 
   /// At rest in the static equilibrium above a foot point at `z_r`, or with the machine resting at `deflection` (the
   /// component included: its coil spring is relaxed by the piston's travel y = deflection).
@@ -123,7 +125,8 @@ class RigModel {
 
   /// In mid-motion: car and piston as given, relaxation and top mount settled, machine as if it had always moved on
   /// with its present velocity.
-  [[nodiscard]] State start(const Column<S, 6>& core, const Motion<S>& foot_point, const Stroke<S>& reached) const;
+  [[nodiscard]] State start(const Column<S, plain_core_states>& core, const Motion<S>& foot_point,
+                            const Stroke<S>& reached) const;
 
   /// One period.
   void step(State& x, const Input& in) const;
@@ -141,10 +144,13 @@ class RigModel {
 
   /// True values at this instant.
   [[nodiscard]] Signals<S> signals(const State& x) const;
-  /// What the rig's sensors say at this instant; `noise`: as in the Input of the step that led here.
+  /// The readings of the rig's sensors at this instant; `noise`: as in the Input of the step that led here.
   [[nodiscard]] Signals<S> measured(const State& x, const Signals<S>* noise = nullptr) const;
   /// z_w − z_b and its rate: the deflection a hil rig commands.
-  [[nodiscard]] Stroke<S> deflection(const State& x) const { return {x.core(0) - x.core(2), x.core(1) - x.core(3)}; }
+  [[nodiscard]] Stroke<S> deflection(const State& x) const {
+    return {x.core(CoreIndex::wheel_position) - x.core(CoreIndex::body_position),
+            x.core(CoreIndex::wheel_velocity) - x.core(CoreIndex::body_velocity)};
+  }
   /// Force of the component on the body, true value [N].
   [[nodiscard]] S suspension_force(const State& x) const;
   /// Stored energy of masses, springs and oil [J].
@@ -155,7 +161,7 @@ class RigModel {
   [[nodiscard]] const RigEquations<S>& equations() const { return equations_; }
   [[nodiscard]] const RigParameters<S>& parameters() const { return rig_; }
   [[nodiscard]] S period() const { return period_; }
-  [[nodiscard]] Extent extent() const { return extent_; }
+  [[nodiscard]] ModelledPart part() const { return part_; }
 
  private:
   using Equations = RigEquations<S>;
@@ -163,12 +169,12 @@ class RigModel {
   static constexpr std::size_t counts = duct_capacity + 1;  ///< 0 … 6 ducts open
 
   struct CarStep {
-    PackedColumns<S, 4, 4> state;
-    PackedColumns<S, 4, 4> foot_point;
-    PackedColumns<S, 4, 1> force;
-    PackedColumns<S, 4, 3> tyre;
+    PackedColumns<S, car_states, car_states> state;
+    PackedColumns<S, car_states, 4> foot_point;
+    PackedColumns<S, car_states, 1> force;
+    PackedColumns<S, car_states, 3> tyre;
   };
-  template <int N>  // 2: plain, 4: with relaxation or top mount
+  template <int N>  // plain_component_states or component_states
   struct ComponentStep {
     PackedColumns<S, N, N> state;
     PackedColumns<S, N, 4> stroke;
@@ -177,7 +183,7 @@ class RigModel {
     std::array<PackedColumns<S, N, 3>, 2> free_play;
     Block<S, N, Friction::contacts> friction;
   };
-  template <int N>  // 6: plain, 8: with relaxation or top mount
+  template <int N>  // plain_core_states or core_states
   struct JoinedStep {
     PackedColumns<S, N, N> state;
     PackedColumns<S, N, 4> foot_point;
@@ -190,9 +196,9 @@ class RigModel {
 
   [[nodiscard]] bool joined() const { return !car_alone && rig_.kind == RigKind::quarter_car; }
   [[nodiscard]] bool has_car() const {
-    return car_alone || (rig_.kind == RigKind::hil && extent_ != Extent::test_machine);
+    return car_alone || (rig_.kind == RigKind::hil && part_ != ModelledPart::test_machine);
   }
-  [[nodiscard]] bool has_machine() const { return !car_alone && !joined() && extent_ != Extent::virtual_car; }
+  [[nodiscard]] bool has_machine() const { return !car_alone && !joined() && part_ != ModelledPart::virtual_car; }
 
   [[nodiscard]] CarStep car_step() const;
   template <int N>
@@ -200,21 +206,22 @@ class RigModel {
   template <int N>
   [[nodiscard]] JoinedStep<N> joined_step(int open) const;
 
-  void step_with_laws(State& x, const Input& in) const;
-  template <bool WithLaws>
+  void general_step(State& x, const Input& in) const;
+  template <bool General>
   void advance(State& x, const Input& in) const;
-  template <bool WithLaws>
+  template <bool General>
   void advance_rig(State& x, const Input& in) const;
-  template <bool WithLaws, int N>
+  template <bool General, int N>
   void advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const;
-  template <bool WithLaws>
+  template <bool General>
   void advance_car(State& x, const Input& in) const;
-  template <bool WithLaws>
+  template <bool General>
   void advance_machine(State& x, const Stroke<S>& command) const;
-  template <bool WithLaws, int N>
+  template <bool General, int N>
   void advance_component(const ComponentStep<N>& m, State& x, const Stroke<S>& reached) const;
   template <int N>
-  void rub(const Block<S, N, Friction::contacts>& columns, State& x, const Column<S, 8>& before) const;
+  void apply_friction(const Block<S, N, Friction::contacts>& columns, State& x,
+                      const Column<S, core_states>& before) const;
   void refresh_laws(State& x) const;
   void start_machine(State& x, const Stroke<S>& reached) const;
   void start_laws(State& x) const;
@@ -227,35 +234,35 @@ class RigModel {
   [[nodiscard]] Stroke<S> offset(const Stroke<S>& inner) const;
   [[nodiscard]] Stroke<S> outer_stroke(const State& x) const { return joined() ? deflection(x) : x.reached; }
   [[nodiscard]] Stroke<S> inner_stroke(const State& x) const;
-  [[nodiscard]] typename Equations::ComponentDrive component_drive(const State& x) const;
-  /// The component sees no deflection: what free play takes away is all there is.
+  [[nodiscard]] typename Equations::ComponentInput component_input(const State& x) const;
+  /// Free play takes the whole deflection: the component is not deflected.
   [[nodiscard]] bool inside_free_play(const State& x) const {
     const S half = S(0.5) * equations_.suspension().free_play;
     const S taken = x.free_play.now;
     return taken < half && taken > -half;
   }
   template <int N>
-  [[nodiscard]] RIGTWIN_INLINE static std::array<S, static_cast<std::size_t>(N)> entries(const Column<S, 8>& core,
-                                                                                         int from) {
+  [[nodiscard]] RIGTWIN_INLINE static std::array<S, static_cast<std::size_t>(N)> entries(
+      const Column<S, core_states>& core, int from) {
     std::array<S, static_cast<std::size_t>(N)> values;
     for (int i = 0; i < N; ++i) values[static_cast<std::size_t>(i)] = core(from + i);
     return values;
   }
   void sense(State& x, const Signals<S>* noise) const;
-  template <bool WithLaws>
+  template <bool General>
   [[nodiscard]] S component_force(const State& x) const;
   [[nodiscard]] S prescribed_force(const State& x) const;
 
   RigParameters<S> rig_;
   Equations equations_;
   S period_;
-  Extent extent_;
+  ModelledPart part_;
   S static_load_;
   S delay_;
   S mass_beyond_sensor_;
   bool has_tyre_law_ = false;
   bool has_suspension_law_ = false;
-  bool has_laws_ = false;
+  bool needs_general_step_ = false;  ///< laws, friction, free play, relaxation, top mount, machine or sensor effects
   bool has_delay_ = false;
   bool has_free_play_ = false;
   Friction contacts_;
@@ -263,15 +270,15 @@ class RigModel {
   [[no_unique_address]] UnlessCarAlone<Sensors<S>> sensors_{};
   typename DuctFlows<S>::Step duct_step_{};
   CarStep car_{};
-  [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<2>, counts>> component_{};
-  [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<6>, counts>> joined_{};
-  [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<4>, counts>> elaborate_component_{};
-  [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<8>, counts>> elaborate_joined_{};
+  [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<plain_component_states>, counts>> component_{};
+  [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<plain_core_states>, counts>> joined_{};
+  [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<component_states>, counts>> elaborate_component_{};
+  [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<core_states>, counts>> elaborate_joined_{};
 };
 
-/// The car of a hil rig as numbers, for the controller: RigModel's own code, and nothing else of it.
+/// The computed car of a hil rig, for the controller: RigModel's own code without the other parts.
 template <class S = double>
-using VirtualCar = RigModel<S, 512, Scope::virtual_car>;
+using VirtualCar = RigModel<S, 512, ModelVariant::virtual_car>;
 
 }  // namespace model
 
@@ -284,6 +291,6 @@ namespace model {
 extern template std::optional<RigFault> find_fault(const RigParameters<double>& rig, double period,
                                                    std::size_t longest);
 extern template class RigModel<double>;
-extern template class RigModel<double, 512, Scope::virtual_car>;
+extern template class RigModel<double, 512, ModelVariant::virtual_car>;
 
 }  // namespace model

@@ -5,16 +5,16 @@
 
 namespace model {
 
-template <class S, std::size_t D, Scope scope>
-RigModel<S, D, scope>::RigModel(const RigParameters<S>& rig, S period, Extent extent)
+template <class S, std::size_t D, ModelVariant variant>
+RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, ModelledPart part)
     : rig_(rig),
       equations_(rig),
       period_(period),
-      extent_(extent),
+      part_(part),
       static_load_(QuarterCar<S>::static_wheel_load(equations_.car())) {
   require(!find_fault(rig, period, Line::longest), "a rig that passes find_fault");
-  require(extent == Extent::whole_rig || rig.kind == RigKind::hil, "only a hil rig is modelled in parts");
-  require(!car_alone || extent == Extent::virtual_car, "an extent within the scope of the model");
+  require(part == ModelledPart::whole_rig || rig.kind == RigKind::hil, "only a hil rig is modelled in parts");
+  require(!car_alone || part == ModelledPart::virtual_car, "a part that this variant of the model has");
 
   MachinePath<S> machine{};
   WheelLoadSensor<S> wheel_load{};
@@ -25,7 +25,7 @@ RigModel<S, D, scope>::RigModel(const RigParameters<S>& rig, S period, Extent ex
   mass_beyond_sensor_ = wheel_load.mass_beyond;
   if constexpr (!car_alone) {
     machine_ = Machine<S>(machine, period);
-    if (extent != Extent::virtual_car) sensors_ = Sensors<S>(rig.effects.sensor_paths(), period);
+    if (part != ModelledPart::virtual_car) sensors_ = Sensors<S>(rig.effects.sensor_paths(), period);
   }
   has_free_play_ = equations_.suspension().free_play > S(0);
   rig.effects.for_each([&](const auto& slot) {
@@ -39,10 +39,10 @@ RigModel<S, D, scope>::RigModel(const RigParameters<S>& rig, S period, Extent ex
                         guides.wheel_dry_friction, guides.body_dry_friction});
   if (has_car()) car_ = car_step();
   if constexpr (car_alone) {
-    has_laws_ = has_tyre_law_;
+    needs_general_step_ = has_tyre_law_;
   } else {
-    has_laws_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
-                sensors_.any() || !equations_.plain();
+    needs_general_step_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
+                          sensors_.any() || !equations_.plain();
     if (equations_.has_fdva()) {
       duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
     }
@@ -50,93 +50,96 @@ RigModel<S, D, scope>::RigModel(const RigParameters<S>& rig, S period, Extent ex
     for (int open = 0; open <= installed; ++open) {
       const auto n = static_cast<std::size_t>(open);
       if (equations_.plain()) {
-        if (joined()) joined_[n] = joined_step<6>(open);
-        if (has_machine()) component_[n] = component_step<2>(open);
+        if (joined()) joined_[n] = joined_step<plain_core_states>(open);
+        if (has_machine()) component_[n] = component_step<plain_component_states>(open);
       } else {
-        if (joined()) elaborate_joined_[n] = joined_step<8>(open);
-        if (has_machine()) elaborate_component_[n] = component_step<4>(open);
+        if (joined()) elaborate_joined_[n] = joined_step<core_states>(open);
+        if (has_machine()) elaborate_component_[n] = component_step<component_states>(open);
       }
     }
   }
 }
 
-template <class S, std::size_t D, Scope scope>
-auto RigModel<S, D, scope>::car_step() const -> CarStep {
-  using Drive = typename Equations::CarDrive;
-  const auto rates = [this](const Column<S, 4>& x, const Drive& in) { return equations_.car(x, in); };
-  using Columns = StepColumns<S, 4>;
-  const ExactDiscretisation<S, 4> step = Columns(Drive{}, rates, period_).step();
+template <class S, std::size_t D, ModelVariant variant>
+auto RigModel<S, D, variant>::car_step() const -> CarStep {
+  using CarInput = typename Equations::CarInput;
+  const auto rates = [this](const Column<S, car_states>& x, const CarInput& in) { return equations_.car(x, in); };
+  using Columns = StepColumns<S, car_states>;
+  const ExactDiscretisation<S, car_states> step = Columns(CarInput{}, rates, period_).step();
   return {step.transition(),
-          step.hermite(Columns::entry(Drive{.z_r = S(1)}, rates), Columns::entry(Drive{.v_r = S(1)}, rates)),
-          step.held(Columns::entry(Drive{.suspension_force = S(1)}, rates)),
-          step.template continued<3>(Columns::entry(Drive{.tyre_force = S(1)}, rates))};
+          step.hermite(Columns::entry(CarInput{.z_r = S(1)}, rates), Columns::entry(CarInput{.v_r = S(1)}, rates)),
+          step.held(Columns::entry(CarInput{.suspension_force = S(1)}, rates)),
+          step.template continued<3>(Columns::entry(CarInput{.tyre_force = S(1)}, rates))};
 }
 
-template <class S, std::size_t D, Scope scope>
+template <class S, std::size_t D, ModelVariant variant>
 template <int N>
-auto RigModel<S, D, scope>::component_step(int open) const -> ComponentStep<N> {
-  using Drive = typename Equations::ComponentDrive;
-  const auto rates = [this, open](const Column<S, N>& c, const Drive& in) -> Column<S, N> {
+auto RigModel<S, D, variant>::component_step(int open) const -> ComponentStep<N> {
+  using ComponentInput = typename Equations::ComponentInput;
+  const auto rates = [this, open](const Column<S, N>& c, const ComponentInput& in) -> Column<S, N> {
     typename Equations::ComponentState all = Equations::ComponentState::Zero();
     all.template head<N>() = c;
     return equations_.component(all, in, open).template head<N>();
   };
   using Columns = StepColumns<S, N>;
-  const ExactDiscretisation<S, N> step = Columns(Drive{}, rates, period_).step();
-  const Column<S, N> parallel = Columns::entry(Drive{.parallel_force = S(1)}, rates);
-  ComponentStep<N> m{
-      step.transition(),
-      step.hermite(Columns::entry(Drive{.deflection = S(1)}, rates), Columns::entry(Drive{.velocity = S(1)}, rates)),
-      step.template continued<4>(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
-      step.template continued<3>(parallel),
-      {step.template continued<3>(Columns::entry(Drive{.free_play = S(1)}, rates)),
-       step.template continued<3>(Columns::entry(Drive{.free_play_rate = S(1)}, rates))},
-      Block<S, N, Friction::contacts>::Zero()};
+  const ExactDiscretisation<S, N> step = Columns(ComponentInput{}, rates, period_).step();
+  const Column<S, N> parallel = Columns::entry(ComponentInput{.parallel_force = S(1)}, rates);
+  ComponentStep<N> m{step.transition(),
+                     step.hermite(Columns::entry(ComponentInput{.deflection = S(1)}, rates),
+                                  Columns::entry(ComponentInput{.velocity = S(1)}, rates)),
+                     step.template continued<4>(Columns::entry(ComponentInput{.minor_losses = S(1)}, rates)),
+                     step.template continued<3>(parallel),
+                     {step.template continued<3>(Columns::entry(ComponentInput{.free_play = S(1)}, rates)),
+                      step.template continued<3>(Columns::entry(ComponentInput{.free_play_rate = S(1)}, rates))},
+                     Block<S, N, Friction::contacts>::Zero()};
   m.friction.col(Friction::suspension) = step.held(parallel);
-  m.friction.col(Friction::piston) = step.held(Columns::entry(Drive{.piston_friction = S(1)}, rates));
+  m.friction.col(Friction::piston) = step.held(Columns::entry(ComponentInput{.piston_friction = S(1)}, rates));
   return m;
 }
 
-template <class S, std::size_t D, Scope scope>
+template <class S, std::size_t D, ModelVariant variant>
 template <int N>
-auto RigModel<S, D, scope>::joined_step(int open) const -> JoinedStep<N> {
-  using Drive = typename Equations::JoinedDrive;
-  const auto rates = [this, open](const Column<S, N>& x, const Drive& in) -> Column<S, N> {
+auto RigModel<S, D, variant>::joined_step(int open) const -> JoinedStep<N> {
+  using JoinedInput = typename Equations::JoinedInput;
+  const auto rates = [this, open](const Column<S, N>& x, const JoinedInput& in) -> Column<S, N> {
     typename Equations::JoinedState all = Equations::JoinedState::Zero();
     all.template head<N>() = x;
     return equations_.joined(all, in, open).template head<N>();
   };
   using Columns = StepColumns<S, N>;
-  const ExactDiscretisation<S, N> step = Columns(Drive{}, rates, period_).step();
-  const Column<S, N> parallel = Columns::entry(Drive{.parallel_force = S(1)}, rates);
-  JoinedStep<N> m{step.transition(),
-                  step.hermite(Columns::entry(Drive{.z_r = S(1)}, rates), Columns::entry(Drive{.v_r = S(1)}, rates)),
-                  step.straight(Columns::entry(Drive{.actuator_force = S(1)}, rates)),
-                  step.template continued<4>(Columns::entry(Drive{.minor_losses = S(1)}, rates)),
-                  step.template continued<3>(parallel),
-                  step.template continued<3>(Columns::entry(Drive{.tyre_force = S(1)}, rates)),
-                  {step.template continued<3>(Columns::entry(Drive{.free_play = S(1)}, rates)),
-                   step.template continued<3>(Columns::entry(Drive{.free_play_rate = S(1)}, rates))},
-                  {}};
+  const ExactDiscretisation<S, N> step = Columns(JoinedInput{}, rates, period_).step();
+  const Column<S, N> parallel = Columns::entry(JoinedInput{.parallel_force = S(1)}, rates);
+  JoinedStep<N> m{
+      step.transition(),
+      step.hermite(Columns::entry(JoinedInput{.z_r = S(1)}, rates), Columns::entry(JoinedInput{.v_r = S(1)}, rates)),
+      step.straight(Columns::entry(JoinedInput{.actuator_force = S(1)}, rates)),
+      step.template continued<4>(Columns::entry(JoinedInput{.minor_losses = S(1)}, rates)),
+      step.template continued<3>(parallel),
+      step.template continued<3>(Columns::entry(JoinedInput{.tyre_force = S(1)}, rates)),
+      {step.template continued<3>(Columns::entry(JoinedInput{.free_play = S(1)}, rates)),
+       step.template continued<3>(Columns::entry(JoinedInput{.free_play_rate = S(1)}, rates))},
+      {}};
   m.friction.col(Friction::suspension) = step.held(parallel);
-  m.friction.col(Friction::piston) = step.held(Columns::entry(Drive{.piston_friction = S(1)}, rates));
-  m.friction.col(Friction::body_guide) = step.held(Columns::entry(Drive{.body_guide_friction = S(1)}, rates));
-  m.friction.col(Friction::wheel_guide) = step.held(Columns::entry(Drive{.wheel_guide_friction = S(1)}, rates));
+  m.friction.col(Friction::piston) = step.held(Columns::entry(JoinedInput{.piston_friction = S(1)}, rates));
+  m.friction.col(Friction::body_guide) = step.held(Columns::entry(JoinedInput{.body_guide_friction = S(1)}, rates));
+  m.friction.col(Friction::wheel_guide) = step.held(Columns::entry(JoinedInput{.wheel_guide_friction = S(1)}, rates));
   return m;
 }
 
-template <class S, std::size_t D, Scope scope>
-auto RigModel<S, D, scope>::start(S z_r, S deflection) const -> State {
-  Column<S, 6> core;
-  core << z_r, S(0), z_r, S(0), (joined() || has_car() ? S(0) : deflection), S(0);
-  return start(core, Motion<S>{z_r, S(0), S(0)}, Stroke<S>{joined() || has_car() ? S(0) : deflection, S(0)});
+template <class S, std::size_t D, ModelVariant variant>
+auto RigModel<S, D, variant>::start(S z_r, S deflection) const -> State {
+  const S resting = joined() || has_car() ? S(0) : deflection;
+  Column<S, plain_core_states> core = Column<S, plain_core_states>::Zero();
+  core(CoreIndex::wheel_position) = core(CoreIndex::body_position) = z_r;
+  core(CoreIndex::piston_travel) = resting;
+  return start(core, Motion<S>{z_r, S(0), S(0)}, Stroke<S>{resting, S(0)});
 }
 
-template <class S, std::size_t D, Scope scope>
-auto RigModel<S, D, scope>::start(const Column<S, 6>& core, const Motion<S>& foot_point, const Stroke<S>& reached) const
-    -> State {
+template <class S, std::size_t D, ModelVariant variant>
+auto RigModel<S, D, variant>::start(const Column<S, plain_core_states>& core, const Motion<S>& foot_point,
+                                    const Stroke<S>& reached) const -> State {
   State x;
-  x.core.template head<6>() = core;
+  x.core.template head<plain_core_states>() = core;
   x.foot_point = foot_point;
   x.reached = reached;
   if constexpr (car_alone) {
@@ -148,8 +151,8 @@ auto RigModel<S, D, scope>::start(const Column<S, 6>& core, const Motion<S>& foo
 }
 
 /// Machine and component of a state that has car, foot point and stroke.
-template <class S, std::size_t D, Scope scope>
-void RigModel<S, D, scope>::start_machine(State& x, const Stroke<S>& reached) const {
+template <class S, std::size_t D, ModelVariant variant>
+void RigModel<S, D, variant>::start_machine(State& x, const Stroke<S>& reached) const {
   if constexpr (!car_alone) {
     x.line.start(reached, delay_);
     for (std::size_t i = 0; i <= Line::longest; ++i) {
@@ -159,18 +162,18 @@ void RigModel<S, D, scope>::start_machine(State& x, const Stroke<S>& reached) co
     x.delayed = reached;
     x.machine = machine_.start(reached);
     x.ducts.start(first_ducts(equations_.has_fdva() ? equations_.fdva().open_ducts : 0));
-    if (x.ducts.open_count() == 0) x.core(5) = S(0);
+    if (x.ducts.open_count() == 0) x.core(CoreIndex::piston_velocity) = S(0);
     const S outside = outer_stroke(x).position;
-    x.core(6) = x.core(7) = outside;
+    x.core(CoreIndex::relaxed_deflection) = x.core(CoreIndex::inner_deflection) = outside;
     if (equations_.has_mount()) {  // (5b) at rest, where the relaxing branch carries nothing: one linear equation of e
-      typename Equations::ComponentState c = x.core.template tail<4>();
+      typename Equations::ComponentState c = x.core.template tail<component_states>();
       const auto rate_at = [&](S inside) {
-        c(2) = c(3) = inside;
-        return equations_.component(c, {.deflection = outside}, x.ducts.open_count())(3);
+        c(ComponentIndex::relaxed_deflection) = c(ComponentIndex::inner_deflection) = inside;
+        return equations_.component(c, {.deflection = outside}, x.ducts.open_count())(ComponentIndex::inner_deflection);
       };
       const S at_zero = rate_at(S(0));
       const S per_metre = rate_at(S(1)) - at_zero;
-      x.core(6) = x.core(7) = -at_zero / per_metre;
+      x.core(CoreIndex::relaxed_deflection) = x.core(CoreIndex::inner_deflection) = -at_zero / per_metre;
     }
     start_laws(x);
     x.received_force = has_machine() ? component_force<true>(x) : S(0);
@@ -181,58 +184,58 @@ void RigModel<S, D, scope>::start_machine(State& x, const Stroke<S>& reached) co
   }
 }
 
-template <class S, std::size_t D, Scope scope>
-void RigModel<S, D, scope>::step(State& x, const Input& in) const {
-  if (has_laws_) return step_with_laws(x, in);
+template <class S, std::size_t D, ModelVariant variant>
+void RigModel<S, D, variant>::step(State& x, const Input& in) const {
+  if (needs_general_step_) return general_step(x, in);
   advance<false>(x, in);
   if ((++x.steps & 63U) == 0U) flush(x);
 }
 
-template <class S, std::size_t D, Scope scope>
-RIGTWIN_APART void RigModel<S, D, scope>::step_with_laws(State& x, const Input& in) const {
+template <class S, std::size_t D, ModelVariant variant>
+RIGTWIN_NOINLINE void RigModel<S, D, variant>::general_step(State& x, const Input& in) const {
   advance<true>(x, in);
   if ((++x.steps & 63U) == 0U) flush(x);
 }
 
-/// WithLaws: the rig has something beside a linear component with quadratic duct losses and a machine that is late.
-/// Without it a step is a straight line.
-template <class S, std::size_t D, Scope scope>
-template <bool WithLaws>
-RIGTWIN_INLINE void RigModel<S, D, scope>::advance(State& x, const Input& in) const {
+/// General = false: the rig has a linear component with quadratic duct losses and a machine with no more than a delay.
+/// Its step has no branches.
+template <class S, std::size_t D, ModelVariant variant>
+template <bool General>
+RIGTWIN_INLINE void RigModel<S, D, variant>::advance(State& x, const Input& in) const {
   if constexpr (car_alone) {
-    advance_car<WithLaws>(x, in);
+    advance_car<General>(x, in);
   } else {
-    advance_rig<WithLaws>(x, in);
+    advance_rig<General>(x, in);
   }
 }
 
-template <class S, std::size_t D, Scope scope>
-template <bool WithLaws>
-RIGTWIN_INLINE void RigModel<S, D, scope>::advance_rig(State& x, const Input& in) const {
+template <class S, std::size_t D, ModelVariant variant>
+template <bool General>
+RIGTWIN_INLINE void RigModel<S, D, variant>::advance_rig(State& x, const Input& in) const {
   if (joined()) {
-    if (WithLaws && !equations_.plain()) {
-      advance_joined<WithLaws>(elaborate_joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
+    if (General && !equations_.plain()) {
+      advance_joined<General>(elaborate_joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
     } else {
-      advance_joined<WithLaws>(joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
+      advance_joined<General>(joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
     }
   } else {
     Stroke<S> command = in.command;
     if (has_car()) {
-      advance_car<WithLaws>(x, in);
+      advance_car<General>(x, in);
       command = deflection(x);
     }
     if (has_machine()) {
-      advance_machine<WithLaws>(x, command);
-      x.received_force = component_force<WithLaws>(x);
-      if (in.noise != nullptr && !(WithLaws && sensors_.any())) x.received_force += (*in.noise)[index(Channel::F)];
+      advance_machine<General>(x, command);
+      x.received_force = component_force<General>(x);
+      if (in.noise != nullptr && !(General && sensors_.any())) x.received_force += (*in.noise)[index(Channel::F)];
     }
   }
-  if (WithLaws && sensors_.any()) sense(x, in.noise);
+  if (General && sensors_.any()) sense(x, in.noise);
 }
 
-/// The readings of this instant; that of F goes around the loop.
-template <class S, std::size_t D, Scope scope>
-RIGTWIN_APART void RigModel<S, D, scope>::sense(State& x, const Signals<S>* noise) const {
+/// The readings of this instant; the reading of F goes around the loop.
+template <class S, std::size_t D, ModelVariant variant>
+RIGTWIN_NOINLINE void RigModel<S, D, variant>::sense(State& x, const Signals<S>* noise) const {
   if constexpr (!car_alone) {
     const S force = x.received_force;
     sensors_.step(x.sensors, channels(x, force, mass_beyond_sensor_), noise);
@@ -242,110 +245,109 @@ RIGTWIN_APART void RigModel<S, D, scope>::sense(State& x, const Signals<S>* nois
   }
 }
 
-template <class S, std::size_t D, Scope scope>
-template <bool WithLaws, int N>
-RIGTWIN_INLINE void RigModel<S, D, scope>::advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const {
+template <class S, std::size_t D, ModelVariant variant>
+template <bool General, int N>
+RIGTWIN_INLINE void RigModel<S, D, variant>::advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const {
   Packed<S, N> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
   m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
-  if (WithLaws && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load));
-  if (WithLaws && has_tyre_law_) m.tyre.add_to(next, newest_three(x.tyre_load));
-  if (WithLaws && has_free_play_) {
+  if (General && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load));
+  if (General && has_tyre_law_) m.tyre.add_to(next, newest_three(x.tyre_load));
+  if (General && has_free_play_) {
     m.free_play[0].add_to(next, newest_three(x.free_play));
     m.free_play[1].add_to(next, newest_three(x.free_play_rate));
   }
   if (equations_.has_fdva()) m.losses.add_to(next, newest_four(x.ducts.losses()));
-  next = next + m.state.times(entries<N>(x.core, 0));
-  if (WithLaws && contacts_.any()) {
-    const Column<S, 8> before = x.core;
+  next = next + m.state.times(entries<N>(x.core, CoreIndex::wheel_position));
+  if (General && contacts_.any()) {
+    const Column<S, core_states> before = x.core;
     next.store(x.core);
-    rub(m.friction, x, before);
+    apply_friction(m.friction, x, before);
   } else {
     next.store(x.core);
   }
   x.foot_point = in.foot_point;
   x.actuator_force = in.actuator_force;
-  if (equations_.has_fdva()) x.ducts.advance(x.core(5), duct_step_);
-  if constexpr (WithLaws) refresh_laws(x);
+  if (equations_.has_fdva()) x.ducts.advance(x.core(CoreIndex::piston_velocity), duct_step_);
+  if constexpr (General) refresh_laws(x);
 }
 
-/// Dry friction of the step that led from `before` to x without it. With a top mount it rubs where the component is
-/// deflected inside, on e, which has no mass: its travel in the step takes the place of a velocity.
-template <class S, std::size_t D, Scope scope>
+/// Adds dry friction to the step that led from `before` to x without it. With a top mount the friction acts behind the
+/// mount, on e, which has no mass: the distance that e moves in the step takes the place of a velocity.
+template <class S, std::size_t D, ModelVariant variant>
 template <int N>
-RIGTWIN_APART void RigModel<S, D, scope>::rub(const Block<S, N, Friction::contacts>& columns, State& x,
-                                              const Column<S, 8>& before) const {
-  constexpr int before_component = N > 4 ? 0 : 4;  // N = 6, 8: car and component; 2, 4: component alone
-  constexpr int travel = N > 4 ? 4 : 0;
-  Column<S, N> all = x.core.template segment<N>(before_component);
-  Column<S, N> start = before.template segment<N>(before_component);
-  const bool mount = N % 4 == 0 && equations_.has_mount();
+RIGTWIN_NOINLINE void RigModel<S, D, variant>::apply_friction(const Block<S, N, Friction::contacts>& columns, State& x,
+                                                              const Column<S, core_states>& before) const {
+  using Layout = StateLayout<N>;
+  constexpr int first = Layout::has_car ? 0 : int{CoreIndex::piston_travel};  // of these N in the core
+  constexpr int piston_velocity = Layout::component + ComponentIndex::piston_velocity;
+  constexpr int inner_deflection = N - 1;  // the last, where the component is not plain
+  const S inner_before = before(CoreIndex::inner_deflection);
+  Column<S, N> all = x.core.template segment<N>(first);
+  Column<S, N> start = before.template segment<N>(first);
+  const bool mount = !Layout::is_plain && equations_.has_mount();
   if (mount) {
-    all(N - 1) -= before(7);
-    start(N - 1) = S(0);
+    all(inner_deflection) -= inner_before;
+    start(inner_deflection) = S(0);
   }
   typename Friction::Forces limits = contacts_.limits();
   if (has_free_play_ && inside_free_play(x)) {
-    limits[Friction::suspension] = S(0);  // inside the free play nothing rubs
+    limits[Friction::suspension] = S(0);  // no contact inside the free play
   }
   contacts_.solve(all, start, columns, limits, x.friction, [&](int contact, const Column<S, N>& v) {
-    switch (contact) {
-      case Friction::suspension:
-        if (mount) return v(N - 1);
-        return N > 4 ? v(1) - v(N > 4 ? 3 : 0) : S(0);
-      case Friction::piston:
-        return v(travel + 1);
-      case Friction::body_guide:
-        return N > 4 ? v(N > 4 ? 3 : 0) : S(0);
-      default:
-        return N > 4 ? v(1) : S(0);
+    if (contact == Friction::piston) return v(piston_velocity);
+    if (contact == Friction::suspension && mount) return v(inner_deflection);
+    if constexpr (Layout::has_car) {
+      if (contact == Friction::suspension) return v(CoreIndex::wheel_velocity) - v(CoreIndex::body_velocity);
+      return contact == Friction::body_guide ? v(CoreIndex::body_velocity) : v(CoreIndex::wheel_velocity);
     }
+    return S(0);
   });
-  if (mount) all(N - 1) += before(7);
-  x.core.template segment<N>(before_component) = all;
+  if (mount) all(inner_deflection) += inner_before;
+  x.core.template segment<N>(first) = all;
 }
 
-template <class S, std::size_t D, Scope scope>
-template <bool WithLaws>
-RIGTWIN_INLINE void RigModel<S, D, scope>::advance_car(State& x, const Input& in) const {
+template <class S, std::size_t D, ModelVariant variant>
+template <bool General>
+RIGTWIN_INLINE void RigModel<S, D, variant>::advance_car(State& x, const Input& in) const {
   Packed<S, 4> next = car_.foot_point.times(driven_by(x.foot_point, in.foot_point));
-  if (WithLaws && has_tyre_law_) car_.tyre.add_to(next, newest_three(x.tyre_load));
+  if (General && has_tyre_law_) car_.tyre.add_to(next, newest_three(x.tyre_load));
   car_.force.add_to(next, {x.received_force});
-  next = next + car_.state.times({x.core(0), x.core(1), x.core(2), x.core(3)});
-  next.store(x.core.template head<4>());
+  next = next + car_.state.times(entries<car_states>(x.core, CoreIndex::wheel_position));
+  next.store(x.core.template head<car_states>());
   x.foot_point = in.foot_point;
-  if (WithLaws && has_tyre_law_) x.tyre_load.push(tyre_law(x));
+  if (General && has_tyre_law_) x.tyre_load.push(tyre_law(x));
 }
 
-template <class S, std::size_t D, Scope scope>
-template <bool WithLaws>
-RIGTWIN_INLINE void RigModel<S, D, scope>::advance_machine(State& x, const Stroke<S>& command) const {
+template <class S, std::size_t D, ModelVariant variant>
+template <bool General>
+RIGTWIN_INLINE void RigModel<S, D, variant>::advance_machine(State& x, const Stroke<S>& command) const {
   if (!has_car()) x.command = command;
   Stroke<S> reached = command;
   if (has_delay_) {
     x.line.push(command);
     reached = x.line.read(period_);
   }
-  if (WithLaws && machine_.any()) {
+  if (General && machine_.any()) {
     const Stroke<S> delayed = reached;
     reached = machine_.step(x.machine, x.delayed, delayed, x.reached);
     x.delayed = delayed;
   }
-  if (WithLaws && !equations_.plain()) {
-    advance_component<WithLaws>(elaborate_component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
+  if (General && !equations_.plain()) {
+    advance_component<General>(elaborate_component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
   } else if (equations_.has_fdva()) {
-    advance_component<WithLaws>(component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
+    advance_component<General>(component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
   }
   x.reached = reached;
-  if constexpr (WithLaws) refresh_laws(x);
+  if constexpr (General) refresh_laws(x);
 }
 
-template <class S, std::size_t D, Scope scope>
-template <bool WithLaws, int N>
-RIGTWIN_INLINE void RigModel<S, D, scope>::advance_component(const ComponentStep<N>& m, State& x,
-                                                             const Stroke<S>& reached) const {
-  Packed<S, N> c = m.state.times(entries<N>(x.core, 4));
+template <class S, std::size_t D, ModelVariant variant>
+template <bool General, int N>
+RIGTWIN_INLINE void RigModel<S, D, variant>::advance_component(const ComponentStep<N>& m, State& x,
+                                                               const Stroke<S>& reached) const {
+  Packed<S, N> c = m.state.times(entries<N>(x.core, CoreIndex::piston_travel));
   if (equations_.has_fdva()) m.losses.add_to(c, newest_four(x.ducts.losses()));
-  if (WithLaws && has_free_play_ && !equations_.has_mount()) {
+  if (General && has_free_play_ && !equations_.has_mount()) {
     // the deflection is prescribed: free play changes what is prescribed
     const Stroke<S> before = offset(x.reached), after = offset(reached);
     c = c +
@@ -354,33 +356,35 @@ RIGTWIN_INLINE void RigModel<S, D, scope>::advance_component(const ComponentStep
   } else {
     c = c + m.stroke.times(driven_by(x.reached, reached));
   }
-  if (WithLaws && equations_.has_mount()) {  // laws and free play act on e, which is free
+  if (General && equations_.has_mount()) {  // laws and free play act on e, which is free
     if (has_suspension_law_) m.laws.add_to(c, newest_three(x.suspension_load));
     if (has_free_play_) {
       m.free_play[0].add_to(c, newest_three(x.free_play));
       m.free_play[1].add_to(c, newest_three(x.free_play_rate));
     }
   }
-  if (WithLaws && contacts_.any()) {
-    const Column<S, 8> before = x.core;
-    c.store(x.core.template segment<N>(4));
-    rub(m.friction, x, before);
+  if (General && contacts_.any()) {
+    const Column<S, core_states> before = x.core;
+    c.store(x.core.template segment<N>(CoreIndex::piston_travel));
+    apply_friction(m.friction, x, before);
   } else {
-    c.store(x.core.template segment<N>(4));
+    c.store(x.core.template segment<N>(CoreIndex::piston_travel));
   }
-  if (equations_.has_fdva()) x.ducts.advance(x.core(5), duct_step_);
+  if (equations_.has_fdva()) x.ducts.advance(x.core(CoreIndex::piston_velocity), duct_step_);
 }
 
-template <class S, std::size_t D, Scope scope>
-void RigModel<S, D, scope>::open_ducts(State& x, OpenDucts open) const {
+template <class S, std::size_t D, ModelVariant variant>
+void RigModel<S, D, variant>::open_ducts(State& x, OpenDucts open) const {
   require(equations_.has_fdva() && (open >> equations_.fdva().ducts) == 0, "only installed ducts can be opened");
-  if (open != x.ducts.open()) x.core(5) = x.ducts.switch_to(open, x.core(5), duct_step_);
+  if (open != x.ducts.open())
+    x.core(CoreIndex::piston_velocity) = x.ducts.switch_to(open, x.core(CoreIndex::piston_velocity), duct_step_);
 }
 
-template <class S, std::size_t D, Scope scope>
-S RigModel<S, D, scope>::tyre_law(const State& x) const {
-  const S deflection = x.foot_point.position - x.core(0);
-  const S linear = equations_.tyre_force(x.core.template head<4>(), x.foot_point.position, x.foot_point.velocity);
+template <class S, std::size_t D, ModelVariant variant>
+S RigModel<S, D, variant>::tyre_law(const State& x) const {
+  const S deflection = x.foot_point.position - x.core(CoreIndex::wheel_position);
+  const S linear =
+      equations_.tyre_force(x.core.template head<car_states>(), x.foot_point.position, x.foot_point.velocity);
   S force = linear;
   rig_.effects.for_each([&](const auto& slot) {
     if constexpr (requires { slot.effect.tyre_force(force, deflection, static_load_); }) {
@@ -390,8 +394,8 @@ S RigModel<S, D, scope>::tyre_law(const State& x) const {
   return force - linear;
 }
 
-template <class S, std::size_t D, Scope scope>
-S RigModel<S, D, scope>::suspension_law(const Stroke<S>& seen) const {
+template <class S, std::size_t D, ModelVariant variant>
+S RigModel<S, D, variant>::suspension_law(const Stroke<S>& seen) const {
   S force = S(0);
   rig_.effects.for_each([&](const auto& slot) {
     if constexpr (requires { slot.effect.suspension_force(seen.position, seen.velocity); }) {
@@ -401,9 +405,9 @@ S RigModel<S, D, scope>::suspension_law(const Stroke<S>& seen) const {
   return force;
 }
 
-/// What free play takes away from an inner stroke: all of it inside, half the gap outside.
-template <class S, std::size_t D, Scope scope>
-Stroke<S> RigModel<S, D, scope>::offset(const Stroke<S>& inner) const {
+/// The part of an inner stroke that free play takes: all of it inside, half the gap outside.
+template <class S, std::size_t D, ModelVariant variant>
+Stroke<S> RigModel<S, D, variant>::offset(const Stroke<S>& inner) const {
   const S half = S(0.5) * equations_.suspension().free_play;
   if (inner.position > half) return {-half, S(0)};
   if (inner.position < -half) return {half, S(0)};
@@ -411,16 +415,17 @@ Stroke<S> RigModel<S, D, scope>::offset(const Stroke<S>& inner) const {
 }
 
 /// e and ė: behind the top mount, before the free play.
-template <class S, std::size_t D, Scope scope>
-Stroke<S> RigModel<S, D, scope>::inner_stroke(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant>
+Stroke<S> RigModel<S, D, variant>::inner_stroke(const State& x) const {
   if (!equations_.has_mount()) return outer_stroke(x);
-  const auto rate = equations_.component(x.core.template tail<4>(), component_drive(x), x.ducts.open_count());
-  return {x.core(7), rate(3)};
+  const auto rate =
+      equations_.component(x.core.template tail<component_states>(), component_input(x), x.ducts.open_count());
+  return {x.core(CoreIndex::inner_deflection), rate(ComponentIndex::inner_deflection)};
 }
 
 /// The loads of this instant on the component.
-template <class S, std::size_t D, Scope scope>
-auto RigModel<S, D, scope>::component_drive(const State& x) const -> typename Equations::ComponentDrive {
+template <class S, std::size_t D, ModelVariant variant>
+auto RigModel<S, D, variant>::component_input(const State& x) const -> typename Equations::ComponentInput {
   const Stroke<S> outside = outer_stroke(x);
   S parallel = x.friction[Friction::suspension];
   if (has_suspension_law_) parallel += x.suspension_load.now;
@@ -433,8 +438,8 @@ auto RigModel<S, D, scope>::component_drive(const State& x) const -> typename Eq
           .free_play_rate = x.free_play_rate.now};
 }
 
-template <class S, std::size_t D, Scope scope>
-void RigModel<S, D, scope>::refresh_laws(State& x) const {
+template <class S, std::size_t D, ModelVariant variant>
+void RigModel<S, D, variant>::refresh_laws(State& x) const {
   if (has_tyre_law_ && joined()) x.tyre_load.push(tyre_law(x));
   if (!has_suspension_law_ && !has_free_play_) return;
   Stroke<S> seen = inner_stroke(x);
@@ -447,30 +452,30 @@ void RigModel<S, D, scope>::refresh_laws(State& x) const {
   if (has_suspension_law_) x.suspension_load.push(suspension_law(seen));
 }
 
-template <class S, std::size_t D, Scope scope>
-void RigModel<S, D, scope>::start_laws(State& x) const {
+template <class S, std::size_t D, ModelVariant variant>
+void RigModel<S, D, variant>::start_laws(State& x) const {
   if (has_tyre_law_ && has_car()) x.tyre_load.start(tyre_law(x));
   constexpr int samples = 4;  // now, before, earlier, earliest
   for (int i = 0; i < samples; ++i) {
     refresh_laws(x);
     if (equations_.has_fdva()) {
-      x.ducts.advance(x.core(5),
+      x.ducts.advance(x.core(CoreIndex::piston_velocity),
                       typename DuctFlows<S>::Step{.decay = Pair<S>::both(S(1)), .piston_area = duct_step_.piston_area});
     }
   }
 }
 
 /// F of a test machine's component. Where the deflection is prescribed dry friction follows the sign of its velocity.
-template <class S, std::size_t D, Scope scope>
-template <bool WithLaws>
-RIGTWIN_INLINE S RigModel<S, D, scope>::component_force(const State& x) const {
-  if (!WithLaws) return equations_.plain_force(x.core(4), x.reached.position, x.reached.velocity);
+template <class S, std::size_t D, ModelVariant variant>
+template <bool General>
+RIGTWIN_INLINE S RigModel<S, D, variant>::component_force(const State& x) const {
+  if (!General) return equations_.plain_force(x.core(CoreIndex::piston_travel), x.reached.position, x.reached.velocity);
   return prescribed_force(x);
 }
 
-template <class S, std::size_t D, Scope scope>
-RIGTWIN_APART S RigModel<S, D, scope>::prescribed_force(const State& x) const {
-  S force = equations_.component_force(x.core.template tail<4>(), component_drive(x));
+template <class S, std::size_t D, ModelVariant variant>
+RIGTWIN_NOINLINE S RigModel<S, D, variant>::prescribed_force(const State& x) const {
+  S force = equations_.component_force(x.core.template tail<component_states>(), component_input(x));
   if (equations_.has_mount()) return force;
   const S friction = contacts_.limits()[Friction::suspension];
   if (friction > S(0)) {
@@ -481,23 +486,23 @@ RIGTWIN_APART S RigModel<S, D, scope>::prescribed_force(const State& x) const {
   return force;
 }
 
-template <class S, std::size_t D, Scope scope>
-RIGTWIN_INLINE S RigModel<S, D, scope>::suspension_force(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant>
+RIGTWIN_INLINE S RigModel<S, D, variant>::suspension_force(const State& x) const {
   if (!joined()) return has_machine() ? component_force<true>(x) : x.received_force;
-  if (!has_laws_) {
+  if (!needs_general_step_) {
     const Stroke<S> d = deflection(x);
-    return equations_.plain_force(x.core(4), d.position, d.velocity) + x.actuator_force;
+    return equations_.plain_force(x.core(CoreIndex::piston_travel), d.position, d.velocity) + x.actuator_force;
   }
-  return equations_.component_force(x.core.template tail<4>(), component_drive(x)) + x.actuator_force;
+  return equations_.component_force(x.core.template tail<component_states>(), component_input(x)) + x.actuator_force;
 }
 
-template <class S, std::size_t D, Scope scope>
-Signals<S> RigModel<S, D, scope>::signals(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant>
+Signals<S> RigModel<S, D, variant>::signals(const State& x) const {
   return channels(x, has_machine() ? component_force<true>(x) : x.received_force, S(0));
 }
 
-template <class S, std::size_t D, Scope scope>
-Signals<S> RigModel<S, D, scope>::measured(const State& x, const Signals<S>* noise) const {
+template <class S, std::size_t D, ModelVariant variant>
+Signals<S> RigModel<S, D, variant>::measured(const State& x, const Signals<S>* noise) const {
   Signals<S> s = channels(x, x.received_force, mass_beyond_sensor_);
   if (noise != nullptr) {
     for (std::size_t c = 0; c < channel_count; ++c) s[c] += (*noise)[c];
@@ -510,8 +515,8 @@ Signals<S> RigModel<S, D, scope>::measured(const State& x, const Signals<S>* noi
 }
 
 /// `force`: F of a rig with a test machine; `mass_beyond`: between the sensor of F_w and the wheel spring.
-template <class S, std::size_t D, Scope scope>
-RIGTWIN_INLINE Signals<S> RigModel<S, D, scope>::channels(const State& x, S force, S mass_beyond) const {
+template <class S, std::size_t D, ModelVariant variant>
+RIGTWIN_INLINE Signals<S> RigModel<S, D, variant>::channels(const State& x, S force, S mass_beyond) const {
   Signals<S> s;
   if (joined()) {
     fill_car(s, x, suspension_force(x), mass_beyond);
@@ -530,53 +535,54 @@ RIGTWIN_INLINE Signals<S> RigModel<S, D, scope>::channels(const State& x, S forc
   return s;
 }
 
-template <class S, std::size_t D, Scope scope>
-RIGTWIN_INLINE void RigModel<S, D, scope>::fill_car(Signals<S>& s, const State& x, S suspension_force,
-                                                    S mass_beyond) const {
+template <class S, std::size_t D, ModelVariant variant>
+RIGTWIN_INLINE void RigModel<S, D, variant>::fill_car(Signals<S>& s, const State& x, S suspension_force,
+                                                      S mass_beyond) const {
   const S law = has_tyre_law_ ? x.tyre_load.now : S(0);
-  const Column<S, 4> car = x.core.template head<4>();
+  const Column<S, car_states> car = x.core.template head<car_states>();
   const S z_r = x.foot_point.position, v_r = x.foot_point.velocity;
-  const Column<S, 4> rate = equations_.car(
+  const Column<S, car_states> rate = equations_.car(
       car, {z_r, v_r, suspension_force, law, x.friction[Friction::wheel_guide], x.friction[Friction::body_guide]});
   s[index(Channel::z_r)] = z_r;
-  s[index(Channel::z_w)] = car(0);
-  s[index(Channel::z_b)] = car(2);
+  s[index(Channel::z_w)] = car(CoreIndex::wheel_position);
+  s[index(Channel::z_b)] = car(CoreIndex::body_position);
   s[index(Channel::zdd_r)] = x.foot_point.acceleration;
-  s[index(Channel::zdd_w)] = rate(1);
-  s[index(Channel::zdd_b)] = rate(3);
-  s[index(Channel::dz_w)] = z_r - car(0);
-  s[index(Channel::dz_b)] = car(0) - car(2);
+  s[index(Channel::zdd_w)] = rate(CoreIndex::wheel_velocity);
+  s[index(Channel::zdd_b)] = rate(CoreIndex::body_velocity);
+  s[index(Channel::dz_w)] = z_r - car(CoreIndex::wheel_position);
+  s[index(Channel::dz_b)] = car(CoreIndex::wheel_position) - car(CoreIndex::body_position);
   s[index(Channel::F_w)] = equations_.tyre_force(car, z_r, v_r) + law + mass_beyond * x.foot_point.acceleration;
   s[index(Channel::F_act)] = x.actuator_force;
 }
 
-template <class S, std::size_t D, Scope scope>
-S RigModel<S, D, scope>::energy(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant>
+S RigModel<S, D, variant>::energy(const State& x) const {
   S e = S(0);
   Stroke<S> d = x.reached;
   if (joined() || has_car()) {
-    e += QuarterCar<S>::energy(equations_.car(), {x.core(0), x.core(1), x.core(2), x.core(3)}, x.foot_point.position);
+    e += QuarterCar<S>::energy(equations_.car(), Equations::as_car(x.core.template head<car_states>()),
+                               x.foot_point.position);
   }
   if (joined()) d = deflection(x);
   if (joined() || has_machine()) {
     e += S(0.5) * equations_.suspension().stiffness * d.position * d.position;
     if (equations_.has_fdva()) {
-      const S spring = d.position - x.core(4);
+      const S spring = d.position - x.core(CoreIndex::piston_travel);
       e += S(0.5) * equations_.fdva().coupling_stiffness * spring * spring +
-           x.ducts.energy(x.core(5), duct_step_, equations_.duct().inertance);
+           x.ducts.energy(x.core(CoreIndex::piston_velocity), duct_step_, equations_.duct().inertance);
     }
   }
   return e;
 }
 
-template <class S, std::size_t D, Scope scope>
-RIGTWIN_APART void RigModel<S, D, scope>::flush(State& x) const {
+template <class S, std::size_t D, ModelVariant variant>
+RIGTWIN_NOINLINE void RigModel<S, D, variant>::flush(State& x) const {
   const S least = S(1e-100);
   const auto flush_one = [least](S& value) {
     if (value < least && value > -least) value = S(0);
   };
-  for (int i = 0; i < 8; ++i) flush_one(x.core(i));
-  for (int i = 0; i < 3; ++i) flush_one(x.machine(i));
+  for (int i = 0; i < core_states; ++i) flush_one(x.core(i));
+  for (int i = 0; i < Machine<S>::states; ++i) flush_one(x.machine(i));
   flush_one(x.received_force);
   for (Stroke<S>* stroke : {&x.command, &x.reached, &x.delayed}) {
     flush_one(stroke->position);
@@ -587,7 +593,8 @@ RIGTWIN_APART void RigModel<S, D, scope>::flush(State& x) const {
   if constexpr (!car_alone) {
     x.ducts.flush(least);
     if (sensors_.any()) sensors_.flush(x.sensors, least);
-    if (has_delay_ && x.core(0) == S(0) && x.core(2) == S(0)) {  // else the line would wake the rig up again
+    if (has_delay_ && x.core(CoreIndex::wheel_position) == S(0) &&
+        x.core(CoreIndex::body_position) == S(0)) {  // the line would move the rig again
       for (std::size_t i = 0; i < Line::longest && i < 64; ++i) {
         flush_one(x.line.ago(i).position);
         flush_one(x.line.ago(i).velocity);

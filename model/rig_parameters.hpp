@@ -1,4 +1,4 @@
-// A rig in numbers.
+// The parameters of a rig.
 #pragma once
 
 #include "model/channel.hpp"
@@ -7,7 +7,7 @@
 
 namespace model {
 
-/// Everything a rig description says about the physics of a rig: its parameters and the effects known and modelled.
+/// The physical part of a rig description: parameters and effects.
 template <class S>
 struct RigParameters {
   RigKind kind = RigKind::quarter_car;

@@ -1,4 +1,4 @@
-// What the sensors of a rig make of its true values.
+// Turns true values into sensor readings.
 #pragma once
 
 #include <array>
@@ -7,15 +7,15 @@
 #include "model/channel.hpp"
 #include "model/delay_line.hpp"
 #include "model/exact_discretisation.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
-/// Value of every channel at one instant [SI]; those a rig does not have are 0.
+/// Value of every channel at one instant [SI]; 0 for channels that the rig does not have.
 template <class S>
 using Signals = std::array<S, channel_count>;
 
-/// How many channels may have a delay of their own, and how long: [samples].
+/// Number of channels that may have a delay of their own, and its longest [samples].
 inline constexpr std::size_t delayed_sensors = 2;
 inline constexpr std::size_t sensor_delay_capacity = 256;
 
@@ -27,7 +27,7 @@ inline constexpr std::size_t sensor_delay_capacity = 256;
 ///   (4)  y₃ = clamp(y₂, ± l)                          limit
 ///   (5)  y(t) = y₃(t_r)                               hold: renewed at the first sample and then every period
 ///
-/// Costs nothing for a channel without effect. (2), (3) and (5) keep state and are stepped once a sample.
+/// A channel without effect costs nothing. (2), (3) and (5) keep state and are stepped once a sample.
 template <class S>
 class Sensors {
  public:

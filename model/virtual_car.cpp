@@ -2,6 +2,6 @@
 
 namespace model {
 
-template class RigModel<double, 512, Scope::virtual_car>;
+template class RigModel<double, 512, ModelVariant::virtual_car>;
 
 }  // namespace model

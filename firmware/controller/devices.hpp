@@ -6,8 +6,8 @@
 #include <string>
 
 #include "firmware/controller/options.hpp"
+#include "firmware/description/rig_description.hpp"
 #include "hal/rig.hpp"
-#include "host_sim/rig_description.hpp"
 
 namespace firmware::controller {
 
@@ -29,7 +29,7 @@ class Devices {
 };
 
 /// Opens them: the valves stand in the safe position from here on. Nothing in case of trouble, which is then one line.
-[[nodiscard]] std::unique_ptr<Devices> open_devices(const host_sim::RigDescription& rig, const Options& options,
+[[nodiscard]] std::unique_ptr<Devices> open_devices(const RigDescription& rig, const Options& options,
                                                     std::string& trouble);
 
 }  // namespace firmware::controller

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "firmware/ramp.hpp"
+#include "firmware/loop/ramp.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace firmware::controller {

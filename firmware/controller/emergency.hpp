@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "firmware/settings.hpp"
+#include "firmware/loop/settings.hpp"
 #include "hal/clock.hpp"
 #include "hal/command_output.hpp"
 #include "hal/valve_bank.hpp"

@@ -4,17 +4,17 @@
 #include "firmware/controller/devices.hpp"
 #include "firmware/controller/replay_devices.hpp"
 #include "firmware/controller/simulated_devices.hpp"
+#include "firmware/simulation/simulated_rig.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/gpio_roles.hpp"
 #include "hal/linux/iio.hpp"
 #include "hal/linux/rf60x_laser.hpp"
-#include "host_sim/simulated_rig.hpp"
 
 namespace firmware::controller {
 namespace {
 
 using namespace hal::linux;
-constexpr const char* us = "rig_controller";
+constexpr const char* consumer = "rig_controller";
 
 class NoValves final : public hal::ValveBank {
  public:
@@ -48,7 +48,7 @@ class LinuxDevices final : public Devices {
   [[nodiscard]] std::string text() const override { return text_; }
 
   /// One line of trouble, or nothing.
-  [[nodiscard]] std::string open(const host_sim::RigDescription& rig) {
+  [[nodiscard]] std::string open(const RigDescription& rig) {
     period_ = hal::seconds(rig.period());
     for (const auto& step : {&LinuxDevices::open_lines, &LinuxDevices::open_command, &LinuxDevices::open_sensors}) {
       std::string trouble = (this->*step)(rig);
@@ -58,16 +58,16 @@ class LinuxDevices final : public Devices {
   }
 
  private:
-  std::string open_lines(const host_sim::RigDescription& rig) {
+  std::string open_lines(const RigDescription& rig) {
     if (!rig.hardware.gpio)
       return rig.source + ": no table [gpio], expected chip, valves, stop and heartbeat of the rig";
-    const host_sim::GpioDescription& gpio = *rig.hardware.gpio;
+    const GpioDescription& gpio = *rig.hardware.gpio;
     if (gpio.stop.empty()) return rig.source + ": [gpio] has no stop, expected the line of the stop button";
     const auto ducts = rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0;
     if (ducts != gpio.valves.size()) return rig.source + ": [gpio] has no valves, expected a line for each duct";
     if (ducts > 0) {
       const auto safe = hal::Openings::from_bits(rig.controller.safe_ducts);
-      auto lines = OutputLines::open({gpio.chip, gpio.valves, gpio.valves_active_low, safe.bits(), us});
+      auto lines = OutputLines::open({gpio.chip, gpio.valves, gpio.valves_active_low, safe.bits(), consumer});
       if (!lines) return lines.trouble;
       valves_ = std::make_unique<GpioValveBank>(std::move(lines.device), ducts, safe);
       text_ += "valves: " + std::to_string(ducts) + " lines of chip '" + gpio.chip + "', in the safe position\n";
@@ -77,7 +77,7 @@ class LinuxDevices final : public Devices {
     const Bias bias = gpio.stop_bias == "pull-up"     ? Bias::pull_up
                       : gpio.stop_bias == "pull-down" ? Bias::pull_down
                                                       : Bias::as_is;
-    auto line = EdgeLine::open({gpio.chip, gpio.stop, gpio.stop_active_low, bias, us});
+    auto line = EdgeLine::open({gpio.chip, gpio.stop, gpio.stop_active_low, bias, consumer});
     if (!line) return line.trouble;
     stop_ = std::make_unique<GpioStopButton>(std::move(line.device), clock_);
     const auto pressed = stop_->pressed();
@@ -91,19 +91,19 @@ class LinuxDevices final : public Devices {
       text_ += "heartbeat: NONE: nobody makes the valves safe when this program hangs\n";
       return {};
     }
-    auto beat = OutputLines::open({gpio.chip, {gpio.heartbeat}, false, 0, us});
+    auto beat = OutputLines::open({gpio.chip, {gpio.heartbeat}, false, 0, consumer});
     if (!beat) return beat.trouble;
     heartbeat_ = std::make_unique<GpioHeartbeat>(std::move(beat.device));
     text_ += "heartbeat: line '" + gpio.heartbeat + "'\n";
     return {};
   }
 
-  std::string open_sensors(const host_sim::RigDescription& rig) {
+  std::string open_sensors(const RigDescription& rig) {
     hal::SensorSetup setup{};
     std::vector<std::unique_ptr<SensorPart>> parts;
     const auto fit = [&](std::size_t channel) -> std::string {
       const model::Channel name = model::channel_at(channel);
-      if (!host_sim::is_hardware_channel(rig.rig.kind, name) || setup[channel].fitted) {
+      if (!is_hardware_channel(rig.rig.kind, name) || setup[channel].fitted) {
         return rig.source + ": channel " + std::string(model::name(name)) +
                (setup[channel].fitted ? " has two sensors" : " is no measured one of this kind of rig") +
                ", expected one device for each measured channel";
@@ -141,7 +141,7 @@ class LinuxDevices final : public Devices {
     return {};
   }
 
-  std::string open_command(const host_sim::RigDescription& rig) {
+  std::string open_command(const RigDescription& rig) {
     const auto& converters = rig.hardware.converters;
     if (!converters || !converters->command) {
       return rig.source + ": no table [converters.command], expected the converter that moves the drive";
@@ -176,8 +176,7 @@ class LinuxDevices final : public Devices {
 
 }  // namespace
 
-std::unique_ptr<Devices> open_devices(const host_sim::RigDescription& rig, const Options& options,
-                                      std::string& trouble) {
+std::unique_ptr<Devices> open_devices(const RigDescription& rig, const Options& options, std::string& trouble) {
   if (!options.replay.empty()) return replay_devices(rig, options);
   if (options.simulated) return simulate_devices(rig, options);
   auto devices = std::make_unique<LinuxDevices>();

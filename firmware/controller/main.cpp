@@ -2,8 +2,8 @@
 #include <exception>
 
 #include "firmware/controller/run.hpp"
-#include "host_sim/input_error.hpp"
-#include "host_sim/version.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/version.hpp"
 
 int main(int argc, char** argv) {
   using namespace firmware::controller;
@@ -19,16 +19,16 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (options.task == Options::Task::version) {
-    std::printf("rig_controller %s\n", host_sim::version.data());
+    std::printf("rig_controller %s\n", firmware::version.data());
     return 0;
   }
   try {
     return static_cast<int>(run(options));
-  } catch (const host_sim::UsageError& error) {
+  } catch (const firmware::UsageError& error) {
     return end(Status::wrong_usage, error.what());
-  } catch (const host_sim::OutputError& error) {
+  } catch (const firmware::OutputError& error) {
     return end(Status::cannot_write, error.what());
-  } catch (const host_sim::InputError& error) {
+  } catch (const firmware::InputError& error) {
     return end(Status::unfit_input, error.what());
   } catch (const std::exception& error) {
     return end(Status::internal, error.what());

@@ -6,48 +6,20 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <limits>
 
-#include "host_sim/recording.hpp"
-#include "host_sim/recording_columns.hpp"
-#include "host_sim/simulated_rig.hpp"
+#include "firmware/recording/recording.hpp"
 
 namespace firmware::controller {
 
-using model::Channel;
-using model::RigKind;
-
-hal::Time oldest_sample(const Record& record) {
-  hal::Time oldest = record.time;
-  for (const hal::Time taken : record.taken) {
-    if (taken != hal::never && taken < oldest) oldest = taken;
-  }
-  return oldest;
-}
-
-Recorder::Recorder(const std::string& file, const host_sim::RigDescription& rig, const hal::SensorSetup& sensors,
-                   const std::vector<std::string>& comments, std::string& trouble) {
-  const RigKind kind = rig.rig.kind;
-  estimates_ = kind == RigKind::quarter_car;
-  ducts_ = rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0;
-  for (const auto& comment : std::vector<std::string>{std::string(host_sim::recording_mark)}) {
-    buffer_ += "# " + comment + "\n";
-  }
+Recorder::Recorder(const std::string& file, const RigDescription& rig, const hal::SensorSetup& sensors,
+                   const std::vector<std::string>& comments, std::string& trouble)
+    : columns_(rig, sensors) {
+  buffer_ += "# " + std::string(recording_mark) + "\n";
   for (const std::string& comment : comments) buffer_ += "# " + comment + "\n";
   buffer_ += "t";
-  for (std::size_t i = 0; i < model::channel_count; ++i) {
-    const Channel channel = model::channel_at(i);
-    const bool computed =
-        kind == RigKind::hil && !host_sim::is_hardware_channel(kind, channel) && channel != Channel::F_act;
-    kept_[i] = sensors[i].fitted || computed || (kind == RigKind::component_bench && channel == Channel::x_cmd);
-    if (kept_[i]) buffer_ += "," + std::string(model::name(channel)) + " [" + std::string(model::unit(channel)) + "]";
-  }
-  for (std::size_t j = 0; j < ducts_; ++j) buffer_ += ",duct_" + std::to_string(j + 1);
-  if (estimates_) buffer_ += ",F_w_c [N],v_r [m/s],v_w [m/s],v_b [m/s]";
-  buffer_ += ",late [s],age [s]";
-  for (std::size_t i = 0; i < model::channel_count; ++i) {
-    fitted_[i] = sensors[i].fitted;
-    if (fitted_[i]) buffer_ += "," + host_sim::age_name(model::channel_at(i)) + " [s]";
+  for (const RunColumns::Column& column : columns_.columns()) {
+    buffer_ += "," + column.name;
+    if (!column.unit.empty()) buffer_ += " [" + column.unit + "]";
   }
   buffer_ += '\n';
   file_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -70,28 +42,9 @@ void Recorder::take(const Record& record) {
   if (record.mode != Mode::running) return;
   if (begin_ == hal::never || record.sample == 0) begin_ = record.due;
   number((record.due - begin_).seconds());
-  for (std::size_t i = 0; i < model::channel_count; ++i) {
-    if (!kept_[i]) continue;
+  for (const RunColumns::Column& column : columns_.columns()) {
     buffer_ += ',';
-    number(record.values[i]);
-  }
-  for (std::size_t j = 0; j < ducts_; ++j) buffer_ += record.openings.is_open(j) ? ",1" : ",0";
-  if (estimates_) {
-    for (const double v :
-         {record.wheel_load, record.velocities.foot_point, record.velocities.wheel, record.velocities.body}) {
-      buffer_ += ',';
-      number(v);
-    }
-  }
-  for (const hal::Time span : {record.late, record.time - oldest_sample(record)}) {
-    buffer_ += ',';
-    number(span.seconds());
-  }
-  for (std::size_t i = 0; i < model::channel_count; ++i) {
-    if (!fitted_[i]) continue;
-    buffer_ += ',';
-    number(record.taken[i] == hal::never ? std::numeric_limits<double>::quiet_NaN()
-                                         : (record.time - record.taken[i]).seconds());
+    number(RunColumns::value(column, record));
   }
   buffer_ += '\n';
   ++collected_;

@@ -1,35 +1,28 @@
 // The recording of a run, written while it lasts.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "firmware/journal.hpp"
+#include "firmware/description/rig_description.hpp"
+#include "firmware/loop/journal.hpp"
+#include "firmware/recording/run_columns.hpp"
 #include "hal/sensor_source.hpp"
-#include "host_sim/rig_description.hpp"
 
 namespace firmware::controller {
-
-/// When the oldest of a record's samples was taken; its own instant where none is older.
-[[nodiscard]] hal::Time oldest_sample(const Record& record);
 
 /// A CSV recording as `rigtwin compare` and `diagnose` read it, row by row. Whole rows only: a disk that is full ends
 /// the recording with the last row that fits. The file lies under its own name from the start, for whoever pulls the
 /// plug.
 ///
-/// Columns: t – the loop's own grid since the run began: a step of one period, and after a late period, which moves the
-/// grid, longer by what `late` says –, what is measured or computed, ducts, for a quarter_car the estimates, and for
-/// every rig
-///   late [s]   how long after its instant the period began; the readers explain longer steps by it
-///   age [s]    of its oldest sample
-///   age_F [s]  of that of each channel that is measured, nan where none came: a replay finds them as old again
+/// Columns: t, then those of RunColumns. t is the loop's own grid since the run began: a step is one period, and after
+/// a late period, which moves the grid, longer by `late`; the readers explain longer steps by that column.
 class Recorder {
  public:
   /// Opens the file and writes comments and header. `trouble`: why not.
-  Recorder(const std::string& file, const host_sim::RigDescription& rig, const hal::SensorSetup& sensors,
+  Recorder(const std::string& file, const RigDescription& rig, const hal::SensorSetup& sensors,
            const std::vector<std::string>& comments, std::string& trouble);
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -57,10 +50,7 @@ class Recorder {
   std::uint64_t lost_ = 0;
   std::int64_t length_ = 0;  ///< of the file
   int error_ = 0;
-  bool estimates_ = false;
-  std::size_t ducts_ = 0;
-  std::array<bool, model::channel_count> kept_{};
-  std::array<bool, model::channel_count> fitted_{};
+  RunColumns columns_;
   hal::Time begin_ = hal::never;
 };
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "firmware/control_loop.hpp"
+#include "firmware/loop/control_loop.hpp"
 #include "hal/simulated/rig.hpp"
 
 namespace firmware::controller {

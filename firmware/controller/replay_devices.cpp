@@ -3,21 +3,21 @@
 #include <cmath>
 #include <vector>
 
+#include "firmware/description/input_error.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_csv.hpp"
+#include "firmware/simulation/simulated_setup.hpp"
 #include "hal/replay/rig.hpp"
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/recording_columns.hpp"
-#include "host_sim/simulated_rig.hpp"
 
 namespace firmware::controller {
 namespace {
 
 class ReplayDevices final : public Devices {
  public:
-  ReplayDevices(const host_sim::RigDescription& rig, const Options& options)
+  ReplayDevices(const RigDescription& rig, const Options& options)
       : file_(options.replay),
-        recorded_(host_sim::read_csv_as_recorded(options.replay, rig.channels)),
-        rig_(played(rig), host_sim::simulated_sensors(rig),
-             rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0,
+        recorded_(read_csv_as_recorded(options.replay, rig.channels)),
+        rig_(played(rig), simulated_sensors(rig), rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0,
              hal::Openings::from_bits(rig.controller.safe_ducts), {}) {}
 
   [[nodiscard]] hal::Rig roles() override { return rig_.roles(); }
@@ -25,8 +25,8 @@ class ReplayDevices final : public Devices {
   [[nodiscard]] std::size_t rows() const override { return times_.size(); }
 
  private:
-  hal::replay::Recording played(const host_sim::RigDescription& rig) {
-    const host_sim::Recording& recorded = recorded_.recording;
+  hal::replay::Recording played(const RigDescription& rig) {
+    const Recording& recorded = recorded_.recording;
     // A late period is due when it begins; any other one began `late` after its instant.
     hal::Time before = hal::never;
     const hal::Time period = hal::seconds(rig.period());
@@ -38,7 +38,7 @@ class ReplayDevices final : public Devices {
     }
     hal::replay::Recording played;
     played.time = times_;
-    const hal::SensorSetup setup = host_sim::simulated_sensors(rig);
+    const hal::SensorSetup setup = simulated_sensors(rig);
     for (std::size_t i = 0; i < model::channel_count; ++i) {
       const std::vector<double>& values = recorded.channels[i];
       if (values.empty() || !setup[i].fitted) continue;
@@ -50,13 +50,13 @@ class ReplayDevices final : public Devices {
       played.columns[i] = {values, taken_[i]};
     }
     if (const auto wrong = played.check(); !wrong.empty()) {
-      throw host_sim::InputError(file_, 0, "cannot be replayed", wrong);
+      throw InputError(file_, 0, "cannot be replayed", wrong);
     }
     return played;
   }
 
   std::string file_;
-  host_sim::AsRecorded recorded_;
+  AsRecorded recorded_;
   std::vector<hal::Time> times_;
   std::array<std::vector<hal::Time>, model::channel_count> taken_;
   hal::replay::Rig rig_;
@@ -64,7 +64,7 @@ class ReplayDevices final : public Devices {
 
 }  // namespace
 
-std::unique_ptr<Devices> replay_devices(const host_sim::RigDescription& rig, const Options& options) {
+std::unique_ptr<Devices> replay_devices(const RigDescription& rig, const Options& options) {
   return std::make_unique<ReplayDevices>(rig, options);
 }
 

@@ -12,6 +12,6 @@ namespace firmware::controller {
 ///
 /// Each measured channel that the recording has is fitted; a sample that did not come (nan) is missing again, a late
 /// period late again. Stamps are those of the rows: a recording keeps no others.
-[[nodiscard]] std::unique_ptr<Devices> replay_devices(const host_sim::RigDescription& rig, const Options& options);
+[[nodiscard]] std::unique_ptr<Devices> replay_devices(const RigDescription& rig, const Options& options);
 
 }  // namespace firmware::controller

@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "firmware/control_loop.hpp"
 #include "firmware/controller/devices.hpp"
 #include "firmware/controller/early_wake.hpp"
 #include "firmware/controller/emergency.hpp"
@@ -25,15 +24,17 @@
 #include "firmware/controller/recorder.hpp"
 #include "firmware/controller/rehearsal.hpp"
 #include "firmware/controller/spans.hpp"
+#include "firmware/description/control_settings.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/version.hpp"
+#include "firmware/loop/control_loop.hpp"
+#include "firmware/recording/output_file.hpp"
+#include "firmware/recording/recording_csv.hpp"
+#include "firmware/recording/run_columns.hpp"
+#include "firmware/simulation/road_choice.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/gpio.hpp"
 #include "hal/linux/iio.hpp"
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/input_error.hpp"
-#include "host_sim/output_file.hpp"
-#include "host_sim/recording_columns.hpp"
-#include "host_sim/road_choice.hpp"
-#include "host_sim/version.hpp"
 
 namespace firmware::controller {
 namespace {
@@ -187,30 +188,28 @@ hal::Time wake_before(hal::Time due, EarlyWake& wake, hal::Clock& machine, Rehea
   return woken - wanted;
 }
 
-host_sim::FootPointMotion motion_of(const Options& options, const host_sim::RigDescription& rig, std::size_t rows) {
-  const std::size_t samples = host_sim::samples_of(options.duration, rig.sample_rate);
-  const host_sim::RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
-  auto motion = host_sim::excitation(
-      rig.rig, host_sim::motion_over(road, rig, rows > 0 ? rows : samples, host_sim::read_csv_recording),
-      rig.sample_rate);
+FootPointMotion motion_of(const Options& options, const RigDescription& rig, std::size_t rows) {
+  const std::size_t samples = samples_of(options.duration, rig.sample_rate);
+  const RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
+  auto motion =
+      excitation(rig.rig, motion_over(road, rig, rows > 0 ? rows : samples, read_csv_recording), rig.sample_rate);
   if (rows > 0 && rig.rig.kind != model::RigKind::hil && !motion.empty() && motion.front().position != 0.0) {
-    throw host_sim::UsageError("--replay of a road that begins elsewhere than at 0: its recording lacks the way there");
+    throw UsageError("--replay of a road that begins elsewhere than at 0: its recording lacks the way there");
   }
   return motion;
 }
 
-Status drive(const Options& options, const host_sim::RigDescription& rig, Devices& devices, Verdict& verdict) {
-  Settings settings = host_sim::firmware_settings(rig);
-  settings.limits.late_in_a_row = rig.hardware.schedule.late_in_a_row;
+Status drive(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict) {
+  const Settings settings = control_settings(rig);
   const hal::Rig opened = devices.roles();
   RememberedCommand command(opened.command);
   const hal::Rig roles{opened.clock, opened.sensors, opened.valves, command, opened.stop_button, opened.heartbeat};
-  const ValvePlan valves = host_sim::valve_plan(rig);
+  const ValvePlan valves = valve_plan(rig);
   if (const auto wrong = ControlLoop::check(settings, rig.rig, roles, valves); !wrong.empty()) {
     std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
     return Status::unfit_input;
   }
-  const host_sim::FootPointMotion motion = motion_of(options, rig, devices.rows());
+  const FootPointMotion motion = motion_of(options, rig, devices.rows());
   TableReference reference(motion);
   std::vector<Record> storage(journal_records);
   Journal journal(storage);
@@ -253,9 +252,9 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   std::string trouble;
   Recorder recorder(
       options.out, rig, roles.sensors.setup(),
-      {"rig_controller " + std::string(host_sim::version) + ": " + std::string(model::name(rig.rig.kind)) + ", " +
-           options.road + ", seed " + std::to_string(options.seed) + (options.simulated ? ", SIMULATED RIG" : "") +
-           (options.replay.empty() ? "" : ", REPLAY of " + host_sim::one_line(options.replay)),
+      {"rig_controller " + std::string(version) + ": " + std::string(model::name(rig.rig.kind)) + ", " + options.road +
+           ", seed " + std::to_string(options.seed) + (options.simulated ? ", SIMULATED RIG" : "") +
+           (options.replay.empty() ? "" : ", REPLAY of " + one_line(options.replay)),
        asked ? "real time: " + rights.summary() : "NOT REAL TIME: run without real-time scheduling"},
       trouble);
   if (!trouble.empty()) {
@@ -338,8 +337,8 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   }
   if (!options.histogram.empty()) {
     try {
-      host_sim::write_file(options.histogram, as_cyclictest(*spans));
-    } catch (const host_sim::OutputError& error) {
+      write_file(options.histogram, as_cyclictest(*spans));
+    } catch (const OutputError& error) {
       std::fprintf(stderr, "rig_controller: %s\n", error.what());
       if (status == Status::done) status = Status::cannot_write;
     }
@@ -350,10 +349,10 @@ Status drive(const Options& options, const host_sim::RigDescription& rig, Device
   return status;
 }
 
-Status check(const host_sim::RigDescription& rig, Devices& devices, Verdict& verdict) {
+Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
   const hal::Rig roles = devices.roles();
-  const ValvePlan valves = host_sim::valve_plan(rig);
-  const auto wrong = ControlLoop::check(host_sim::firmware_settings(rig), rig.rig, roles, valves);
+  const ValvePlan valves = valve_plan(rig);
+  const auto wrong = ControlLoop::check(control_settings(rig), rig.rig, roles, valves);
   lock_memory(verdict);
   look_at_machine(verdict, rig.hardware.schedule.cpu);
   schedule_loop(verdict, rig.hardware.schedule.priority, rig.hardware.schedule.cpu);
@@ -393,10 +392,10 @@ Status run(const Options& options) {
                 hal::linux::list_gpio().c_str(), hal::linux::list_iio().c_str());
     return Status::done;
   }
-  const host_sim::RigDescription rig = host_sim::read_rig(options.rig);
+  const RigDescription rig = read_rig(options.rig);
   std::string trouble;
   if (!options.histogram.empty()) {  // that it cannot be written is to be known before anything moves
-    static_cast<void>(host_sim::OutputFile(options.histogram));
+    static_cast<void>(OutputFile(options.histogram));
   }
   const std::unique_ptr<Devices> devices = open_devices(rig, options, trouble);
   if (!devices) {

@@ -1,9 +1,9 @@
 #include "firmware/controller/simulated_devices.hpp"
 
+#include "firmware/simulation/simulated_rig.hpp"
+#include "firmware/simulation/simulated_setup.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/simulated/rig.hpp"
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/simulated_rig.hpp"
 
 namespace firmware::controller {
 namespace {
@@ -33,9 +33,10 @@ class PacedClock final : public hal::Clock {
 
 class SimulatedDevices final : public Devices {
  public:
-  SimulatedDevices(const host_sim::RigDescription& rig, const Options& options)
-      : plant_(rig, options.seed, host_sim::SimulatedRig::Noise::as_described),
-        rig_(plant_, construction(rig, options)),
+  SimulatedDevices(const RigDescription& rig, const Options& options)
+      : plant_(rig, options.seed, SimulatedRig::Noise::as_described),
+        rig_(plant_,
+             simulated_construction(rig, options.virtual_time ? hal::Time{} : hal::linux::MonotonicClock().now())),
         paced_(rig_.roles().clock),
         virtual_time_(options.virtual_time) {}
 
@@ -49,17 +50,7 @@ class SimulatedDevices final : public Devices {
   }
 
  private:
-  static hal::simulated::Construction construction(const host_sim::RigDescription& rig, const Options& options) {
-    hal::simulated::Construction c;
-    c.period = hal::seconds(rig.period());
-    if (!options.virtual_time) c.start = hal::linux::MonotonicClock().now();
-    c.sensors = host_sim::simulated_sensors(rig);
-    c.ducts = rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0;
-    c.safe_position = hal::Openings::from_bits(rig.controller.safe_ducts);
-    return c;
-  }
-
-  host_sim::SimulatedRig plant_;
+  SimulatedRig plant_;
   hal::simulated::Rig rig_;
   PacedClock paced_;
   bool virtual_time_;
@@ -67,7 +58,7 @@ class SimulatedDevices final : public Devices {
 
 }  // namespace
 
-std::unique_ptr<Devices> simulate_devices(const host_sim::RigDescription& rig, const Options& options) {
+std::unique_ptr<Devices> simulate_devices(const RigDescription& rig, const Options& options) {
   return std::make_unique<SimulatedDevices>(rig, options);
 }
 

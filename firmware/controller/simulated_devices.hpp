@@ -8,6 +8,6 @@
 namespace firmware::controller {
 
 /// In the machine's time, or in virtual time.
-[[nodiscard]] std::unique_ptr<Devices> simulate_devices(const host_sim::RigDescription& rig, const Options& options);
+[[nodiscard]] std::unique_ptr<Devices> simulate_devices(const RigDescription& rig, const Options& options);
 
 }  // namespace firmware::controller

@@ -57,7 +57,7 @@ double independent_averages(const BlockScheme& scheme, std::span<const std::size
   return squares > 0.0 ? blocks * blocks / squares : 0.0;
 }
 
-// A number of blocks does not depend on how finely they are sampled, so their overlap is judged on a coarse window.
+// The effective number of blocks does not depend on the sample rate, so a coarse window is enough to compute it.
 double independent_averages(const BlockScheme& scheme, std::span<const std::size_t> recordings) {
   if (scheme.length <= lags) return independent_averages(scheme, recordings, make_window(scheme.window, scheme.length));
   const double scale = static_cast<double>(lags) / static_cast<double>(scheme.length);

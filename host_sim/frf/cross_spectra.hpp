@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "host_sim/spectrum.hpp"
+#include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::frf {
 
 using Complex = std::complex<double>;
 
-/// How recordings are cut into blocks.
+/// Division of recordings into blocks.
 struct BlockScheme {
   std::size_t length = 0;  ///< N [samples], even
   std::size_t hop = 0;     ///< samples from the start of a block to that of the next, 1 … N
@@ -35,17 +35,18 @@ struct ShiftedSignal {
 ///
 ///   (1)  S_ij(f_k) = c_k / (f_s Σ w²) · ⟨X_i* X_j⟩,   c_k = 2, but 1 at k = 0 and k = N/2
 ///
-/// the mean over all blocks of all recordings; X_i is the transform of a block of channel i, freed from its trend and
-/// weighted with w. So S_xy is the cross spectrum of response y to x, with phase −ωτ where y is x a time τ later.
+/// the mean over all blocks of all recordings; X_i is the transform of a block of channel i, with its trend removed and
+/// weighted with w. S_xy is the cross spectrum of response y and input x, with phase −ωτ if y is x delayed by τ.
 /// Source: P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967), 70–73; the definition is that of scipy.signal.csd.
 ///
-/// Each block of each channel is transformed once. Blocks that overlap count for fewer (welch_standard_error); those of
-/// different recordings are independent.
+/// Each block of each channel is transformed once. Overlapping blocks count as fewer averages (welch_standard_error);
+/// blocks of different recordings are independent.
 class CrossSpectra {
  public:
   CrossSpectra(double sample_rate, const BlockScheme& scheme, std::size_t channels, std::size_t references);
 
-  /// All blocks that lie inside all channels of a recording; one signal a channel, of one length. Returns their number.
+  /// Adds all blocks that lie inside all channels of a recording: one signal per channel, all of one length. Returns
+  /// the number of blocks.
   std::size_t add(std::span<const ShiftedSignal> recording);
 
   [[nodiscard]] std::size_t lines() const { return transform_.bins(); }     ///< N/2 + 1

@@ -10,7 +10,7 @@
 namespace host_sim::frf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 struct Disc {
@@ -20,7 +20,7 @@ struct Disc {
 
 // (7), as H = Ĥ + δ: with S_xe and S_ee of the residual e = y − Ĥ x it reads
 //   (|S_zx|² − q S_zz S_xx) |δ|² + 2 q S_zz Re δ* S_xe ≤ q S_zz S_ee.
-// nullopt: no disc but its outside, or all of the plane.
+// nullopt: the region is the outside of a disc, or the whole plane.
 std::optional<Disc> disc(const LineSpectra& s, Complex h, double q) {
   const double share = q * s.zz;
   const double curvature = std::norm(s.zx) - share * s.xx;
@@ -33,7 +33,7 @@ std::optional<Disc> disc(const LineSpectra& s, Complex h, double q) {
 
 Bounds undetermined(Complex h, double highest) { return {0.0, highest, std::arg(h) - pi, std::arg(h) + pi, false}; }
 
-// The instrument that makes (4) of (1) and (2).
+// The instrument z with which (4) equals (1) or (2).
 LineSpectra with_instrument(const LineSpectra& s, Estimator estimator) {
   if (estimator == Estimator::h1) return {s.xx, s.xx, s.yy, s.xx, s.xy, s.xy};
   if (estimator == Estimator::h2) return {s.yy, s.xx, s.yy, std::conj(s.xy), s.yy, s.xy};

@@ -5,14 +5,14 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/number_text.hpp"
 #include "host_sim/frf/delay.hpp"
-#include "host_sim/input_error.hpp"
-#include "host_sim/recording_columns.hpp"
 
 namespace host_sim::frf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // The channels of a request by number: the reference first (instrument or input), then the input, then outputs.
 struct Channels {
@@ -31,34 +31,35 @@ struct Channels {
 
 using Shifts = std::vector<std::ptrdiff_t>;  // by channel
 
-double common_rate(std::span<const Recording> recordings) {
-  const Recording& first = recordings.front();
-  for (const Recording& other : recordings) {
+double common_rate(std::span<const firmware::Recording> recordings) {
+  const firmware::Recording& first = recordings.front();
+  for (const firmware::Recording& other : recordings) {
     if (std::abs(other.sample_period / first.sample_period - 1.0) <= 1e-4) continue;
-    throw InputError(other.source, 0,
-                     "the sample rate is " + shortest(std::round(1e3 / other.sample_period) / 1e3) + " Hz",
-                     shortest(std::round(1e3 / first.sample_period) / 1e3) + " Hz as in " + first.source);
+    throw firmware::InputError(
+        other.source, 0,
+        "the sample rate is " + firmware::shortest(std::round(1e3 / other.sample_period) / 1e3) + " Hz",
+        firmware::shortest(std::round(1e3 / first.sample_period) / 1e3) + " Hz as in " + first.source);
   }
   const double rate = 1.0 / first.sample_period;
   const double whole = std::round(rate);  // 1/0.001 and stamps that are rounded give 999.9999…
   return std::abs(rate - whole) <= 1e-9 * rate ? whole : rate;
 }
 
-void check_channels(const Recording& recording, const Channels& channels) {
+void check_channels(const firmware::Recording& recording, const Channels& channels) {
   for (const model::Channel channel : channels.list) {
     const std::vector<double>& samples = recording.required(channel, "for the frequency response");
     const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
     if (*low == *high) {
-      throw InputError(recording.source, 0, "channel " + std::string(model::name(channel)) + " never changes",
-                       "a signal");
+      throw firmware::InputError(recording.source, 0, "channel " + std::string(model::name(channel)) + " never changes",
+                                 "a signal");
     }
   }
 }
 
-std::size_t add_all(CrossSpectra& spectra, std::span<const Recording> recordings, const Channels& channels,
+std::size_t add_all(CrossSpectra& spectra, std::span<const firmware::Recording> recordings, const Channels& channels,
                     const Shifts& shifts) {
   std::size_t blocks = 0;
-  for (const Recording& recording : recordings) {
+  for (const firmware::Recording& recording : recordings) {
     std::vector<ShiftedSignal> signals;
     for (std::size_t i = 0; i < channels.list.size(); ++i) {
       signals.push_back({recording[channels.list[i]], shifts[i]});
@@ -69,11 +70,12 @@ std::size_t add_all(CrossSpectra& spectra, std::span<const Recording> recordings
 }
 
 // Delays against the reference, by channel, from blocks four times as long where the recordings allow it.
-std::vector<std::optional<std::ptrdiff_t>> find_delays(std::span<const Recording> recordings, const Channels& channels,
-                                                       double rate, const BlockScheme& scheme) {
+std::vector<std::optional<std::ptrdiff_t>> find_delays(std::span<const firmware::Recording> recordings,
+                                                       const Channels& channels, double rate,
+                                                       const BlockScheme& scheme) {
   std::vector<std::optional<std::ptrdiff_t>> delays(channels.list.size());
   std::size_t shortest = recordings.front().size(), all = 0;
-  for (const Recording& recording : recordings) {
+  for (const firmware::Recording& recording : recordings) {
     shortest = std::min(shortest, recording.size());
     all += recording.size();
   }
@@ -121,9 +123,25 @@ OutputResponse response(const CrossSpectra& spectra, const Channels& channels, s
   return result;
 }
 
+/// `needed` [s]: what two blocks take.
+firmware::InputError too_short_error(const firmware::Recording& recording, double sample_rate, const BlockWish& wish,
+                                     double needed) {
+  std::string expected = "at least " + firmware::shortest(std::ceil(100.0 * needed) / 100.0) + " s";
+  if (wish.block) {
+    expected += " for two blocks of " + firmware::shortest(*wish.block) + " s";
+  } else {
+    expected += " for a peak " + firmware::shortest(std::round(1e4 * wish.bandwidth()) / 1e4) +
+                " Hz wide, or other --lowest-damping, --lowest-frequency, --block";
+  }
+  return {
+      recording.source, 0,
+      "the recording is too short: " + firmware::shortest(static_cast<double>(recording.size()) / sample_rate) + " s",
+      expected};
+}
+
 }  // namespace
 
-Responses estimate_responses(std::span<const Recording> recordings, const Request& request) {
+Responses estimate_responses(std::span<const firmware::Recording> recordings, const Request& request) {
   if (recordings.empty() || request.outputs.empty() ||
       request.instrument.has_value() != (request.estimator == Estimator::instrument)) {
     throw std::invalid_argument("estimate_responses: nothing to estimate");
@@ -133,8 +151,8 @@ Responses estimate_responses(std::span<const Recording> recordings, const Reques
   result.request = request;
   result.sample_rate = common_rate(recordings);
   std::vector<std::size_t> lengths;
-  const Recording* shortest_recording = &recordings.front();
-  for (const Recording& recording : recordings) {
+  const firmware::Recording* shortest_recording = &recordings.front();
+  for (const firmware::Recording& recording : recordings) {
     check_channels(recording, channels);
     result.recordings.push_back(recording.source);
     lengths.push_back(recording.size());
@@ -142,17 +160,7 @@ Responses estimate_responses(std::span<const Recording> recordings, const Reques
     if (recording.size() < shortest_recording->size()) shortest_recording = &recording;
   }
   const auto too_short = [&](double needed) {
-    std::string expected = "at least " + shortest(std::ceil(100.0 * needed) / 100.0) + " s";
-    if (request.blocks.block) {
-      expected += " for two blocks of " + shortest(*request.blocks.block) + " s";
-    } else {
-      expected += " for a peak " + shortest(std::round(1e4 * request.blocks.bandwidth()) / 1e4) +
-                  " Hz wide, or other --lowest-damping, --lowest-frequency, --block";
-    }
-    return InputError(shortest_recording->source, 0,
-                      "the recording is too short: " +
-                          shortest(static_cast<double>(shortest_recording->size()) / result.sample_rate) + " s",
-                      expected);
+    return too_short_error(*shortest_recording, result.sample_rate, request.blocks, needed);
   };
   const std::optional<BlockChoice> blocks = choose_blocks(lengths, result.sample_rate, request.blocks);
   if (!blocks) throw too_short(needed_duration(request.blocks, result.sample_rate));

@@ -5,6 +5,8 @@
 #include <span>
 #include <utility>
 
+#include "firmware/description/quantity.hpp"
+
 namespace host_sim::frf {
 namespace {
 
@@ -17,8 +19,8 @@ std::string text(const char* format, Values... values) {
   return line;
 }
 
-// A record of the header fills its 80 columns; data lines end with their last number and delimiters with their −1:
-// there are readers that take blanks for numbers.
+// Header records fill 80 columns. Data lines end with their last number and delimiters with −1, because some readers
+// take blanks for numbers.
 void put(std::string& file, std::string record) {
   record.resize(80, ' ');
   file += record + "\n";
@@ -50,7 +52,7 @@ int node(Channel channel) {
   }
 }
 
-// What kind of quantity an axis shows: specific data type and exponents of length and force.
+// Quantity of an axis: specific data type and exponents of length and force.
 struct Quantity {
   int type, length, force;
   const char *label, *unit;

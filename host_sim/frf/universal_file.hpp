@@ -17,9 +17,9 @@ namespace host_sim::frf {
 ///               force and temperature, label, unit
 ///   record 12   4E20.12                        real and imaginary parts, or coherences
 ///
-/// The format rounds frequencies to six digits; H is −ωτ late for a late output, as e^{+jωt} wants it. A response that
-/// is not finite is written as 0, with coherence 0. Source: SDRC I-DEAS universal dataset 58, revision of 30 June 1999,
-/// and 164.
+/// The format rounds frequencies to six digits. A delayed output has the phase −ωτ (convention e^{+jωt}). A response
+/// that is not finite is written as 0 with coherence 0. Source: SDRC I-DEAS universal dataset 58, revision of 30 June
+/// 1999, and 164.
 [[nodiscard]] std::string to_universal_file(const Responses& responses);
 
 }  // namespace host_sim::frf

@@ -5,10 +5,12 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/embedded_files.hpp"
-#include "host_sim/full_turn.hpp"
-#include "host_sim/road.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/simulation/road.hpp"
+#include "firmware/simulation/simulated_rig.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
+#include "host_sim/report/embedded_files.hpp"
+#include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/figures.hpp"
 
 namespace host_sim::paper {
@@ -19,7 +21,7 @@ using stability::LoopFamily;
 
 constexpr double wheel_hz = 13.0;  // about: where to look for the wheel's root
 
-RigDescription shipped(const std::string& name) { return parse_rig(embedded_file(name), name); }
+firmware::RigDescription shipped(const std::string& name) { return firmware::parse_rig(embedded_file(name), name); }
 
 Complex nearest_to_wheel(const std::vector<Complex>& roots) {
   const Complex target(0.0, full_turn * wheel_hz);
@@ -27,14 +29,14 @@ Complex nearest_to_wheel(const std::vector<Complex>& roots) {
                            [&](Complex a, Complex b) { return std::abs(a - target) < std::abs(b - target); });
 }
 
-Loop loop_of(std::string name, const RigDescription& description) {
+Loop loop_of(std::string name, const firmware::RigDescription& description) {
   Loop loop{std::move(name), description, stability::analyse(description), {}, {}};
   loop.nyquist = stability::nyquist(loop.analysis.equation(), loop.analysis.roots.roots);
   loop.wheel_root = nearest_to_wheel(loop.analysis.roots.roots);
   return loop;
 }
 
-WheelRootPath wheel_path(std::string name, const RigDescription& description, Axis axis, double given) {
+WheelRootPath wheel_path(std::string name, const firmware::RigDescription& description, Axis axis, double given) {
   constexpr double line = -80.0;
   const LoopFamily family(description.rig, description.delay_budget.sum());
   const stability::PoleSweep sweep = stability::pole_sweep(family, axis, line);
@@ -45,19 +47,19 @@ WheelRootPath wheel_path(std::string name, const RigDescription& description, Ax
   return {std::move(name), axis, stability::followed(sweep, start, nearest_to_wheel(sweep.roots[start]))};
 }
 
-RigDescription without_delay(RigDescription description) {
+firmware::RigDescription without_delay(firmware::RigDescription description) {
   description.rig.effects.get<model::ActuatorDelay>().active = false;
   return description;
 }
 
 /// A run over a class B road at 100 km/h.
-Run drive(const RigDescription& description, SimulatedRig::Noise noise) {
-  IsoRoad road;
-  road.bandwidth = default_bandwidth(description.rig.kind, description.sample_rate);
+Run drive(const firmware::RigDescription& description, firmware::SimulatedRig::Noise noise) {
+  firmware::IsoRoad road;
+  road.bandwidth = firmware::default_bandwidth(description.rig.kind, description.sample_rate);
   const auto samples = static_cast<std::size_t>(std::lround(road_run_seconds * description.sample_rate));
   RunOptions options;
   options.noise = noise;
-  return run_closed_loop(description, drive_over(road, description.sample_rate, samples), options);
+  return run_closed_loop(description, firmware::drive_over(road, description.sample_rate, samples), options);
 }
 
 TransferEstimate from_road(const Run& run, const std::vector<double>& output, double sample_rate) {
@@ -65,16 +67,17 @@ TransferEstimate from_road(const Run& run, const std::vector<double>& output, do
   return transfer_estimate(run.recording[model::Channel::z_r], output, sample_rate, segment, 0.5, 25.0, 90);
 }
 
-RoadRun hil_run(std::string name, const RigDescription& description) {
-  const Run run = drive(description, SimulatedRig::Noise::none);
+RoadRun hil_run(std::string name, const firmware::RigDescription& description) {
+  const Run run = drive(description, firmware::SimulatedRig::Noise::none);
   return {std::move(name), from_road(run, run.recording[model::Channel::F_w], description.sample_rate),
           from_road(run, run.recording[model::Channel::zdd_b], description.sample_rate)};
 }
 
-RoadRun quarter_car_run(std::string name, const RigDescription& description, SimulatedRig::Noise noise) {
+RoadRun quarter_car_run(std::string name, const firmware::RigDescription& description,
+                        firmware::SimulatedRig::Noise noise) {
   const Run run = drive(description, noise);
   const auto soft = std::find_if(run.recording.extra.begin(), run.recording.extra.end(),
-                                 [](const ExtraColumn& c) { return c.name == "F_w_c"; });
+                                 [](const firmware::ExtraColumn& c) { return c.name == "F_w_c"; });
   if (soft == run.recording.extra.end()) throw std::logic_error("a quarter-car run without its soft sensor");
   return {std::move(name), from_road(run, run.recording[model::Channel::F_w], description.sample_rate),
           from_road(run, soft->values, description.sample_rate)};
@@ -86,8 +89,8 @@ constexpr double kick_at = 0.2;         // [s]
 constexpr double kicked_seconds = 6.0;
 
 /// z = h/2 (1 − cos 2πt/T): a bump with smooth ends.
-FootPointMotion bump(double sample_rate) {
-  FootPointMotion motion(static_cast<std::size_t>(std::lround(kicked_seconds * sample_rate)));
+firmware::FootPointMotion bump(double sample_rate) {
+  firmware::FootPointMotion motion(static_cast<std::size_t>(std::lround(kicked_seconds * sample_rate)));
   const double omega = full_turn / kick_time;
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const double t = static_cast<double>(i) / sample_rate - kick_at;
@@ -99,11 +102,11 @@ FootPointMotion bump(double sample_rate) {
 }
 
 KickedRun kicked(const Loop& loop) {
-  RigDescription description = loop.description;
+  firmware::RigDescription description = loop.description;
   description.controller.energy_gain =
       1e9;  // left to itself: the energy guard would end a growing loop too soon to be seen
   RunOptions options;
-  options.noise = SimulatedRig::Noise::none;
+  options.noise = firmware::SimulatedRig::Noise::none;
   Run run = run_closed_loop(description, bump(description.sample_rate), options);
   KickedRun result;
   result.name = loop.name;
@@ -139,7 +142,7 @@ WheelLoadGrowth wheel_load_growth(const Loop& loop) {
 }
 
 /// The quarter car as a hil loop without delay and without virtual damping: the same equations.
-stability::LinearRig as_loop(const RigDescription& quarter_car) {
+stability::LinearRig as_loop(const firmware::RigDescription& quarter_car) {
   model::RigParameters<double> rig = quarter_car.rig;
   rig.kind = model::RigKind::hil;
   rig.effects = {};
@@ -152,8 +155,8 @@ Experiments experiment(const std::function<void(double)>& progress) {
   const auto done = [&](double share) {
     if (progress) progress(share);
   };
-  const RigDescription linear = shipped("paper_linear.toml"), absorber = shipped("paper_hil_fdva.toml");
-  RigDescription at_700 = absorber;
+  const firmware::RigDescription linear = shipped("paper_linear.toml"), absorber = shipped("paper_hil_fdva.toml");
+  firmware::RigDescription at_700 = absorber;
   at_700.rig.machine.virtual_damping = reported_unstable_damping;
   Experiments e;
   e.linear = loop_of("Eqs. (1)–(3), Table 1", linear);
@@ -187,11 +190,11 @@ Experiments experiment(const std::function<void(double)>& progress) {
 
   e.quarter_car = shipped("paper_rig_fdva.toml");
   e.quarter_car_true = stability::bode(as_loop(e.quarter_car), 0.0, 0.0, e.frequency_hz);
-  e.rig_run = quarter_car_run("rig", e.quarter_car, SimulatedRig::Noise::as_described);
+  e.rig_run = quarter_car_run("rig", e.quarter_car, firmware::SimulatedRig::Noise::as_described);
   done(0.8);
-  RigDescription ideal = e.quarter_car;
+  firmware::RigDescription ideal = e.quarter_car;
   ideal.rig.effects.get<model::ForceSensorInertia>().active = false;
-  e.simulated_run = quarter_car_run("simulation", ideal, SimulatedRig::Noise::none);
+  e.simulated_run = quarter_car_run("simulation", ideal, firmware::SimulatedRig::Noise::none);
 
   const auto& f = absorber.rig.fdva;
   const double area = 0.25 * std::numbers::pi * f.duct_diameter * f.duct_diameter;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host_sim/embedded_files.hpp"
-#include "host_sim/full_turn.hpp"
+#include "firmware/description/version.hpp"
+#include "host_sim/report/embedded_files.hpp"
+#include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/figures.hpp"
-#include "host_sim/version.hpp"
 
 namespace host_sim::paper {
 namespace {
@@ -61,10 +61,9 @@ const report::Axis road_frequency{"frequency", "Hz", true, false, {{0.5, 30.0}}}
 Figure figure_2(const Experiments& e) {
   Figure f{
       "Fig. 2 — hardware in the loop: wheel load and body acceleration against road, delay and no delay",
-      "Lines: linear loop. Points: the nonlinear loop driven through the firmware over two minutes of class B road at "
-      "100 km/h, estimated from its recording (H₁, coherence in the read-out). Where the absorber moves most, from 6 "
-      "to "
-      "11 Hz, they lie apart: the losses of the ducts that grow with the square of the flow are in the run alone.",
+      "Lines: linear loop. Points: the nonlinear loop, simulated with the firmware over two minutes of class B road at "
+      "100 km/h, estimated from its recording (H₁, coherence in the read-out). From 6 to 11 Hz, "
+      "where the absorber moves most, the two differ: only the simulation contains the square losses of the ducts.",
       road_frequency};
   Panel load{{"wheel load ÷ road", "N/m", true, false, {{1e3, 3e6}}}},
       body{{"body acceleration ÷ road", "1/s²", true, false, {{5.0, 5e3}}}};
@@ -131,7 +130,7 @@ std::array<Figure, 2> figure_3(std::string part, const std::vector<WheelRootPath
 }
 
 Figure kick_figure(const Experiments& e) {
-  Figure f{"The nonlinear loops, kicked by half a millimetre of road at 0.2 s and left to themselves",
+  Figure f{"Free response of the nonlinear loops after a road bump of half a millimetre at 0.2 s",
            "Deflection of the component in the test machine; each panel has its own scale.",
            {"time", "s"}};
   int colour = 0;
@@ -163,7 +162,7 @@ void add_figure_4(Report& page, const Experiments& e) {
   bode.note = "L is the loop broken at the component's force; the border is L = −1.";
   page.add_figure(bode);
   Figure nyquist = stability::nyquist_figure("Fig. 4 — Nyquist diagram of the loop at 10 ms", planes);
-  nyquist.note = "Double-click shows all of the curves.";
+  nyquist.note = "Double-click shows the whole curves.";
   page.add_figure(nyquist);
   Table counts{"Encirclements of −1, counter-clockwise; unstable roots = unstable poles of L − encirclements",
                {"loop", "encirclements", "unstable poles of L", "unstable roots"},
@@ -218,7 +217,7 @@ Figure figure_6(const Experiments& e) {
 void add_summary(Report& page, const std::vector<Statement>& list) {
   const auto agreeing = std::count_if(list.begin(), list.end(), [](const Statement& s) { return s.agrees; });
   page.add_verdict(Verdict::good, std::to_string(agreeing) + " of the " + std::to_string(list.size()) +
-                                      " statements of the paper held against this model agree with it.");
+                                      " checked statements of the paper agree with this model.");
   for (const Statement& s : list) {
     if (!s.agrees) page.add_verdict(Verdict::bad, "Does not agree. The paper: " + s.paper + " Here: " + s.finding);
   }
@@ -226,10 +225,11 @@ void add_summary(Report& page, const std::vector<Statement>& list) {
   const Statement& at_700 = find(list, "absorber_unstable_at_700");
   if (!linear.agrees && at_700.agrees) {
     page.add_text(
-        "The instability that was seen is not that of the paper's own equations. It is the absorber's: above its "
-        "own frequency the branch of the absorber is nearly its stiff coil spring, and a spring k that answers "
-        "late by τ takes damping k τ away. The virtual damping makes up for it, and its border lies between the "
-        "two values that were tried.");
+        "The observed instability does not follow from the paper's equations (1)–(3). It comes from the absorber: "
+        "above "
+        "its own frequency the absorber acts almost as its stiff coil spring, and a spring k whose force is late by τ "
+        "acts like a damping of −k τ. The virtual damping compensates for it, and the stability border lies between "
+        "the two values that the paper tried.");
   }
 }
 
@@ -252,21 +252,22 @@ std::string in_words(const KickedRun& run) {
 
 Report paper_report(const Experiments& e, const std::vector<Statement>& list) {
   Report page(
-      "The paper, reproduced",
+      "Reproduction of the paper",
       "Hardware-in-the-loop and quarter-car rig of a fluid dynamic vibration absorber (FDVA), TU Darmstadt: the "
       "counterparts of Figs. 2, 3, 4 and 6, computed from the rig descriptions below. The paper gives no numbers of "
-      "its absorber; the reference set used here was fitted to its text.");
+      "its absorber; the parameters used here were fitted to its text.");
   add_summary(page, list);
 
-  page.add_section("Every statement");
-  Table table{"The paper's text against this model", {"the paper", "here", "unit", "agrees if", "agrees"}, {}};
+  page.add_section("All statements");
+  Table table{
+      "Statements of the paper and results of this model", {"the paper", "here", "unit", "agrees if", "agrees"}, {}};
   for (const Statement& s : list) {
     table.rows.push_back(
         {s.paper, figure_text(s.computed, 5), s.unit == "1" ? "–" : s.unit, s.expected, s.agrees ? "✓ yes" : "✗ no"});
   }
   page.add_table(table);
 
-  page.add_section("Fig. 2: late hardware in the loop");
+  page.add_section("Fig. 2: hardware in the loop with delay");
   for (const char* id : {"wheel_load_400_percent", "at_13_hz", "two_ducts_8_hz"}) say(page, find(list, id));
   page.add_figure(figure_2(e));
 
@@ -299,17 +300,17 @@ Report paper_report(const Experiments& e, const std::vector<Statement>& list) {
                           black,
                           Dash::none,
                           Marker::cross});
-  map.note = "Blue is stable, orange unstable; the border is computed by itself, from where roots lie on the axis.";
+  map.note = "Blue is stable, orange unstable. The border is computed exactly, from roots on the imaginary axis.";
   page.add_figure(map);
 
-  page.add_section("Both verdicts in time");
+  page.add_section("Time simulation of both verdicts");
   for (std::size_t i = 0; i < e.kicks.size(); ++i) {
     const KickedRun& run = e.kicks[i];
     const bool same = (run.predicted < 0.0) == (run.measured < 0.0);
     page.add_verdict(same ? Verdict::good : Verdict::bad,
-                     run.name + ": the nonlinear loop, run in steps through the firmware, " + in_words(run) +
-                         ". The sampled loop's wheel root says " + figure_text(run.predicted, 3) +
-                         " 1/s; without sampling and hold, half a step of delay less, it is " +
+                     run.name + ": the nonlinear loop, simulated through the firmware, " + in_words(run) +
+                         ". The wheel root of the sampled loop predicts " + figure_text(run.predicted, 3) +
+                         " 1/s; without sampling and hold (half a step less delay) it is " +
                          figure_text(std::array{&e.linear, &e.absorber, &e.absorber_at_700}[i]->wheel_root.real(), 3) +
                          " 1/s.");
   }
@@ -330,7 +331,7 @@ Report paper_report(const Experiments& e, const std::vector<Statement>& list) {
 
 std::string paper_json(const Experiments& e, const std::vector<Statement>& list) {
   nlohmann::ordered_json json;
-  json["version"] = std::string(version);
+  json["version"] = std::string(firmware::version);
   json["agreeing"] = std::count_if(list.begin(), list.end(), [](const Statement& s) { return s.agrees; });
   json["statements"] = nlohmann::ordered_json::array();
   for (const Statement& s : list) {

@@ -1,4 +1,4 @@
-// The page that `rigtwin paper` writes, and the numbers behind it.
+// The HTML page and the JSON of `rigtwin paper`.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace host_sim::paper {
 
-/// The counterparts of the paper's Figs. 2, 3, 4 and 6, each with what agrees with its text and what does not.
+/// Counterparts of the paper's Figs. 2, 3, 4 and 6, each with the statements of the text that agree or disagree.
 [[nodiscard]] report::Report paper_report(const Experiments& experiments, const std::vector<Statement>& statements);
 
 /// {"version", "agreeing", "statements": […], "kicks": […]} as JSON text.

@@ -1,4 +1,4 @@
-// What the paper's text says, held against what comes out here.
+// Statements of the paper's text, each checked against a computed number.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace host_sim::paper {
 
-/// One statement of the paper. Whether it agrees is decided by the numbers, here.
+/// One statement of the paper. `agrees` follows from `computed` alone.
 struct Statement {
   std::string id;        ///< "table_1_unstable"
-  std::string paper;     ///< what the text says
-  std::string finding;   ///< what comes out here, with its numbers
-  double computed{};     ///< the number that decides
-  std::string expected;  ///< what it would have to be, "> 4"
+  std::string paper;     ///< statement of the text
+  std::string finding;   ///< computed result as a sentence
+  double computed{};     ///< the number that is compared
+  std::string expected;  ///< condition for agreement, for example "> 4"
   std::string unit;
   bool agrees{};
 };
@@ -23,10 +23,10 @@ struct Statement {
 /// In the order of the figures.
 [[nodiscard]] std::vector<Statement> statements(const Experiments& experiments);
 
-/// How far a measured wheel load is from the simulated one, from 1 to 25 Hz.
+/// Deviation of a measured wheel load from the simulated one between 1 and 25 Hz.
 struct WheelLoadError {
-  double largest{};     ///< of | |measured/simulated| − 1 |, what a plot of magnitudes shows [1]
-  double hz{};          ///< where
+  double largest{};     ///< largest | |measured/simulated| − 1 |, as a plot of magnitudes shows [1]
+  double hz{};          ///< its frequency [Hz]
   double with_phase{};  ///< largest |measured/simulated − 1| [1]
 };
 [[nodiscard]] WheelLoadError wheel_load_error(const TransferEstimate& measured, const TransferEstimate& simulated);

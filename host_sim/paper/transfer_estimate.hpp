@@ -12,7 +12,7 @@ namespace host_sim::paper {
 ///
 ///   (1)  H(f) = ⟨X* Y⟩ / ⟨|X|²⟩          (2)  γ² = |⟨X* Y⟩|² / (⟨|X|²⟩ ⟨|Y|²⟩)
 ///
-/// Noise of the output averages out; what is not linear shows as coherence γ² below one.
+/// Noise of the output averages out; nonlinearity shows as coherence γ² below one.
 struct TransferEstimate {
   std::vector<double> frequency;  ///< [Hz], about equal ratios
   std::vector<std::complex<double>> response;
@@ -20,9 +20,8 @@ struct TransferEstimate {
   std::size_t averages = 0;
 };
 
-/// \param segment  samples a segment: f_s/segment is the distance of bins, of which `count` between `from` and `to`
-/// [Hz]
-///                 are kept
+/// \param segment  samples per segment; the frequency lines are f_s/segment apart
+/// \param count    number of lines that are kept between `from` and `to` [Hz]
 [[nodiscard]] TransferEstimate transfer_estimate(std::span<const double> input, std::span<const double> output,
                                                  double sample_rate, std::size_t segment, double from, double to,
                                                  std::size_t count);

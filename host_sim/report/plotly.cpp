@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace host_sim::report {
 namespace {
@@ -178,7 +179,7 @@ ordered_json curve_json(const Figure& figure, const Panel& panel, const Curve& c
   return trace;
 }
 
-/// Broken at a blank about every 28 letters: what stands beside a bar must leave room for it.
+/// Breaks a label at a blank about every 28 letters, so that the bars keep their room.
 std::string in_lines(const std::string& name) {
   std::string lines;
   std::size_t length = 0;
@@ -242,17 +243,51 @@ ordered_json heat_map_json(const Figure& figure, const Panel& panel, const HeatM
 
 std::string axis_name(const char* letter, std::size_t i) { return letter + (i == 0 ? "" : std::to_string(i + 1)); }
 
-}  // namespace
+/// A guide line and its label: [shape, annotation].
+std::pair<ordered_json, ordered_json> guide_json(const Figure& figure, const Panel& panel, const std::string& y,
+                                                 const Guide& guide) {
+  const bool upright = guide.along == Guide::Along::x;
+  const Axis& along = upright ? figure.x : panel.y;
+  const double at = along.logarithmic ? std::log10(guide.value) : guide.value;
+  ordered_json line = {{"type", "line"},
+                       {"xref", upright ? "x" : "x domain"},
+                       {"yref", upright ? y + " domain" : y},
+                       {"line", {{"color", "#555"}, {"width", 1}, {"dash", "dot"}}}};
+  ordered_json label = {{"text", escaped(guide.label)},
+                        {"showarrow", false},
+                        {"font", {{"size", 12}, {"color", "#333"}}},
+                        {"bgcolor", "rgba(255,255,255,0.75)"},
+                        {"xref", upright ? "x" : "x domain"},
+                        {"yref", upright ? y + " domain" : y}};
+  if (upright) {
+    line["x0"] = line["x1"] = number(guide.value);
+    line["y0"] = 0;
+    line["y1"] = 1;
+    label["x"] = number(at);
+    label["y"] = 0.5;
+    label["textangle"] = -90;
+    label["xanchor"] = "right";
+    label["yanchor"] = "middle";
+  } else {
+    line["y0"] = line["y1"] = number(guide.value);
+    line["x0"] = 0;
+    line["x1"] = 1;
+    label["y"] = number(at);
+    label["x"] = 1.0;
+    label["xanchor"] = "right";
+    label["yanchor"] = "bottom";
+  }
+  return {std::move(line), std::move(label)};
+}
 
-std::string plotly_json(const Figure& figure) {
-  check(figure);
-  ordered_json data = ordered_json::array(), shapes = ordered_json::array(), notes = ordered_json::array();
+/// The layout of the whole figure, without its axes.
+ordered_json layout_json(const Figure& figure) {
   std::size_t named = 0;  // in the legend, which stands under the buttons
   for (const Panel& panel : figure.panels) {
     named += panel.curves.size();
     for (const Curve& curve : panel.curves) named -= curve.in_legend ? 0U : 1U;
   }
-  ordered_json layout = {
+  return {
       {"height", figure.height},
       {"font",
        {{"family", "system-ui, \"Segoe UI\", \"DejaVu Sans\", Arial, sans-serif"}, {"size", 13}, {"color", "#222"}}},
@@ -262,7 +297,28 @@ std::string plotly_json(const Figure& figure) {
       {"hoverlabel", {{"namelength", -1}, {"bgcolor", "#fff"}}},
       {"legend", {{"orientation", "h"}, {"x", 0}, {"y", 1.02}, {"yanchor", "bottom"}}},
       {"margin", {{"l", 70}, {"r", 20}, {"t", named > 5 ? 72 : 52}, {"b", 50}}}};
+}
 
+/// In an HTML script element only "<" can start the end tag.
+std::string script_safe(const std::string& text) {
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+}  // namespace
+
+std::string plotly_json(const Figure& figure) {
+  check(figure);
+  ordered_json data = ordered_json::array(), shapes = ordered_json::array(), notes = ordered_json::array();
+  ordered_json layout = layout_json(figure);
   double shares = 0.0;
   for (const Panel& panel : figure.panels) shares += panel.share;
   const double gap = figure.panels.size() > 1 ? 0.05 : 0.0;
@@ -291,37 +347,7 @@ std::string plotly_json(const Figure& figure) {
     for (const Bars& bars : panel.bars) add(bars_json(figure, bars, turn++));
     for (const Curve& curve : panel.curves) add(curve_json(figure, panel, curve, curve.colour >= 0 ? turn : turn++));
     for (const Guide& guide : panel.guides) {
-      const bool upright = guide.along == Guide::Along::x;
-      const Axis& along = upright ? figure.x : panel.y;
-      const double at = along.logarithmic ? std::log10(guide.value) : guide.value;
-      ordered_json line = {{"type", "line"},
-                           {"xref", upright ? "x" : "x domain"},
-                           {"yref", upright ? y + " domain" : y},
-                           {"line", {{"color", "#555"}, {"width", 1}, {"dash", "dot"}}}};
-      ordered_json label = {{"text", escaped(guide.label)},
-                            {"showarrow", false},
-                            {"font", {{"size", 12}, {"color", "#333"}}},
-                            {"bgcolor", "rgba(255,255,255,0.75)"},
-                            {"xref", upright ? "x" : "x domain"},
-                            {"yref", upright ? y + " domain" : y}};
-      if (upright) {
-        line["x0"] = line["x1"] = number(guide.value);
-        line["y0"] = 0;
-        line["y1"] = 1;
-        label["x"] = number(at);
-        label["y"] = 0.5;
-        label["textangle"] = -90;
-        label["xanchor"] = "right";
-        label["yanchor"] = "middle";
-      } else {
-        line["y0"] = line["y1"] = number(guide.value);
-        line["x0"] = 0;
-        line["x1"] = 1;
-        label["y"] = number(at);
-        label["x"] = 1.0;
-        label["xanchor"] = "right";
-        label["yanchor"] = "bottom";
-      }
+      auto [line, label] = guide_json(figure, panel, y, guide);
       shapes.push_back(std::move(line));
       if (!guide.label.empty()) notes.push_back(std::move(label));
     }
@@ -336,19 +362,8 @@ std::string plotly_json(const Figure& figure) {
   if (!shapes.empty()) layout["shapes"] = std::move(shapes);
   if (!notes.empty()) layout["annotations"] = std::move(notes);
 
-  // In an HTML script element nothing but "<" can begin what ends it.
-  const std::string text = ordered_json({{"data", std::move(data)}, {"layout", std::move(layout)}})
-                               .dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
+  return script_safe(ordered_json({{"data", std::move(data)}, {"layout", std::move(layout)}})
+                         .dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }
 
 }  // namespace host_sim::report

@@ -1,4 +1,4 @@
-// Figures as Plotly takes them.
+// Figures as JSON for Plotly.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace host_sim::report {
 
-/// {"data": […], "layout": {…}} for Plotly.newPlot, safe inside an HTML script element. Throws std::logic_error for a
-/// figure that cannot be right.
+/// {"data": […], "layout": {…}} for Plotly.newPlot, safe inside an HTML script element. Throws std::logic_error for an
+/// invalid figure.
 [[nodiscard]] std::string plotly_json(const Figure& figure);
 
 }  // namespace host_sim::report

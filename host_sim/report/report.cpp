@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "host_sim/embedded_files.hpp"
+#include "firmware/description/version.hpp"
+#include "host_sim/report/embedded_files.hpp"
 #include "host_sim/report/plotly.hpp"
-#include "host_sim/version.hpp"
 
 namespace host_sim::report {
 namespace {
@@ -34,6 +34,7 @@ figure p { margin: .3rem 0 0; font-size: .93rem; color: #444; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .4rem 0 1.2rem; font-variant-numeric: tabular-nums; font-size: .95rem; }
 caption { text-align: left; font-weight: 600; padding: .4rem 0; }
+@media (min-width: 48rem) { caption { white-space: nowrap; } }
 th, td { padding: .2rem .8rem .2rem 0; text-align: right; vertical-align: top; border-bottom: 1px solid #ddd; }
 th { border-bottom-color: #888; }
 th, td { white-space: nowrap; }
@@ -52,7 +53,7 @@ footer { margin-top: 2.5rem; font-size: .9rem; color: #444; }
 }
 )";
 
-// Draws the figures and keeps them as wide as the page, on paper too. It says in the body's attributes what it did.
+// Draws the figures and keeps them as wide as the page, also in print. It counts its work in attributes of the body.
 constexpr std::string_view drawing = R"(
 "use strict";
 (function () {
@@ -111,7 +112,7 @@ constexpr std::string_view listening = R"(
 
 std::string section_id(std::size_t i) { return "section-" + std::to_string(i + 1); }
 
-/// A program inside a script element must not hold what ends the element or begins a comment there.
+/// Throws if a script contains text that would end its HTML element or start a comment in it.
 std::string in_script(std::string_view program) {
   for (const std::string_view ending : {"</script", "</SCRIPT", "<!--"}) {
     if (program.find(ending) != std::string_view::npos) {
@@ -216,7 +217,7 @@ void Report::add_appendix(std::string_view title, std::string_view text) {
 }
 
 std::string Report::html() const {
-  const std::string name = "rigtwin " + std::string(version);
+  const std::string name = "rigtwin " + std::string(firmware::version);
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -234,14 +235,13 @@ std::string Report::html() const {
     page += "<li><a href=\"#" + section_id(i) + "\">" + escaped(sections_[i]) + "</a></li>\n";
   }
   if (!sections_.empty()) page += "</ul></nav>\n";
-  page += body_ + "</main>\n<footer>\n<h2>Where this comes from</h2>\n" + appendices_;
+  page += body_ + "</main>\n<footer>\n<h2>Inputs and licences</h2>\n" + appendices_;
   if (figures_ > 0) {
     page += "<details><summary>Licence of Plotly.js, which draws the figures</summary>\n<pre>" +
             escaped(embedded_file("plotly-LICENSE")) + "</pre></details>\n";
   }
-  page +=
-      "<p>Made by " + name +
-      ". Drag over a figure to zoom, double-click to see all of it, point at a curve to read it off.</p>\n</footer>\n";
+  page += "<p>Made by " + name +
+          ". Drag over a figure to zoom, double-click to reset, point at a curve to read values.</p>\n</footer>\n";
   if (figures_ > 0) {
     page += "<script>" + in_script(embedded_file("plotly-cartesian.min.js")) + "</script>\n<script>" +
             std::string(drawing) + "</script>\n";

@@ -1,4 +1,4 @@
-// One HTML file that shows results: figures to zoom and read off, tables, verdicts, and where it all comes from.
+// Results as one HTML file with interactive figures, tables, verdicts and the inputs.
 #pragma once
 
 #include <cstddef>
@@ -8,16 +8,16 @@
 #include <utility>
 #include <vector>
 
-/// What goes in is plain text in UTF-8: it is escaped on its way out, whatever it holds.
+/// All texts are plain UTF-8; the report escapes them.
 namespace host_sim::report {
 
-/// What is measured along a side of a figure.
+/// An axis of a figure: quantity and unit.
 struct Axis {
   std::string quantity;  ///< "wheel load ÷ road"; never empty
   std::string unit;      ///< "N/m", "1" for a pure number; never empty, except beside names
   bool logarithmic = false;
-  bool of_names = false;                             ///< bars stand along it, each with its name
-  std::optional<std::pair<double, double>> range{};  ///< shown at first, in `unit`; else all there is
+  bool of_names = false;                             ///< a category axis with the names of bars
+  std::optional<std::pair<double, double>> range{};  ///< initial range in `unit`; default: all data
 };
 
 enum class Dash : unsigned char { by_turns, solid, dashed, dotted, dash_dotted, none };
@@ -31,10 +31,10 @@ struct Curve {
   Dash dash = Dash::by_turns;
   Marker marker = Marker::none;
   bool in_legend = true;
-  std::vector<double> along{};                       ///< read out beside x and y: the frequency on a Nyquist curve …
-  std::string along_quantity{}, along_unit{};        ///< … what that is
-  bool coloured_along = false;                       ///< markers coloured by it, with a scale beside the figure
-  std::vector<double> lower_error{}, upper_error{};  ///< of y, as distances from it; empty: not known
+  std::vector<double> along{};  ///< third value in the read-out, such as the frequency on a Nyquist curve
+  std::string along_quantity{}, along_unit{};        ///< its quantity and unit
+  bool coloured_along = false;                       ///< colours the markers by `along`, with a colour scale
+  std::vector<double> lower_error{}, upper_error{};  ///< error bars of y, as distances; empty: none
 };
 
 /// A bar from zero for each name; they lie along the panel's y axis, which is of_names.
@@ -50,10 +50,10 @@ struct HeatMap {
   std::string quantity, unit;
   std::vector<double> x, y;
   std::vector<double> values;  ///< row after row of constant y
-  double limit = 0.0;          ///< colours end at ± this; 0: at the largest modulus
+  double limit = 0.0;          ///< colour range ± limit; 0: the largest modulus
 };
 
-/// A line across a panel, with a few words at its end.
+/// A straight line across a panel with a label.
 struct Guide {
   enum class Along : unsigned char { x, y };  ///< which axis `value` belongs to
   Along along = Along::x;
@@ -73,10 +73,10 @@ struct Panel {
 
 struct Figure {
   std::string title;
-  std::string note;  ///< what to see in it: under the figure
+  std::string note;  ///< explanation under the figure
   Axis x;
   std::vector<Panel> panels{};
-  bool equal_axes = false;  ///< a unit of x is as long as one of y: Nyquist
+  bool equal_axes = false;  ///< equal scales of x and y: Nyquist
   int height = 420;         ///< [px]
 };
 
@@ -84,26 +84,25 @@ struct Table {
   std::string title;
   std::vector<std::string> headings;
   std::vector<std::vector<std::string>> rows;
-  std::size_t text_columns = 1;  ///< that many columns from the left are words, the others numbers
+  std::size_t text_columns = 1;  ///< number of text columns from the left; the others are numbers
 };
 
-/// Colour, sign and word of a box: a colour alone would not do.
+/// Kind of a verdict box; each has a colour and a sign, so that no information depends on colour alone.
 enum class Verdict : unsigned char { good, bad, remark };
 
 /// Okabe and Ito's colours without the yellow, which is too pale for a line; black comes last.
 inline constexpr std::string_view colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                "#56B4E9", "#E69F00", "#000000"};
 
-/// Collects parts in their order and makes one HTML file of them. The same parts give the same bytes.
+/// Collects parts in order and writes them as one HTML file. Equal parts give equal bytes.
 ///
-/// The file asks for nothing from elsewhere: Plotly, the figures' numbers and the style are in it. Once every figure is
-/// drawn the page says so in attributes of its body – data-figures, data-drawn,
-/// data-traces (figures with something in them), data-requests, data-errors – for whoever tests it.
-/// A part that cannot be right – an axis without a unit, columns of different lengths, nothing to see – is a
-/// std::logic_error of the caller when it is added.
+/// The file is self-contained: Plotly, the data of the figures and the style are in it. For tests the page counts in
+/// attributes of its body: data-figures, data-drawn, data-traces (figures with a visible curve), data-requests (network
+/// requests), data-errors. An invalid part (an axis without a unit, columns of different lengths, an empty figure) is a
+/// std::logic_error when it is added.
 class Report {
  public:
-  /// \param title  of the page; `lead` stands under it
+  /// \param title  of the page; `lead` is the sentence under it
   explicit Report(std::string title, std::string lead = {});
 
   void add_section(std::string_view title);  ///< listed in the contents
@@ -111,7 +110,7 @@ class Report {
   void add_verdict(Verdict verdict, std::string_view sentence);
   void add_figure(const Figure& figure);
   void add_table(const Table& table);
-  /// At the end, folded up, letter by letter as given: a rig description.
+  /// A folded section at the end with the text as given, such as a rig description.
   void add_appendix(std::string_view title, std::string_view text);
 
   [[nodiscard]] std::string html() const;
@@ -121,13 +120,13 @@ class Report {
   std::string title_, lead_, body_, appendices_;
   std::vector<std::string> sections_;
   std::size_t figures_ = 0;
-  std::string first_;  // what stands before the contents
+  std::string first_;  // parts before the table of contents
 };
 
-/// The number with so many significant digits, as a person writes it: 15.25, −0.0031, 4.5e-07.
+/// The number with `digits` significant digits: 15.25, −0.0031, 4.5e-07.
 [[nodiscard]] std::string figure_text(double value, int digits = 4);
 
-/// Fit to stand between HTML tags and in quoted attributes.
+/// Escaped for HTML text and quoted attributes.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 }  // namespace host_sim::report

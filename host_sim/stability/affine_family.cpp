@@ -99,7 +99,7 @@ AffineFamily affine_family(const std::function<LoopPolynomials(double)>& member,
   const LoopPolynomials at_zero = member(0.0), at_one = member(typical), beyond = member(3.0 * typical);
   AffineFamily family{at_zero.p, 1.0 / typical * (at_one.p - at_zero.p), at_zero.q,
                       1.0 / typical * (at_one.q - at_zero.q)};
-  // A power of s in which nothing changes must not keep a rounding error for a coefficient.
+  // A coefficient that does not change must be exactly 0, not a rounding error.
   const auto cleaned = [&](const Polynomial& change, const Polynomial& a, const Polynomial& b) {
     std::vector<double> c(change.size());
     for (std::size_t k = 0; k < c.size(); ++k) {
@@ -113,7 +113,7 @@ AffineFamily affine_family(const std::function<LoopPolynomials(double)>& member,
     for (std::size_t k = 0; k < std::max(zero.size(), value.size()); ++k) {
       const double straight = zero[k] + 3.0 * typical * change[k];
       if (!(std::abs(straight - value[k]) <= 1e-10 * (std::abs(zero[k]) + std::abs(value[k])))) {
-        throw std::logic_error("a parameter that was taken to enter the loop linearly does not");
+        throw std::logic_error("stability: a parameter does not enter the loop linearly");
       }
     }
   };
@@ -142,7 +142,7 @@ std::vector<AxisValue> axis_values(const AffineFamily& family, double delay, dou
   std::vector<AxisValue> found;
   if (g.a.zero() && g.b.zero() && g.c.zero()) return found;
   const double highest = highest_frequency(family, std::max(std::abs(from), std::abs(to)));
-  // ω = 0 is a zero of g always (f₀ and f₁ are real there) and no crossing of a pair.
+  // ω = 0 is always a zero of g (f₀ and f₁ are real there), but not a crossing of a pair.
   const double lowest = 1e-9 * highest;
 
   for (const double omega : zeros(g, lowest, highest)) {

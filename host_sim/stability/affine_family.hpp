@@ -1,4 +1,4 @@
-// A loop with a factor or a parameter in it that enters linearly, and the values that put roots on the axis.
+// Loops with one parameter that enters linearly, and the parameter values that put roots on the imaginary axis.
 #pragma once
 
 #include <functional>
@@ -19,8 +19,9 @@ struct TrigonometricPolynomial {
   [[nodiscard]] double variation(double x, double r) const;
 };
 
-/// All zeros in from … to, in order: intervals are halved until a bound of the variation proves that one holds no zero,
-/// or that g grows or falls throughout. Zeros nearer to each other than 1e-9 of the range are reported as one.
+/// All zeros between `from` and `to`, ascending. Intervals are halved until a bound of the variation proves that an
+/// interval holds no zero or that g is monotonic in it. Zeros closer together than 1e-9 of the range are reported as
+/// one.
 [[nodiscard]] std::vector<double> zeros(const TrigonometricPolynomial& g, double from, double to);
 
 /// Loops  f(s; κ) = P₀ + κ P₁ + (Q₀ + κ Q₁) e^{−sτ}.
@@ -30,22 +31,22 @@ struct AffineFamily {
   [[nodiscard]] DelayEquation at(double kappa, double delay) const { return {p0 + kappa * p1, q0 + kappa * q1, delay}; }
 };
 
-/// The family of which member(κ) = {P, Q} is known at any κ; checked at a third value (std::logic_error if it is no
-/// straight line).
+/// The family that passes through member(κ) = {P, Q} at two values of κ. A third value checks that P and Q are linear
+/// in κ (std::logic_error if not).
 struct LoopPolynomials {
   Polynomial p, q;
 };
 [[nodiscard]] AffineFamily affine_family(const std::function<LoopPolynomials(double)>& member, double typical);
 
-/// No member with |κ| ≤ `size` has a root jω on the axis at or above this [rad/s], whatever the delay: there
-/// |P₀|² > 3 (κ²|P₁|² + |Q₀|² + κ²|Q₁|²), so that |P₀| is more than all the rest together.
+/// Frequency [rad/s] at and above which no member with |κ| ≤ `size` has a root jω on the axis, at any delay: there
+/// |P₀|² > 3 (κ²|P₁|² + |Q₀|² + κ²|Q₁|²), hence |P₀| exceeds the sum of all other terms.
 [[nodiscard]] double highest_frequency(const AffineFamily& family, double size);
 
 /// A value of κ with a pair of roots ±jω on the axis.
 struct AxisValue {
   double value{};
   double omega{};  ///< [rad/s]
-  bool border{};   ///< no other root has Re > 0: the loop is stable on one side
+  bool border{};   ///< no other root has Re > 0, so the loop is stable on one side
 };
 
 /// All values in from … to with a root on the axis at ω > 0, by value.

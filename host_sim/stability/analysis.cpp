@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "host_sim/input_error.hpp"
+#include "firmware/description/input_error.hpp"
 
 namespace host_sim::stability {
 namespace {
@@ -17,9 +17,9 @@ double group_delay(const Polynomial& over, const Polynomial& under, double omega
   return (dd / d - dn / n).real();
 }
 
-DelayBalance balance_of(const StabilityAnalysis& analysis, const RigDescription& description) {
+DelayBalance balance_of(const StabilityAnalysis& analysis, const firmware::RigDescription& description) {
   DelayBalance balance;
-  const DelayBudget& budget = description.delay_budget;
+  const firmware::DelayBudget& budget = description.delay_budget;
   const auto add = [&](std::string name, double seconds, bool in_loop_delay) {
     if (seconds != 0.0) balance.parts.push_back({std::move(name), seconds, in_loop_delay});
   };
@@ -43,7 +43,7 @@ DelayBalance balance_of(const StabilityAnalysis& analysis, const RigDescription&
   return balance;
 }
 
-/// The number of unstable roots once more, from the crossings.
+/// Second, independent count of the unstable roots, from the crossings.
 void check_count(const StabilityAnalysis& analysis) {
   const auto counted = unstable_roots(analysis.rig.p, analysis.rig.q, analysis.margins.frequencies, analysis.delay);
   if (!counted) return;
@@ -57,7 +57,7 @@ void check_count(const StabilityAnalysis& analysis) {
 
 }  // namespace
 
-StabilityAnalysis analyse(const RigDescription& description, double line) try {
+StabilityAnalysis analyse(const firmware::RigDescription& description, double line) try {
   StabilityAnalysis result;
   result.rig = linearise(description.rig);
   const double extra = description.delay_budget.sum();
@@ -117,7 +117,7 @@ StabilityAnalysis analyse(const RigDescription& description, double line) try {
   result.balance = balance_of(result, description);
   return result;
 } catch (const UnfitLoop& unfit) {
-  throw InputError(description.source, 0, unfit.what(), "a hil rig with a loop of less than 1 s of delay");
+  throw firmware::InputError(description.source, 0, unfit.what(), "a hil rig with a loop of less than 1 s of delay");
 }
 
 }  // namespace host_sim::stability

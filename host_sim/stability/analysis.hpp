@@ -1,11 +1,11 @@
-// Everything that `rigtwin stability` says about a hil rig.
+// The analysis behind `rigtwin stability`.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "host_sim/rig_description.hpp"
+#include "firmware/description/rig_description.hpp"
 #include "host_sim/stability/affine_family.hpp"
 #include "host_sim/stability/characteristic_roots.hpp"
 #include "host_sim/stability/crossings.hpp"
@@ -16,7 +16,7 @@
 
 namespace host_sim::stability {
 
-/// One part of the delay of the loop.
+/// One contribution to the loop delay.
 struct DelayPart {
   std::string name;
   double seconds{};
@@ -25,11 +25,11 @@ struct DelayPart {
 
 /// The delay of the loop, part by part.
 ///
-/// The loop delay τ of roots, verdict and margins is what the rig description says is there: the delays among its
-/// effects and the entries of [delay_budget]. A description without that table gives τ = effects.actuator_delay alone.
-/// The hold of the sampled loop adds about half a step; it stands in `total`, which is what to hold against the
-/// critical delay, and is treated exactly by the sampled loop. Lags are in P and Q; their delay at the critical
-/// frequency is shown and not added, since the critical delay has it in already.
+/// The loop delay τ of roots, verdict and margins is the sum of the delays among the effects of the rig description and
+/// of the entries of [delay_budget]. A description without that table gives τ = effects.actuator_delay alone.
+/// The hold of the sampled loop adds about half a step. `total` includes it and is to be compared with the critical
+/// delay; the sampled loop treats the hold exactly. Lags are part of P and Q. Their delay at the critical frequency is
+/// shown but not added, because the critical delay already includes it.
 struct DelayBalance {
   std::vector<DelayPart> parts;
   double total{};              ///< τ and half a step [s]
@@ -39,7 +39,7 @@ struct DelayBalance {
 struct StabilityAnalysis {
   LinearRig rig;
   double delay{};          ///< τ [s]
-  double machine_delay{};  ///< of it between x_cmd and x_act [s]
+  double machine_delay{};  ///< part of τ between x_cmd and x_act [s]
   bool stable{};
   RootSet roots;
   Margins margins;
@@ -47,9 +47,10 @@ struct StabilityAnalysis {
   std::vector<PadeResult> pade;               ///< orders 1 … 5
   std::vector<AxisValue> virtual_dampings;    ///< in 0 … most_virtual_damping with a root on the axis, at τ
   std::optional<AxisValue> critical_damping;  ///< the border that lies nearest to the given damping
-  Complex critical_root;  ///< which reaches the axis at the critical delay, where it is now; else the rightmost [1/s]
-  std::vector<ParameterSensitivity> parameters;  ///< largest effect on the critical root first
-  std::optional<SampledLoop> sampled;            ///< none: the delay does not fit the model's delay line
+  Complex critical_root;  ///< the root that reaches the axis at the critical delay, at the given delay; else the
+                          ///< rightmost [1/s]
+  std::vector<ParameterSensitivity> parameters;  ///< sorted by effect on the critical root, largest first
+  std::optional<SampledLoop> sampled;            ///< none: the delay exceeds the model's delay line
   DelayBalance balance;
 
   [[nodiscard]] DelayEquation equation() const { return rig.equation(delay); }
@@ -58,9 +59,9 @@ struct StabilityAnalysis {
 inline constexpr double usual_line = -60.0;               ///< roots right of it are listed [1/s]
 inline constexpr double most_virtual_damping = 10'000.0;  ///< [N s/m]
 
-/// Throws InputError for a rig that is not a hil rig or whose loop is not retarded; CountMismatch and other
-/// std::logic_errors where two ways to one number disagree: the roots found against the argument principle, both
-/// against the crossings counted from no delay on, the step's matrix against the model's step.
-[[nodiscard]] StabilityAnalysis analyse(const RigDescription& description, double line = usual_line);
+/// Throws InputError for a rig that is not a hil rig or whose loop is not retarded. Throws CountMismatch or another
+/// std::logic_error where two independent methods disagree: the roots found and the argument principle; both and the
+/// crossings counted from zero delay; the matrix of a step and the model's step.
+[[nodiscard]] StabilityAnalysis analyse(const firmware::RigDescription& description, double line = usual_line);
 
 }  // namespace host_sim::stability

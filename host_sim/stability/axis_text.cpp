@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "host_sim/input_error.hpp"
-#include "host_sim/rig_description.hpp"
-#include "host_sim/spelling.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/rig_description.hpp"
+#include "firmware/description/spelling.hpp"
 #include "host_sim/stability/boundary.hpp"
 #include "host_sim/stability/crossings.hpp"
 #include "host_sim/stability/sensitivity.hpp"
@@ -22,7 +22,8 @@ double number(std::string_view text, std::string_view whole) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    throw UsageError(in_quotes(whole) + ": " + in_quotes(text) + " is not a number, expected " + std::string(form));
+    throw firmware::UsageError(firmware::in_quotes(whole) + ": " + firmware::in_quotes(text) +
+                               " is not a number, expected " + std::string(form));
   }
   return value;
 }
@@ -34,7 +35,7 @@ Axis parse_axis(std::string_view text, const model::RigParameters<double>& rig, 
   const std::size_t first = equals == text.npos ? text.npos : text.find(':', equals);
   const std::size_t second = first == text.npos ? text.npos : text.find(':', first + 1);
   if (second == text.npos || text.find(':', second + 1) != text.npos) {
-    throw UsageError(in_quotes(text) + " is no range, expected " + std::string(form));
+    throw firmware::UsageError(firmware::in_quotes(text) + " is not a range, expected " + std::string(form));
   }
   Axis axis;
   axis.variable = text.substr(0, equals);
@@ -42,30 +43,30 @@ Axis parse_axis(std::string_view text, const model::RigParameters<double>& rig, 
   axis.to = number(text.substr(first + 1, second - first - 1), text);
   const double count = number(text.substr(second + 1), text);
   const auto fail = [&](const std::string& wrong, const std::string& expected) {
-    throw UsageError(in_quotes(text) + ": " + wrong + ", expected " + expected);
+    throw firmware::UsageError(firmware::in_quotes(text) + ": " + wrong + ", expected " + expected);
   };
 
   model::RigParameters<double> changed = rig;
   const std::string path = axis.variable == "virtual_damping" ? "machine.virtual_damping" : axis.variable;
-  if (axis.variable != "tau" && find_parameter(changed, path) == nullptr) {
+  if (axis.variable != "tau" && firmware::find_parameter(changed, path) == nullptr) {
     std::vector<std::string> names = real_parameters(rig);
     names.insert(names.begin(), {"tau", "virtual_damping"});
     const std::vector<std::string_view> known(names.begin(), names.end());
-    fail("this rig has no variable " + in_quotes(axis.variable) + " (did you mean " +
-             in_quotes(nearest(axis.variable, known)) + "?)",
+    fail("this rig has no variable " + firmware::in_quotes(axis.variable) + " (did you mean " +
+             firmware::in_quotes(firmware::nearest(axis.variable, known)) + "?)",
          "tau, virtual_damping or a parameter path of the rig description");
   }
   if (!(axis.from < axis.to)) fail("the range runs backwards or is empty", "from < to");
   if (count != std::floor(count) || count < 2.0 || count > static_cast<double>(most_values)) {
-    fail("the count is no whole number in 2 … " + std::to_string(most_values), std::string(form));
+    fail("the count is not a whole number in 2 … " + std::to_string(most_values), std::string(form));
   }
   axis.count = static_cast<std::size_t>(count);
   if (axis.is_delay()) {
-    if (axis.from < 0.0 || axis.to > longest_delay) fail("a delay is out of reach", "delays from 0 to 1 s");
+    if (axis.from < 0.0 || axis.to > longest_delay) fail("a delay is out of range", "delays from 0 to 1 s");
     return axis;
   }
   for (const double end : {axis.from, axis.to}) {
-    *find_parameter(changed, path) = end;
+    *firmware::find_parameter(changed, path) = end;
     if (const auto fault = model::find_fault(changed, period, model::RigModel<>::Line::longest)) {
       fail("no rig has " + path + " = " + std::to_string(end), std::string(fault->expected));
     }
@@ -76,8 +77,8 @@ Axis parse_axis(std::string_view text, const model::RigParameters<double>& rig, 
 std::pair<Axis, Axis> parse_map(std::string_view text, const model::RigParameters<double>& rig, double period) {
   const std::size_t comma = text.find(',');
   if (comma == text.npos || text.find(',', comma + 1) != text.npos) {
-    throw UsageError(in_quotes(text) +
-                     " is no map, expected two ranges, such as tau=0:0.03:200,virtual_damping=0:2000:200");
+    throw firmware::UsageError(firmware::in_quotes(text) +
+                               " is not a map, expected two ranges, such as tau=0:0.03:200,virtual_damping=0:2000:200");
   }
   std::pair<Axis, Axis> axes{parse_axis(text.substr(0, comma), rig, period),
                              parse_axis(text.substr(comma + 1), rig, period)};
@@ -85,7 +86,9 @@ std::pair<Axis, Axis> parse_map(std::string_view text, const model::RigParameter
   const bool same = axes.first.is_delay() ? axes.second.is_delay()
                                           : !axes.second.is_delay() && &parameter_of(copy, axes.first.variable) ==
                                                                            &parameter_of(copy, axes.second.variable);
-  if (same) throw UsageError(in_quotes(text) + ": both ranges are of one variable, expected two different ones");
+  if (same)
+    throw firmware::UsageError(firmware::in_quotes(text) +
+                               ": both ranges are of one variable, expected two different ones");
   return axes;
 }
 

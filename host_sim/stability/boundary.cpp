@@ -7,8 +7,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "host_sim/full_turn.hpp"
-#include "host_sim/rig_description.hpp"
+#include "firmware/description/rig_description.hpp"
+#include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/affine_family.hpp"
 #include "host_sim/stability/crossings.hpp"
 #include "host_sim/stability/linear_rig.hpp"
@@ -16,7 +16,7 @@
 namespace host_sim::stability {
 namespace {
 
-/// Is the loop stable just before or just after `delay`, at which a pair crosses?
+/// Whether the loop is stable just below or just above `delay`, at which a pair of roots crosses.
 bool is_border(const Polynomial& p, const Polynomial& q, double delay) {
   const auto frequencies = crossing_frequencies(p, q);
   const double beside = 1e-9 * std::max(delay, 1e-3);
@@ -61,11 +61,11 @@ class DampingCurve {
     Branches result;
     const double discriminant = b * b - a * c;
     if (!(discriminant >= 0.0)) return result;
-    // Both roots without cancellation.
+    // Both solutions of the quadratic without cancellation.
     const double sum = -(b + std::copysign(std::sqrt(discriminant), b));
     const std::array<double, 2> values{sum / a, c / sum};
     for (std::size_t i = 0; i < 2; ++i) {
-      // The larger one first, so that a branch stays itself where b changes its sign.
+      // The larger one first, so that a branch is continuous where b changes its sign.
       const double damping = i == 0 ? std::max(values[0], values[1]) : std::min(values[0], values[1]);
       if (!std::isfinite(damping)) continue;
       double angle = -std::arg(-(p0 + damping * p1) / (q0 + damping * q1));
@@ -80,7 +80,7 @@ class DampingCurve {
     return point.damping >= damping_.from - slack && point.damping <= damping_.to + slack;
   }
 
-  /// Is more to be seen between two neighbours than a straight line?
+  /// Whether the curve between two neighbours deviates visibly from a straight line.
   [[nodiscard]] bool coarse(const Branches& a, const Branches& b) const {
     constexpr double finest = 1.0 / 400.0;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -194,7 +194,7 @@ BoundaryCurve on_lines(const LoopFamily& family, const StabilityMap& map) {
       root = tracker.rightmost(family.at({{along.variable, position}, {across.variable, fixed}}));
       return root.real();
     };
-    // Illinois: the secant that keeps both signs and does not stall.
+    // Illinois method: a secant method that keeps the bracket.
     int side = 0;
     double position = low;
     for (int i = 0; i < 100 && std::abs(high - low) > 1e-13 * (along.to - along.from); ++i) {
@@ -229,7 +229,8 @@ BoundaryCurve on_lines(const LoopFamily& family, const StabilityMap& map) {
 }  // namespace
 
 double& parameter_of(model::RigParameters<double>& rig, std::string_view variable) {
-  double* const parameter = find_parameter(rig, variable == "virtual_damping" ? "machine.virtual_damping" : variable);
+  double* const parameter =
+      firmware::find_parameter(rig, variable == "virtual_damping" ? "machine.virtual_damping" : variable);
   if (parameter == nullptr) throw std::logic_error("stability: a variable that the rig does not have");
   return *parameter;
 }

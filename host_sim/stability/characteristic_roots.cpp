@@ -12,8 +12,8 @@ namespace {
 
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 
-/// How often a root counts: the smallest m for which one term c_m ρ^m of the Taylor series of f outweighs all others on
-/// a circle of radius ρ (Rouché). 1 where no circle decides, which the count then shows.
+/// Multiplicity of a root: the smallest m for which the term c_m ρ^m of the Taylor series of f exceeds the sum of all
+/// others on a circle of radius ρ (Rouché). 1 if no circle decides; a wrong value shows in the count of all roots.
 int multiplicity(const DelayEquation& equation, Complex s) {
   std::array<Complex, Polynomial::capacity> p;
   std::array<Complex, Polynomial::capacity> q;
@@ -48,8 +48,8 @@ int multiplicity(const DelayEquation& equation, Complex s) {
   return 1;
 }
 
-/// Highest Im s on the line at which the delayed part of f outweighs the other: beyond it there are no roots near the
-/// line, below it about one for every π/τ.
+/// Highest Im s on the line at which the delayed part of f exceeds the undelayed part. Above it there are no roots near
+/// the line, below it about one per π/τ.
 double reach(const DelayEquation& equation, double line) {
   const double grown = std::exp(-line * equation.delay());
   double y = equation.radius(line);
@@ -80,7 +80,8 @@ bool settle(const DelayEquation& equation, Complex& start) {
     if (std::abs(step) <= 4.0 * rounding * std::abs(s)) break;
     if (i >= 6 && std::abs(step) <= 1e-13 * std::abs(s)) break;  // as near as rounding lets it come
   }
-  // Near a double real root, which rounding tears apart by 1e-8 of its size, f is zero to rounding on the axis too.
+  // Rounding splits a double real root into a pair with |Im s| of about 1e-8 |s|; f is then zero to rounding on the
+  // axis too.
   if (std::abs(s.imag()) < 1e-6 * (1.0 + std::abs(s.real()))) {
     const auto [value, slope] = equation.jet(s.real());
     if (std::abs(value) <= 1e3 * rounding * equation.scale(s.real())) s = s.real();
@@ -95,7 +96,7 @@ std::vector<Complex> discretised_roots(const DelayEquation& equation, int nodes)
   const int n = p.degree();
   if (equation.delay() == 0.0 || nodes < 1) return stability::roots(p + equation.q());
 
-  // Time in units in which the roots of P + Q are of size 1.
+  // Time is scaled so that the roots of P + Q have a modulus of about 1.
   const Polynomial sum = p + equation.q();
   std::size_t lowest = 0;
   while (sum[lowest] == 0.0) ++lowest;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host_sim/full_turn.hpp"
+#include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::stability {
 namespace {

@@ -1,4 +1,4 @@
-// Where roots cross the imaginary axis while the delay grows: in closed form.
+// Delays at which roots cross the imaginary axis, in closed form.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,14 @@
 
 namespace host_sim::stability {
 
-inline constexpr double longest_delay = 1.0;  ///< up to which delays are looked at [s]
+inline constexpr double longest_delay =
+    1.0;  ///< largest delay that is analysed [s]; far above any loop that a rig could use
 
 /// A frequency at which a pair of roots ±jω lies on the axis for some delay.
 struct CrossingFrequency {
   double omega{};   ///< [rad/s] > 0
   double first{};   ///< smallest such delay [s], in 0 … 2π/ω; the others follow every 2π/ω
-  int direction{};  ///< +1: with growing delay to the right, −1 to the left, 0: touches
+  int direction{};  ///< with growing delay +1: to the right, −1: to the left, 0: touches the axis
 };
 
 /// A pair of roots on the axis.
@@ -33,8 +34,8 @@ struct Crossing {
 /// All crossings with delays in 0 … `longest`, by delay.
 [[nodiscard]] std::vector<Crossing> crossings(const std::vector<CrossingFrequency>& frequencies, double longest);
 
-/// Roots with Re > 0 at `delay`, counted from those without delay and the crossings on the way; nullopt where that
-/// cannot tell (a root rests at zero, or touches the axis).
+/// Number of roots with Re > 0 at `delay`: that at zero delay plus the crossings up to `delay`. nullopt where this
+/// count is undefined (a root stays at zero or touches the axis).
 [[nodiscard]] std::optional<int> unstable_roots(const Polynomial& p, const Polynomial& q,
                                                 const std::vector<CrossingFrequency>& frequencies, double delay);
 
@@ -49,17 +50,18 @@ struct StableRange {
 [[nodiscard]] std::vector<StableRange> stable_ranges(const Polynomial& p, const Polynomial& q,
                                                      const std::vector<CrossingFrequency>& frequencies);
 
-/// What a Padé approximation in place of the delay says.
+/// Critical delay with a Padé approximation in place of the delay.
 ///
 ///   e^{−sτ} ≈ D(−sτ)/D(sτ),   D(x) = Σ_k (2n−k)! n! / ((2n)! k! (n−k)!) x^k,   order n
 ///
-/// It has modulus 1 on the axis, so its roots cross at the same frequencies, where 2 arg D(jωτ) takes the place of ωτ.
+/// The approximation has modulus 1 on the axis, so roots cross at the same frequencies, with 2 arg D(jωτ) in place of
+/// ωτ.
 struct PadeResult {
   int order{};
   std::optional<double> critical_delay;  ///< [s]; none up to longest_delay
   double omega{};                        ///< [rad/s] of that crossing
   std::optional<double> error;           ///< relative to the exact critical delay
-  bool unsafe{};                         ///< says more delay is allowed than is
+  bool unsafe{};                         ///< overestimates the critical delay
 };
 [[nodiscard]] PadeResult pade_critical_delay(int order, const std::vector<CrossingFrequency>& frequencies,
                                              std::optional<double> exact);

@@ -31,13 +31,13 @@ double phase_between(Complex from, Complex to) {
 DelayEquation::DelayEquation(Polynomial p, Polynomial q, double delay)
     : p_(std::move(p)), q_(std::move(q)), delay_(delay) {
   if (q_.degree() > p_.degree()) {
-    throw UnfitLoop("the loop answers with more derivatives than it gets: its equation is advanced");
+    throw UnfitLoop("the delayed part has more derivatives than the undelayed part: the equation is advanced");
   }
   if (q_.degree() == p_.degree() && !p_.zero()) {
     char text[200];
     std::snprintf(text, sizeof text,
-                  "the highest derivative itself is delayed (a mass beyond the force sensor): the equation is neutral, "
-                  "ratio %.4g, and its roots go on to infinity",
+                  "the highest derivative is delayed (a mass beyond the force sensor): the equation is neutral with "
+                  "the ratio %.4g and has infinitely many roots near one vertical line",
                   std::abs(q_.leading() / p_.leading()));
     throw UnfitLoop(text);
   }
@@ -105,13 +105,13 @@ int DelayEquation::roots_right_of(double line) const {
       rest[k - 2] = at_least(p[k]) + (k < q_.size() ? grown * at_least(q[k]) : 0.0);
     }
     const std::size_t terms = n >= 2 ? n - 1 : 1;
-    const double rounding = 1e-14 * scale(s);
+    const double rounding_error = 1e-14 * scale(s);
 
     step = std::min(2.5 * step, top - y);
     for (;; step *= 0.6) {
       double remainder = 0.0;
       for (std::size_t k = terms; k-- > 0;) remainder = remainder * step + rest[k];
-      remainder = remainder * step * step * 1.000001 + rounding;
+      remainder = remainder * step * step * 1.000001 + rounding_error;
       if (remainder < distance_of_segment(f0, f1, step)) break;
       if (!(step > 1e-12 * (1.0 + r_all))) {
         char text[120];
@@ -135,7 +135,7 @@ int DelayEquation::roots_right_of(double line) const {
   const double count = (arc - turned) / std::numbers::pi;
   const double whole = std::round(count);
   if (!(std::abs(count - whole) < 1e-6) || whole < 0.0) {
-    throw std::logic_error("the phase along the boundary is not a whole number of turns");
+    throw std::logic_error("stability: the phase along the contour is not a whole number of turns");
   }
   return static_cast<int>(whole);
 }

@@ -1,4 +1,4 @@
-// Characteristic equation of a loop with one delay, and the proven number of its roots right of a line.
+// Characteristic equation of a loop with one delay, and the number of its roots right of a line, with proof.
 #pragma once
 
 #include <stdexcept>
@@ -8,13 +8,13 @@
 
 namespace host_sim::stability {
 
-/// A loop of a kind that the equations here do not hold for; what() says why.
+/// The equations here do not apply to this loop; what() gives the reason.
 class UnfitLoop : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A root lies so close to the line that rounding hides on which side.
+/// A root lies so close to the line that rounding decides its side.
 class RootOnLine : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -41,23 +41,23 @@ class DelayEquation {
   [[nodiscard]] std::array<Complex, 2> jet(Complex s) const;
   /// ∂f/∂τ
   [[nodiscard]] Complex by_delay(Complex s) const { return -times(s, times(q_(s), delayed(s))); }
-  /// What f is summed up from at s, in absolute terms: its rounding error is some 1e-16 of it.
+  /// Sum of the absolute values of the terms of f at s: the rounding error of f is about 1e-16 of it.
   [[nodiscard]] double scale(Complex s) const;
   /// e^{−sτ}
   [[nodiscard]] Complex delayed(Complex s) const;
 
-  /// No root with Re s ≥ `line` has a modulus at or above this [1/s]: |P| > |Q e^{−sτ}| out there.
+  /// Upper bound [1/s] of the modulus of roots with Re s ≥ `line`: beyond it |P| > |Q e^{−sτ}|.
   [[nodiscard]] double radius(double line) const;
 
   /// Number of roots, with their multiplicities, right of Re s = `line` [1/s].
   ///
-  /// Argument principle on the line and on the arc of `radius` around its right side. The line is walked in steps
+  /// Argument principle on the line and on the arc of `radius` around its right side. The line is divided into steps
   /// t = 0 … r on which f(s + jt) = (f₀ + f₁ jt)(1 + ε) with |ε| < 1 is proven by the Taylor remainder
   ///
   ///   (2)  Σ_{k≥2} |p_k| r^k + |e^{−sτ}| (|q₀| (rτ)²/2 + |q₁| r·rτ + Σ_{k≥2} |q_k| r^k) < min_t |f₀ + f₁ jt|
   ///
-  /// so that no turn of the phase can be missed; on the arc f = s^n (1 + ε), |ε| < 1 holds by the radius. The sum of
-  /// the phases must be a whole number of turns. Throws RootOnLine.
+  /// so that no turn of the phase can be missed. On the arc f = s^n (1 + ε) with |ε| < 1 because of the radius. The sum
+  /// of the phases must be a whole number of turns. Throws RootOnLine.
   [[nodiscard]] int roots_right_of(double line) const;
 
  private:

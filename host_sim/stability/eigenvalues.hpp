@@ -7,8 +7,9 @@
 
 namespace host_sim::stability {
 
-/// Scales rows and columns by powers of two until each pair is of equal size: x = T x', eigenvalues unchanged to the
-/// bit. Source: Parlett and Reinsch, Balancing a matrix for calculation of eigenvalues, 1969.
+/// Scales rows and columns by powers of two until each pair has about the same norm: x = T x', which leaves the
+/// eigenvalues unchanged to the bit. Source: Parlett and Reinsch, Balancing a matrix for calculation of eigenvalues,
+/// 1969.
 void balance(Eigen::MatrixXd& matrix);
 
 /// All eigenvalues, balanced first (Eigen's QR algorithm). Throws when it does not converge.

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <limits>
 
-#include "host_sim/catalogue.hpp"
-#include "host_sim/full_turn.hpp"
+#include "firmware/description/effects_by_name.hpp"
+#include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/boundary.hpp"
 
 namespace host_sim::stability {
 namespace {
 
-using report::Axis;
 using report::Curve;
 using report::Dash;
 using report::Figure;
@@ -22,9 +21,9 @@ using report::Panel;
 
 constexpr int black = 6;
 
-const Axis frequency_axis{"frequency", "Hz", true};
-const Axis real_axis{"real part", "1/s"};
-const Axis imaginary_axis{"frequency of the root", "Hz"};
+const report::Axis frequency_axis{"frequency", "Hz", true};
+const report::Axis real_axis{"real part", "1/s"};
+const report::Axis imaginary_axis{"frequency of the root", "Hz"};
 const Guide stability_border{Guide::Along::x, 0.0, "border"};
 
 std::vector<double> scaled(const std::vector<double>& values, double factor) {
@@ -39,7 +38,7 @@ std::vector<double> axis_values_of(const stability::Axis& axis, double scale) {
   return values;
 }
 
-/// The runs of a boundary curve that are borders, or those that are not, with gaps between.
+/// The parts of a boundary curve that are (or are not) stability borders, separated by gaps.
 Curve boundary_part(const StabilityMap& map, bool border, double scale_x, double scale_y) {
   Curve part;
   part.name = border ? "stability border, exact" : "a further pair of roots on the axis";
@@ -75,7 +74,7 @@ Curve boundary_part(const StabilityMap& map, bool border, double scale_x, double
   return part;
 }
 
-double given_value(const std::string& variable, const RigDescription& description, double delay) {
+double given_value(const std::string& variable, const firmware::RigDescription& description, double delay) {
   if (variable == "tau") return delay;
   model::RigParameters<double> rig = description.rig;
   return parameter_of(rig, variable);
@@ -86,15 +85,15 @@ double given_value(const std::string& variable, const RigDescription& descriptio
 ShownVariable shown(const std::string& variable, const model::RigParameters<double>& rig) {
   if (variable == "tau") return {"loop delay τ", "ms", 1e3};
   if (variable == "virtual_damping" || variable == "machine.virtual_damping") return {"virtual damping", "N s/m", 1.0};
-  for (const ParameterPath& path : parameter_paths()) {
+  for (const firmware::ParameterPath& path : firmware::parameter_paths()) {
     if (variable == std::string(path.table) + "." + std::string(path.key)) {
       return {variable, std::string(path.unit), 1.0};
     }
   }
   ShownVariable result{variable, "SI", 1.0};
-  for (const PlacedEffect& effect : effects_of(rig)) {
+  for (const firmware::PlacedEffect& effect : firmware::effects_of(rig)) {
     for (std::size_t i = 0; i < effect.values.size(); ++i) {
-      if (variable == effect_path(effect, i)) result.unit = effect.entry->parameters[i].unit;
+      if (variable == firmware::effect_path(effect, i)) result.unit = effect.entry->parameters[i].unit;
     }
   }
   return result;
@@ -193,7 +192,7 @@ Figure root_figure(std::string title, const RootSet& roots) {
   return figure;
 }
 
-Figure locus_figure(const PoleSweep& sweep, const RigDescription& description) {
+Figure locus_figure(const PoleSweep& sweep, const firmware::RigDescription& description) {
   const ShownVariable variable = shown(sweep.axis.variable, description.rig);
   Figure figure{"Root locus over " + variable.quantity, {}, real_axis};
   Panel panel{imaginary_axis};
@@ -232,7 +231,7 @@ Figure locus_figure(const PoleSweep& sweep, const RigDescription& description) {
   return figure;
 }
 
-Figure map_figure(const StabilityMap& map, const RigDescription& description, double delay) {
+Figure map_figure(const StabilityMap& map, const firmware::RigDescription& description, double delay) {
   const ShownVariable x = shown(map.x.variable, description.rig), y = shown(map.y.variable, description.rig);
   Figure figure{"Rightmost root over " + x.quantity + " and " + y.quantity, {}, {x.quantity, x.unit}};
   figure.x.range = {{x.scale * map.x.from, x.scale * map.x.to}};
@@ -241,7 +240,7 @@ Figure map_figure(const StabilityMap& map, const RigDescription& description, do
 
   HeatMap heat{"real part of the rightmost root", "1/s", axis_values_of(map.x, x.scale), axis_values_of(map.y, y.scale),
                map.rightmost};
-  // The unstable side reaches far; the colours are for what is near the border.
+  // The unstable side has large values; the colour range covers the region near the border.
   const double deepest = -*std::min_element(map.rightmost.begin(), map.rightmost.end());
   const double highest = *std::max_element(map.rightmost.begin(), map.rightmost.end());
   if (deepest > 0.0 && highest > 0.0) heat.limit = std::max(2.0 * deepest, 0.1 * highest);

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "host_sim/full_turn.hpp"
+#include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::stability {
 namespace {
@@ -150,7 +150,8 @@ NyquistData nyquist(const DelayEquation& equation, const std::vector<Complex>& c
   NyquistData data;
   const std::vector<Complex> poles = roots(equation.p());
   const double top = equation.radius(0.0);
-  // Right of the axis by a thousandth of the slowest motion, but only half way to the nearest unstable pole or root.
+  // Offset from the axis: a thousandth of the slowest motion, at most half the distance to the nearest unstable pole or
+  // root.
   double slowest = top, unstable = top;
   for (const auto* set : {&poles, &closed_loop}) {
     for (const Complex s : *set) {
@@ -165,7 +166,8 @@ NyquistData nyquist(const DelayEquation& equation, const std::vector<Complex>& c
     const Complex s(data.offset, omega);
     return equation.q()(s) / equation.p()(s) * equation.delayed(s);
   };
-  // Finer until neither L nor 1 + L turns by more than a hundredth of a turn from point to point: fit to be drawn.
+  // Refined until neither L nor 1 + L turns by more than a hundredth of a turn between points, so that lines look
+  // smooth.
   const auto add = [&](const auto& self, double low, Complex at_low, double high, Complex at_high, int depth) -> void {
     const double turned = std::max(std::abs(std::arg(times(at_high, std::conj(at_low)))),
                                    std::abs(std::arg(times(1.0 + at_high, std::conj(1.0 + at_low)))));
@@ -192,7 +194,7 @@ NyquistData nyquist(const DelayEquation& equation, const std::vector<Complex>& c
     before = omega;
     value = at;
   }
-  // 1 + L begins real and ends where |L| < 1, to the right of the imaginary axis: what is left to 0 is its own angle.
+  // 1 + L starts real and ends where |L| < 1, right of the imaginary axis; its remaining turn to 0 is its own angle.
   double turned = 0.0;
   for (std::size_t i = 1; i < data.loop.size(); ++i) {
     turned += std::arg(times(1.0 + data.loop[i], std::conj(1.0 + data.loop[i - 1])));

@@ -12,11 +12,11 @@ namespace host_sim::stability {
 /// The closed loop driven by the road.
 class RoadResponse {
  public:
-  /// \param delay    of the whole loop [s]; `machine_delay` of it lies between x_cmd and x_act, the rest behind F
+  /// \param delay    of the whole loop [s]; `machine_delay` is the part between x_cmd and x_act, the rest lies behind F
   RoadResponse(const LinearRig& rig, double delay, double machine_delay);
 
   /// Output ÷ z_r at ω > 0. Outputs: z_w, z_b, zdd_w, zdd_b, dz_w, dz_b, F_w, x_cmd, x_act, and F, the component's
-  /// force at the machine. From (jω − A − B H(jω) e^{−jωτ} C) X = B_r [1, jω], solved as it stands.
+  /// force at the machine. Solves (jω − A − B H(jω) e^{−jωτ} C) X = B_r [1, jω].
   [[nodiscard]] Complex operator()(model::Channel output, double omega) const;
 
   [[nodiscard]] static std::vector<model::Channel> outputs();
@@ -37,10 +37,10 @@ struct ResponseCurve {
 struct BodeData {
   std::vector<double> frequency_hz;
   ResponseCurve loop;                  ///< L = (Q/P) e^{−sτ}, 1 + L = 0 on the border
-  std::vector<ResponseCurve> outputs;  ///< each ÷ z_r
+  std::vector<ResponseCurve> outputs;  ///< output ÷ z_r
 };
 
-/// `count` frequencies in equal ratios, and more of them around weakly damped roots.
+/// `count` logarithmically spaced frequencies, with additional ones around weakly damped roots.
 [[nodiscard]] std::vector<double> frequencies(double from_hz, double to_hz, std::size_t count,
                                               const std::vector<Complex>& roots);
 
@@ -48,7 +48,7 @@ struct BodeData {
 [[nodiscard]] BodeData bode(const LinearRig& rig, double delay, double machine_delay,
                             const std::vector<double>& frequency_hz);
 
-/// Phase of response(ω) along ascending ω, unwrapped: between neighbours halved until no part turns by more than π/4.
+/// Phase of response(ω) along ascending ω, unwrapped: each interval is halved until no part turns by more than π/4.
 template <class Response>
 [[nodiscard]] std::vector<double> unwrapped_phase(const Response& response, const std::vector<double>& omega);
 
@@ -59,7 +59,7 @@ struct Peak {
 };
 [[nodiscard]] Peak peak(const RoadResponse& response, model::Channel output, double from_hz, double to_hz);
 
-/// L(s) along Re s = `offset`, a hair right of the axis where L may have poles on it (a floating body: 1/s).
+/// L(s) along Re s = `offset`, slightly right of the axis, because L may have poles on the axis (a free body: 1/s).
 struct NyquistData {
   double offset{};             ///< [1/s]
   std::vector<double> omega;   ///< [rad/s], 0 … the radius beyond which |L| < 1

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host_sim/full_turn.hpp"
+#include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::stability {
 namespace {
@@ -52,7 +52,7 @@ ordered_json curve_json(const ResponseCurve& curve) {
 
 }  // namespace
 
-ordered_json to_json(const StabilityAnalysis& a, const RigDescription& description) {
+ordered_json to_json(const StabilityAnalysis& a, const firmware::RigDescription& description) {
   ordered_json json;
   json["stable"] = a.stable;
   json["roots"] = complex_list(a.roots.roots);

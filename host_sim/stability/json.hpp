@@ -9,7 +9,8 @@
 
 namespace host_sim::stability {
 
-[[nodiscard]] nlohmann::ordered_json to_json(const StabilityAnalysis& analysis, const RigDescription& description);
+[[nodiscard]] nlohmann::ordered_json to_json(const StabilityAnalysis& analysis,
+                                             const firmware::RigDescription& description);
 [[nodiscard]] nlohmann::ordered_json to_json(const StabilityMap& map);
 [[nodiscard]] nlohmann::ordered_json to_json(const PoleSweep& sweep);
 [[nodiscard]] nlohmann::ordered_json to_json(const BodeData& data);

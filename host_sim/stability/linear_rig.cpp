@@ -4,47 +4,32 @@
 #include <utility>
 
 #include "model/machine.hpp"
-#include "model/places.hpp"
 #include "model/rig_equations.hpp"
+#include "model/subsystems.hpp"
 
 namespace host_sim::stability {
 namespace {
 
 using Equations = model::RigEquations<double>;
-
-constexpr std::array<std::string_view, 11> linear_effects{
-    "actuator_delay",     "actuator_lag",        "actuator_resonance", "viscous_damping", "top_mount",  "relaxation",
-    "body_guide_damping", "wheel_guide_damping", "sensor_lag",         "sensor_delay",    "sensor_gain"};
-constexpr std::array<std::string_view, 14> nonlinear_effects{
-    "actuator_rate_limit", "coulomb_friction",    "quadratic_damping",
-    "progressive_spring",  "bump_stop",           "backlash",
-    "seal_friction",       "body_guide_friction", "wheel_guide_friction",
-    "tyre_lift_off",       "progressive_tyre",    "sensor_offset",
-    "sensor_saturation",   "sensor_hold"};
-constexpr std::array<std::string_view, 1> effects_outside{"force_sensor_inertia"};
-
-template <std::size_t N>
-bool among(const std::array<std::string_view, N>& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
+using model::Linearisation;
 
 Eigen::Index index_of(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 /// Car (1) of LinearRig: inputs F_s, z_r, ż_r; outputs z_w, z_b, F_w.
 StateSpace car_of(const Equations& equations) {
   using State = Equations::CarState;
-  using Drive = Equations::CarDrive;
+  using Input = Equations::CarInput;
   constexpr int n = State::RowsAtCompileTime;
   StateSpace car{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 3), Eigen::MatrixXd::Zero(3, n),
                  Eigen::MatrixXd::Zero(3, 3)};
   for (int j = 0; j < n; ++j) {
     const State unit = State::Unit(j);
-    car.a.col(j) = equations.car(unit, Drive{});
+    car.a.col(j) = equations.car(unit, Input{});
     car.c(2, j) = equations.tyre_force(unit, 0.0, 0.0);
   }
-  car.b.col(0) = equations.car(State::Zero(), Drive{.suspension_force = 1.0});
-  car.b.col(1) = equations.car(State::Zero(), Drive{.z_r = 1.0});
-  car.b.col(2) = equations.car(State::Zero(), Drive{.v_r = 1.0});
+  car.b.col(0) = equations.car(State::Zero(), Input{.suspension_force = 1.0});
+  car.b.col(1) = equations.car(State::Zero(), Input{.z_r = 1.0});
+  car.b.col(2) = equations.car(State::Zero(), Input{.v_r = 1.0});
   car.c(0, 0) = 1.0;
   car.c(1, 2) = 1.0;
   car.d(2, 1) = equations.tyre_force(State::Zero(), 1.0, 0.0);
@@ -55,16 +40,16 @@ StateSpace car_of(const Equations& equations) {
 /// Component (3): inputs x_act, ẋ_act; output F.
 StateSpace component_of(const Equations& equations, int open) {
   using State = Equations::ComponentState;
-  using Drive = Equations::ComponentDrive;
+  using Input = Equations::ComponentInput;
   constexpr int n = State::RowsAtCompileTime;
   StateSpace component{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 2), Eigen::MatrixXd(1, n), Eigen::MatrixXd(1, 2)};
   for (int j = 0; j < n; ++j) {
     const State unit = State::Unit(j);
-    component.a.col(j) = equations.component(unit, Drive{}, open);
+    component.a.col(j) = equations.component(unit, Input{}, open);
     component.c(0, j) = equations.component_force(unit, 0.0, 0.0);
   }
-  component.b.col(0) = equations.component(State::Zero(), Drive{.deflection = 1.0}, open);
-  component.b.col(1) = equations.component(State::Zero(), Drive{.velocity = 1.0}, open);
+  component.b.col(0) = equations.component(State::Zero(), Input{.deflection = 1.0}, open);
+  component.b.col(1) = equations.component(State::Zero(), Input{.velocity = 1.0}, open);
   component.d(0, 0) = equations.component_force(State::Zero(), 1.0, 0.0);
   component.d(0, 1) = equations.component_force(State::Zero(), 0.0, 1.0);
   return component;
@@ -106,8 +91,8 @@ StateSpace force_sensor_of(const model::SensorPath<double>& path) {
   return system;
 }
 
-/// det(M + s diag(1 … 1, 0 … 0)) with `ones` ones, expanded by rows: a sum of products of entries, so that matrices
-/// whose entries differ by many powers of ten keep every coefficient's digits. Each set of columns is expanded once.
+/// det(M + s diag(1 … 1, 0 … 0)) with `ones` ones, expanded by rows: a sum of products of entries, which keeps the
+/// digits of every coefficient although entries differ by many powers of ten. Each set of columns is expanded once.
 class PencilDeterminant {
  public:
   PencilDeterminant(const Eigen::MatrixXd& matrix, Eigen::Index ones)
@@ -154,13 +139,6 @@ Polynomial by_displacement(const TransferMatrix& block, std::size_t output) {
 }
 
 }  // namespace
-
-EffectKind kind_of_effect(std::string_view name) {
-  if (among(linear_effects, name)) return EffectKind::linear;
-  if (among(nonlinear_effects, name)) return EffectKind::nonlinear;
-  if (among(effects_outside, name)) return EffectKind::outside_loop;
-  return EffectKind::unknown;
-}
 
 std::vector<bool> reached(const Eigen::MatrixXd& links, std::vector<bool> start) {
   bool grown = true;
@@ -222,10 +200,10 @@ model::RigParameters<double> linear_part(const model::RigParameters<double>& rig
   model::RigParameters<double> linear = rig;
   linear.fdva.minor_loss = 0.0;
   linear.effects.for_each([](auto& slot) {
-    if (kind_of_effect(slot.effect.card.name) == EffectKind::nonlinear) slot.active = false;
+    if (slot.effect.card.linearisation == Linearisation::left_out) slot.active = false;
   });
   linear.effects.for_each_sensor([](auto& slot, model::Channel channel) {
-    if (channel != model::Channel::F || kind_of_effect(slot.effect.card.name) == EffectKind::nonlinear) {
+    if (channel != model::Channel::F || slot.effect.card.linearisation == Linearisation::left_out) {
       slot.active = false;
     }
   });
@@ -234,37 +212,24 @@ model::RigParameters<double> linear_part(const model::RigParameters<double>& rig
 
 LinearRig linearise(const model::RigParameters<double>& rig) {
   if (rig.kind != model::RigKind::hil) {
-    throw UnfitLoop("delay stability is a question about the loop of a hil rig, this is a " +
-                    std::string(model::name(rig.kind)));
+    throw UnfitLoop("stability analysis needs the loop of a hil rig, this is a " + std::string(model::name(rig.kind)));
   }
   LinearRig result;
   if (rig.has_fdva && rig.fdva.minor_loss > 0.0 && rig.fdva.open_ducts > 0) {
     result.left_out.emplace_back("fdva.minor_loss");
   }
-  const auto sort = [&](const std::string& effect, const std::string& name) {
-    switch (kind_of_effect(effect)) {
-      case EffectKind::linear:
-        break;
-      case EffectKind::nonlinear:
-        result.left_out.push_back(name);
-        break;
-      case EffectKind::outside_loop:
-        result.outside_loop.push_back(name);
-        break;
-      case EffectKind::unknown:
-        throw std::logic_error("stability: nobody said whether the effect " + effect + " is linear");
-    }
+  const auto sort = [&](Linearisation linearisation, const std::string& name) {
+    if (linearisation == Linearisation::left_out) result.left_out.push_back(name);
+    if (linearisation == Linearisation::outside) result.outside_loop.push_back(name);
   };
   rig.effects.for_each([&](const auto& slot) {
-    const std::string effect(slot.effect.card.name);
-    if (slot.active) sort(effect, effect);
+    if (slot.active) sort(slot.effect.card.linearisation, std::string(slot.effect.card.name));
   });
   rig.effects.for_each_sensor([&](const auto& slot, model::Channel channel) {
     if (!slot.active) return;
-    const std::string effect(slot.effect.card.name);
-    const std::string name = effect + "." + std::string(model::name(channel));
+    const std::string name = std::string(slot.effect.card.name) + "." + std::string(model::name(channel));
     if (channel == model::Channel::F) {
-      sort(effect, name);
+      sort(slot.effect.card.linearisation, name);
     } else {
       result.outside_loop.push_back(name);
     }

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "host_sim/stability/delay_equation.hpp"
@@ -18,8 +17,8 @@ struct StateSpace {
   Eigen::MatrixXd a, b, c, d;
 };
 
-/// What no input reaches or no output sees is left out, judged by which entries are zero: a locked piston, the state of
-/// an effect that is not there.
+/// The system without states that are structurally not controllable or not observable (by zero entries): a locked
+/// piston, the state of an inactive effect.
 [[nodiscard]] StateSpace without_idle_states(const StateSpace& system);
 
 /// Which states are reached from those of `start` along the entries of `links` (j reaches i where links(i, j) ≠ 0).
@@ -29,7 +28,7 @@ struct StateSpace {
 class TransferMatrix {
  public:
   TransferMatrix() = default;
-  explicit TransferMatrix(const StateSpace& system);  ///< of a few states: by determinants, expanded
+  explicit TransferMatrix(const StateSpace& system);  ///< for few states: expands determinants
 
   [[nodiscard]] const Polynomial& denominator() const { return denominator_; }
   [[nodiscard]] const Polynomial& numerator(std::size_t output, std::size_t input) const {
@@ -49,17 +48,17 @@ class TransferMatrix {
 ///   (3)  component  F     = K(s) x_act
 ///   (4)  sensor     F_s   = S(s) e^{−s τ_s} F            delays of sensor and delay budget
 ///
-/// with A, B, K … the right-hand side of model::RigEquations at unit vectors. The delays of the loop commute with its
-/// linear parts, so only their sum τ matters to stability:
+/// A, B, K … are the right-hand side of model::RigEquations, evaluated at unit vectors. The delays of the loop commute
+/// with its linear parts, so stability depends on their sum τ only:
 ///
 ///   (5)  1 − G(s) e^{−sτ} = 0,  G = S K M · x_cmd/F_s    ⇔    P + Q e^{−sτ} = 0
 struct LinearRig {
   StateSpace car;  ///< inputs F_s, z_r, ż_r; outputs z_w, z_b, F_w
   TransferMatrix machine, component, force_sensor;
   double machine_delay{};                 ///< τ_m [s]
-  double sensor_delay{};                  ///< τ_s [s], of effects alone
+  double sensor_delay{};                  ///< τ_s [s], effects only
   Polynomial p, q;                        ///< of (5)
-  std::vector<std::string> left_out;      ///< effects and parameters without a linear part, in words
+  std::vector<std::string> left_out;      ///< effects and parameters without a linear part
   std::vector<std::string> outside_loop;  ///< active effects that do not act on the loop
 
   [[nodiscard]] double delay() const { return machine_delay + sensor_delay; }
@@ -73,11 +72,8 @@ struct LinearRig {
 /// Throws UnfitLoop for another kind of rig than hil.
 [[nodiscard]] LinearRig linearise(const model::RigParameters<double>& rig);
 
-/// The rig without what has no linear part: minor losses and the effects that are laws. Its step is linear.
+/// The rig without minor losses and without the effects whose card says that they have no linear part. Its step is
+/// linear.
 [[nodiscard]] model::RigParameters<double> linear_part(const model::RigParameters<double>& rig);
-
-/// How an effect enters the loop; nullopt-like `unknown` for a name that is none of the catalogue's.
-enum class EffectKind : unsigned char { linear, nonlinear, outside_loop, unknown };
-[[nodiscard]] EffectKind kind_of_effect(std::string_view name);
 
 }  // namespace host_sim::stability

@@ -1,4 +1,4 @@
-// How far a loop is from its stability border.
+// Stability margins of a loop.
 #pragma once
 
 #include <optional>
@@ -14,8 +14,8 @@ struct GainMargin {
   double omega{};   ///< [rad/s]
 };
 
-/// Margins of the loop L = (Q/P) e^{−sτ}, broken at the force F, with 1 + L = 0 on the border. All are distances of a
-/// stable loop to the nearest border; of an unstable loop they are what would have to change to reach one.
+/// Margins of the loop L = (Q/P) e^{−sτ}, broken at the force F, with 1 + L = 0 on the border. For a stable
+/// loop they are distances to the nearest border; for an unstable loop they are the changes that reach one.
 struct Margins {
   std::optional<double> critical_delay;  ///< smallest total delay with a root on the axis [s], up to longest_delay
   double critical_omega{};               ///< its frequency [rad/s]
@@ -32,7 +32,8 @@ struct Margins {
 /// `stable`: the verdict at the equation's delay.
 [[nodiscard]] Margins margins(const DelayEquation& equation, bool stable);
 
-/// One over the smallest distance of L(jω) from −1, between 0.01 and 1e5 rad/s.
+/// Peak of the sensitivity function between 0.01 and 1e5 rad/s: the reciprocal of the smallest distance of L(jω) from
+/// −1.
 struct SensitivityPeak {
   double value{};  ///< max |1/(1 + L)|
   double omega{};  ///< [rad/s]

@@ -11,7 +11,7 @@ namespace host_sim::stability {
 
 using Complex = std::complex<double>;
 
-/// a · b without the library's treatment of infinities, which costs a call.
+/// a · b without the library's treatment of infinities, which costs a function call.
 [[nodiscard]] inline Complex times(Complex a, Complex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
@@ -46,12 +46,12 @@ class Polynomial {
   /// Value and first derivative.
   [[nodiscard]] std::array<Complex, 2> jet(Complex s) const {
     Complex value;
-    Complex slope;
+    Complex derivative;
     for (std::size_t k = size(); k-- > 0;) {
-      slope = times(slope, s) + value;
+      derivative = times(derivative, s) + value;
       value = times(value, s) + coefficients_[k];
     }
-    return {value, slope};
+    return {value, derivative};
   }
   /// Σ |c_k| r^k, r ≥ 0: bound of |p| on |s| ≤ r, and the scale of its rounding error.
   [[nodiscard]] double magnitude(double r) const;

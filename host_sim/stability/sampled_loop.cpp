@@ -16,8 +16,8 @@ namespace {
 
 using Rig = model::RigModel<>;
 
-/// How many samples of a delay line a step reads on: it pushes one, then reads those at the whole part of the delay and
-/// one before it.
+/// Number of samples of a delay line that later steps still read: a step pushes one sample, then reads the samples at
+/// the whole part of the delay and one before it.
 std::size_t samples_read(double delay, double period) {
   return delay > 0.0 ? static_cast<std::size_t>(delay / period + 1e-9) + 1 : 0;
 }
@@ -26,7 +26,7 @@ double sensor_delay(const Rig& model) {
   return model.parameters().effects.sensor_paths()[model::index(model::Channel::F)].delay;
 }
 
-/// visit(number, is it a force) for every number of a state that the linear step reads, but for the machine's line.
+/// Calls visit(value, is_force) for every value of a state that the linear step reads, except the machine's delay line.
 template <class Visit>
 void for_each_own(const Rig& model, Rig::State& x, const Visit& visit) {
   for (Eigen::Index i = 0; i < x.core.size(); ++i) visit(x.core(i), false);
@@ -44,7 +44,7 @@ void for_each_own(const Rig& model, Rig::State& x, const Visit& visit) {
   for (std::size_t i = 0; i < samples; ++i) visit(x.sensors.lines[0].ago(i), true);
 }
 
-/// The same and the line, newest sample first.
+/// The same, followed by the delay line, newest sample first.
 template <class Visit>
 void for_each_scalar(const Rig& model, Rig::State& x, std::size_t line, const Visit& visit) {
   for_each_own(model, x, visit);
@@ -66,7 +66,7 @@ model::RigParameters<double> with_delay(model::RigParameters<double> rig, double
   return rig;
 }
 
-/// Runs the model into motion, then model and matrix side by side.
+/// Sets the model in motion, then runs model and matrix side by side.
 void check(const Rig& model, const StepMatrix& step) {
   Rig::State x = model.start();
   Rig::Input in;
@@ -79,7 +79,7 @@ void check(const Rig& model, const StepMatrix& step) {
   in = {};
   model.step(x, in);  // the foot point comes to rest
   Eigen::VectorXd y = read(model, x, step.line, step.matrix.rows());
-  // Each number against the largest of its own kind, since metres and newtons stand side by side.
+  // Each value is compared with the largest of its kind, because the state mixes metres and newtons.
   std::array<double, 2> size{};
   const auto measure = [&] {
     for_each_scalar(model, x, step.line, [&](double& value, bool force) {
@@ -196,7 +196,7 @@ std::optional<double> follow(const model::RigParameters<double>& rig, double per
   return std::nullopt;
 }
 
-/// The same by halving, on the spectral radius itself.
+/// The same by bisection on the spectral radius.
 std::optional<double> search(const model::RigParameters<double>& rig, double period, double upper) {
   const auto unstable = [&](double delay) { return radius_of(step_matrix(rig, period, delay)) >= 1.0; };
   if (unstable(0.0) || !unstable(upper)) return std::nullopt;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host_sim/rig_description.hpp"
+#include "firmware/description/rig_description.hpp"
 
 namespace host_sim::stability {
 
@@ -11,9 +11,10 @@ std::vector<std::string> real_parameters(const model::RigParameters<double>& rig
   model::RigParameters<double> copy = rig;
   std::vector<std::string> paths;
   const auto add = [&](const std::string& path) {
-    if (find_parameter(copy, path) != nullptr) paths.push_back(path);
+    if (firmware::find_parameter(copy, path) != nullptr) paths.push_back(path);
   };
-  for (const ParameterPath& p : parameter_paths()) add(std::string(p.table) + "." + std::string(p.key));
+  for (const firmware::ParameterPath& p : firmware::parameter_paths())
+    add(std::string(p.table) + "." + std::string(p.key));
   rig.effects.for_each([&](const auto& slot) {
     if (!slot.active) return;
     for (const auto& parameter : slot.effect.card.parameters) {
@@ -61,7 +62,7 @@ std::vector<ParameterSensitivity> sensitivities(const model::RigParameters<doubl
   double largest = 0.0;
   for (const std::string& path : real_parameters(rig)) {
     model::RigParameters<double> changed = rig;
-    double* const parameter = find_parameter(changed, path);
+    double* const parameter = firmware::find_parameter(changed, path);
     const double value = *parameter;
     if (value == 0.0) continue;
     const auto at = [&](double relative) {

@@ -1,4 +1,4 @@
-// What each parameter does to a root.
+// Derivatives of roots and of the critical delay by the parameters.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,13 @@
 
 namespace host_sim::stability {
 
-/// Change of a root s = σ + jω, and of the critical delay, with one parameter; × p: per relative change.
+/// Change of a root s = σ + jω and of the critical delay with one parameter, per relative change (multiplied by p).
 ///
 ///   (1)  ds/dp = −(∂f/∂p)/(∂f/∂s)                              at a fixed root of f(s; p) = P + Q e^{−sτ}
 ///   (2)  ∂f/∂s j dω + ∂f/∂τ dτ + ∂f/∂p dp = 0                  on the border, σ = 0
 ///
-/// ∂f/∂p goes through the model's equations: central differences of linearise() with two steps, extrapolated; `error`
-/// is what the extrapolation changed, relative to the largest of the derivatives.
+/// ∂f/∂p comes from central differences of linearise() with two step sizes and Richardson extrapolation. `error` is the
+/// change by the extrapolation, relative to the largest derivative.
 struct ParameterSensitivity {
   std::string path;                ///< as in rig descriptions; "loop delay": τ itself
   double value{};                  ///< p
@@ -26,7 +26,7 @@ struct ParameterSensitivity {
   double error{};                  ///< of (1), relative
 };
 
-/// \param extra_delay     what the loop delay holds beside the rig's own effects [s]
+/// \param extra_delay     part of the loop delay that is not an effect of the rig [s]
 /// \param root            the rightmost root at the given delay, simple
 /// \param critical_root   the critical root at the given delay, simple
 /// \param critical_delay  and `critical_omega`: a border, or 0 for none
@@ -35,8 +35,8 @@ struct ParameterSensitivity {
                                                               double critical_delay, double critical_omega);
 
 /// The critical root: where the root that stands at j `omega` on the border, τ = f.delay(), is at `delay` [s]. It is
-/// followed in steps that move it by 1 1/s at most, each finished by Newton. Nothing where it gets lost: it meets
-/// another root, or leaves to the left of `line` [1/s] on the way to no delay.
+/// followed in steps that move it by at most 1 1/s, each refined by Newton. nullopt if it meets another root or moves
+/// left of `line` [1/s] on the way.
 [[nodiscard]] std::optional<Complex> critical_root(DelayEquation f, double omega, double delay, double line);
 
 /// Paths of all real parameters of this rig, those of its effects included.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t most_followed = 8;
 
-/// A line that parts the first roots from the rest: in the first gap that is wide enough to walk along.
+/// A vertical line between the first roots and the others, in the first gap that is wide enough for the count.
 double line_below(const std::vector<Complex>& roots) {
   for (std::size_t i = 0; i < roots.size(); ++i) {
     const double room = 0.1 + 0.1 * std::abs(roots[i]);
@@ -29,7 +29,7 @@ double line_below(const std::vector<Complex>& roots) {
 
 void RootTracker::search(const DelayEquation& equation) {
   ++searches_;
-  // From a line just left of the rightmost root on, further and further left until there is something to follow.
+  // Starts with a line just left of the rightmost root and moves left until there are roots to follow.
   roots_ = characteristic_roots(equation, -20.0).roots;
   if (roots_.size() > most_followed) roots_.resize(most_followed);
 }
@@ -83,7 +83,7 @@ StabilityMap stability_map(const LoopFamily& family, const Axis& x, const Axis& 
   if (map.threads == 0) map.threads = std::max(1U, std::thread::hardware_concurrency());
   map.rightmost.resize(x.count * y.count);
   map.frequency.resize(x.count * y.count);
-  // Roots are followed along the delay where it is an axis: then the polynomials stay as they are.
+  // Roots are followed along the delay axis if there is one, because the polynomials do not change along it.
   const bool along_x = !y.is_delay();
   const Axis& inner = along_x ? x : y;
   const Axis& outer = along_x ? y : x;

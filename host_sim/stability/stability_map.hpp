@@ -1,4 +1,4 @@
-// The rightmost root over a plane of two parameters, and where it crosses the axis.
+// The rightmost root over a plane of two parameters, and the stability border in it.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,14 @@
 
 namespace host_sim::stability {
 
-/// Follows the rightmost root while an equation changes little by little. Every answer is proven: Newton from the roots
-/// followed, then the argument principle on a line between them and the rest; where the two disagree the roots are
-/// found anew (characteristic_roots). Error below 1e-9 of the root.
+/// Follows the rightmost root while an equation changes in small steps. Every result is proven: Newton from the
+/// followed roots, then the argument principle on a line between them and all others. Where the two disagree, the roots
+/// are searched again (characteristic_roots). Error below 1e-9 of the root.
 class RootTracker {
  public:
   [[nodiscard]] Complex rightmost(const DelayEquation& equation);
 
-  [[nodiscard]] std::size_t searches() const { return searches_; }  ///< how often the roots were found anew
+  [[nodiscard]] std::size_t searches() const { return searches_; }  ///< number of new searches
 
  private:
   [[nodiscard]] bool follow(const DelayEquation& equation);
@@ -41,13 +41,13 @@ struct Axis {
   [[nodiscard]] bool is_delay() const { return variable == "tau"; }
 };
 
-/// "tau=0:0.03:200" → Axis; "a=…,b=…" → two. Throws UsageError when the text is none, the range runs backwards, is
-/// beyond what the variable can be, or the rig has no such parameter (the nearest name is given).
+/// "tau=0:0.03:200" → Axis; "a=…,b=…" → two. Throws UsageError when the text has another form, the range is
+/// empty or outside the bounds of the variable, or the rig has no such parameter (the nearest name is suggested).
 [[nodiscard]] Axis parse_axis(std::string_view text, const model::RigParameters<double>& rig, double period);
 [[nodiscard]] std::pair<Axis, Axis> parse_map(std::string_view text, const model::RigParameters<double>& rig,
                                               double period);
 
-/// The equation at a value of one or two variables; `extra_delay`: what the loop delay holds beside the rig's effects.
+/// The equation at a value of one or two variables; `extra_delay`: part of the loop delay that is not an effect.
 class LoopFamily {
  public:
   LoopFamily(model::RigParameters<double> rig, double extra_delay) : rig_(std::move(rig)), extra_delay_(extra_delay) {}
@@ -67,10 +67,10 @@ class LoopFamily {
 struct BoundaryPoint {
   double x{}, y{};  ///< in the variables of the map
   double omega{};   ///< of the pair of roots on the axis [rad/s]
-  bool border{};    ///< stable on one side; else a second pair crosses where the loop is unstable already
+  bool border{};    ///< stable on one side; false: a further pair crosses in the unstable region
 };
 
-/// Consecutive points belong together where the map has the axes tau and virtual_damping; else each stands alone.
+/// `connected`: consecutive points form a line (axes tau and virtual_damping); otherwise the points are separate.
 struct BoundaryCurve {
   bool connected{};
   std::vector<BoundaryPoint> points;
@@ -81,14 +81,14 @@ struct StabilityMap {
   std::vector<double> rightmost;  ///< Re of the rightmost root [1/s], row after row of constant y
   std::vector<double> frequency;  ///< its Im [rad/s]
   std::vector<BoundaryCurve> boundary;
-  std::size_t searches{};  ///< points at which following was not enough
+  std::size_t searches{};  ///< points that needed a new search
   unsigned threads{};
 
   [[nodiscard]] double at(std::size_t ix, std::size_t iy) const { return rightmost[iy * x.count + ix]; }
 };
 
 /// \param threads   0: one for each processor
-/// \param progress  called now and then with the share that is done, from one thread only; may be empty
+/// \param progress  called repeatedly with the share that is done, from one thread only; may be empty
 ///
 /// The boundary is exact: with τ on an axis it is the closed form |P| = |Q|, τ = −arg(−P/Q)/ω, by values of the other
 /// parameter, and for virtual_damping, which enters P and Q linearly, parametrised by ω: |P₀ + b̃P₁|² = |Q₀ + b̃Q₁|² is

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "host_sim/full_turn.hpp"
+#include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::stability {
 namespace {
@@ -27,14 +27,14 @@ std::string verdict(const StabilityAnalysis& a) {
   if (!a.stable) {
     std::string line = text("unstable at %.4g Hz, doubling every %.3g s", worst.imag() / full_turn,
                             std::numbers::ln2 / std::max(worst.real(), 1e-300));
-    if (worst.real() == 0.0) line = "not stable: a root rests on the axis";
+    if (worst.real() == 0.0) line = "not stable: a root lies on the imaginary axis";
     if (a.margins.delay_margin) {
       const double change = *a.margins.delay_margin;
       line += ", stable with " + milliseconds(std::abs(change)) + (change < 0.0 ? " less delay" : " more delay");
     }
     return line;
   }
-  if (!a.margins.delay_margin) return "stable at any delay from here up to 1 s";
+  if (!a.margins.delay_margin) return "stable at every delay from the given one up to 1 s";
   return "stable, " + milliseconds(*a.margins.delay_margin) + " of delay left";
 }
 

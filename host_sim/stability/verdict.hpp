@@ -1,4 +1,4 @@
-// What a stability analysis comes to, in one sentence.
+// The result of a stability analysis in one sentence.
 #pragma once
 
 #include <string>

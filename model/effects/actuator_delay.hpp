@@ -1,8 +1,8 @@
-// The test machine reaches the commanded deflection late.
+// Pure delay of the test machine.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -17,14 +17,20 @@ struct ActuatorDelay {
   S delay{};  ///< τ [s]
 
   static constexpr EffectCard<1> card{
-      "actuator_delay",
-      Place::machine,
-      RigKinds(RigKind::hil, RigKind::component_bench),
-      false,
-      {{{"delay", "s", 0.0, 0.5}}},
-      "x_act(t) = x_cmd(t − delay)",
-      "phase lag of x_act behind x_cmd that grows in proportion to frequency, at unchanged amplitude; in a hil rig the "
-      "wheel mode loses damping"};
+      .name = "actuator_delay",
+      .subsystem = Subsystem::machine,
+      .rigs = RigKinds(RigKind::hil, RigKind::component_bench),
+      .parameters = {{{.name = "delay",
+                       .unit = "s",
+                       .lower = 0.0,
+                       .upper = 0.5,
+                       .starts = {.scale = scales::millisecond, .factors = {0.3, 1.0, 3.0, 10.0, 30.0}}}}},
+      .equation = "x_act(t) = x_cmd(t − delay)",
+      .shows =
+          "phase lag of x_act behind x_cmd that grows in proportion to frequency, at unchanged amplitude; in a hil rig "
+          "the "
+          "wheel mode loses damping",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&ActuatorDelay::delay};
 
   constexpr void act_on(MachinePath<S>& machine) const { machine.delay = delay; }

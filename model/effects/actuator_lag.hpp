@@ -1,8 +1,8 @@
-// The test machine follows like a first-order system.
+// First-order lag of the test machine.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -16,13 +16,18 @@ struct ActuatorLag {
   S time_constant{};  ///< T [s]
 
   static constexpr EffectCard<1> card{
-      "actuator_lag",
-      Place::machine,
-      RigKinds(RigKind::hil, RigKind::component_bench),
-      false,
-      {{{"time_constant", "s", 0.0, 1.0}}},
-      "T ẋ_act + x_act = x_cmd",
-      "amplitude of x_act falls and its phase lags towards 90° above 1/(2πT); a small one looks like a delay T"};
+      .name = "actuator_lag",
+      .subsystem = Subsystem::machine,
+      .rigs = RigKinds(RigKind::hil, RigKind::component_bench),
+      .parameters = {{{.name = "time_constant",
+                       .unit = "s",
+                       .lower = 0.0,
+                       .upper = 1.0,
+                       .starts = {.scale = scales::millisecond, .factors = {0.3, 1.0, 3.0, 10.0, 30.0}}}}},
+      .equation = "T ẋ_act + x_act = x_cmd",
+      .shows =
+          "amplitude of x_act falls and its phase lags towards 90° above 1/(2πT); a small one looks like a delay T",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&ActuatorLag::time_constant};
 
   constexpr void act_on(MachinePath<S>& machine) const { machine.lag = time_constant; }

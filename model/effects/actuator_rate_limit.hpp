@@ -1,8 +1,8 @@
-// The test machine has a highest speed.
+// Velocity limit of the test machine.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -16,14 +16,21 @@ template <class S>
 struct ActuatorRateLimit {
   S velocity{};  ///< highest |ẋ_act| [m/s]
 
-  static constexpr EffectCard<1> card{"actuator_rate_limit",
-                                      Place::machine,
-                                      RigKinds(RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"velocity", "m/s", 1e-4, 100.0}}},
-                                      "ẋ_act limited to ± velocity while following x_cmd",
-                                      "x_act goes straight at the steepest places of x_cmd and catches up afterwards; "
-                                      "only large and fast motion is affected"};
+  static constexpr EffectCard<1> card{
+      .name = "actuator_rate_limit",
+      .subsystem = Subsystem::machine,
+      .rigs = RigKinds(RigKind::hil, RigKind::component_bench),
+      .parameters = {{{.name = "velocity",
+                       .unit = "m/s",
+                       .lower = 1e-4,
+                       .upper = 100.0,
+                       .starts = {.scale = scales::velocity_peak, .factors = {0.9, 0.7, 0.5, 0.3}}}}},
+      .equation = "ẋ_act limited to ± velocity while following x_cmd",
+      .shows =
+          "x_act goes straight at the steepest places of x_cmd and catches up afterwards; "
+          "only large and fast motion is affected",
+      .linearisation = Linearisation::left_out,
+      .corner = Corner::rate_limit};
   static constexpr auto values = std::array{&ActuatorRateLimit::velocity};
 
   constexpr void act_on(MachinePath<S>& machine) const { machine.rate_limit = velocity; }

@@ -1,8 +1,8 @@
-// The test machine follows like a second-order system.
+// Second-order response of the test machine.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -16,14 +16,25 @@ struct ActuatorResonance {
   S frequency{};      ///< f = ω/2π [Hz]
   S damping_ratio{};  ///< ζ [1]
 
-  static constexpr EffectCard<2> card{"actuator_resonance",
-                                      Place::machine,
-                                      RigKinds(RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"frequency", "Hz", 0.1, 10e3}, {"damping_ratio", "1", 0.0, 20.0}}},
-                                      "ẍ_act + 2ζω ẋ_act + ω² x_act = ω² x_cmd",
-                                      "amplitude of x_act rises towards the resonance and falls beyond, phase turns by "
-                                      "180°; far below it looks like a delay 2ζ/ω"};
+  static constexpr EffectCard<2> card{
+      .name = "actuator_resonance",
+      .subsystem = Subsystem::machine,
+      .rigs = RigKinds(RigKind::hil, RigKind::component_bench),
+      .parameters = {{{.name = "frequency",
+                       .unit = "Hz",
+                       .lower = 0.1,
+                       .upper = 10e3,
+                       .starts = {.scale = scales::unit, .factors = {6.0, 12.0, 25.0, 50.0}}},
+                      {.name = "damping_ratio",
+                       .unit = "1",
+                       .lower = 0.0,
+                       .upper = 20.0,
+                       .starts = {.scale = scales::unit, .factors = {0.1, 0.4, 0.8}}}}},
+      .equation = "ẍ_act + 2ζω ẋ_act + ω² x_act = ω² x_cmd",
+      .shows =
+          "amplitude of x_act rises towards the resonance and falls beyond, phase turns by "
+          "180°; far below it looks like a delay 2ζ/ω",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&ActuatorResonance::frequency, &ActuatorResonance::damping_ratio};
 
   constexpr void act_on(MachinePath<S>& machine) const {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -16,13 +16,20 @@ struct Backlash {
   S gap{};  ///< g [m], whole width
 
   static constexpr EffectCard<1> card{
-      "backlash",
-      Place::suspension,
-      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-      false,
-      {{{"gap", "m", 0.0, 0.2}}},
-      "the component sees dz_b with a dead zone of total width gap: 0 within ±gap/2",
-      "no force around the middle position, knocks where the play ends; small excitation never reaches the component"};
+      .name = "backlash",
+      .subsystem = Subsystem::suspension,
+      .rigs = every_rig,
+      .parameters = {{{.name = "gap",
+                       .unit = "m",
+                       .lower = 0.0,
+                       .upper = 0.2,
+                       .starts = {.scale = scales::deflection, .factors = {0.03, 0.1, 0.3, 1.0}}}}},
+      .equation = "the component sees dz_b with a dead zone of total width gap: 0 within ±gap/2",
+      .shows =
+          "no force around the middle position, knocks where the play ends; small excitation never reaches the "
+          "component",
+      .linearisation = Linearisation::left_out,
+      .corner = Corner::free_play};
   static constexpr auto values = std::array{&Backlash::gap};
 
   constexpr void act_on(SuspensionComponent<S>& suspension) const { suspension.free_play += gap; }

@@ -1,8 +1,8 @@
-// Stops at the ends of the travel.
+// Stops at the ends of the suspension travel.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -15,13 +15,23 @@ struct BumpStop {
   S stiffness{};  ///< k [N/m] of a stop
 
   static constexpr EffectCard<2> card{
-      "bump_stop",
-      Place::suspension,
-      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-      false,
-      {{{"clearance", "m", 0.0, 0.5}, {"stiffness", "N/m", 0.0, 1e8}}},
-      "F_s += stiffness · max(0, |dz_b| − clearance) · sgn(dz_b)",
-      "extra force at large deflections only, from a sharp corner on, the same to both sides"};
+      .name = "bump_stop",
+      .subsystem = Subsystem::suspension,
+      .rigs = every_rig,
+      .parameters = {{{.name = "clearance",
+                       .unit = "m",
+                       .lower = 0.0,
+                       .upper = 0.5,
+                       .starts = {.scale = scales::deflection_peak, .factors = {0.3, 0.5, 0.7, 0.85}}},
+                      {.name = "stiffness",
+                       .unit = "N/m",
+                       .lower = 0.0,
+                       .upper = 1e8,
+                       .starts = {.scale = scales::stiffness, .factors = {0.3, 3.0}}}}},
+      .equation = "F_s += stiffness · max(0, |dz_b| − clearance) · sgn(dz_b)",
+      .shows = "extra force at large deflections only, from a sharp corner on, the same to both sides",
+      .linearisation = Linearisation::left_out,
+      .corner = Corner::stop};
   static constexpr auto values = std::array{&BumpStop::clearance, &BumpStop::stiffness};
 
   [[nodiscard]] constexpr S suspension_force(S deflection, S /*velocity*/) const {

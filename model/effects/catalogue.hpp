@@ -1,4 +1,5 @@
-// The one list of effects. Everything that knows effects by name reads it here.
+// The list of effects. Rig descriptions, simulation, identification and firmware know an effect because it is listed
+// here.
 #pragma once
 
 #include <array>
@@ -33,7 +34,7 @@
 #include "model/effects/viscous_damping.hpp"
 #include "model/effects/wheel_guide_damping.hpp"
 #include "model/effects/wheel_guide_friction.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -50,38 +51,48 @@ struct ChannelSlots {
   std::array<Slot<Effect>, channel_count> channels{};
 };
 
-/// All effects of the catalogue, none active by default. Order matters where laws act on each other's result: tyre
-/// laws act in the order of this list.
+template <class... Effect>
+using Slots = std::tuple<Slot<Effect>...>;
+template <class... Effect>
+using SensorSlots = std::tuple<ChannelSlots<Effect>...>;
+
+/// The effects of a rig. Laws of the tyre act on each other's result, in this order.
+template <class S>
+using RigEffects = Slots<ActuatorDelay<S>,       //
+                         ActuatorLag<S>,         //
+                         ActuatorResonance<S>,   //
+                         ActuatorRateLimit<S>,   //
+                         CoulombFriction<S>,     //
+                         ViscousDamping<S>,      //
+                         QuadraticDamping<S>,    //
+                         ProgressiveSpring<S>,   //
+                         BumpStop<S>,            //
+                         Backlash<S>,            //
+                         TopMount<S>,            //
+                         Relaxation<S>,          //
+                         SealFriction<S>,        //
+                         BodyGuideFriction<S>,   //
+                         WheelGuideFriction<S>,  //
+                         BodyGuideDamping<S>,    //
+                         WheelGuideDamping<S>,   //
+                         ProgressiveTyre<S>,     //
+                         TyreLiftOff<S>,         //
+                         ForceSensorInertia<S>>;
+
+/// The effects of a channel's sensor.
+template <class S>
+using SensorEffects = SensorSlots<SensorLag<S>,         //
+                                  SensorDelay<S>,       //
+                                  SensorGain<S>,        //
+                                  SensorOffset<S>,      //
+                                  SensorSaturation<S>,  //
+                                  SensorHold<S>>;
+
+/// All effects of the catalogue, none active by default.
 template <class S>
 struct Effects {
-  std::tuple<Slot<ActuatorDelay<S>>,       //
-             Slot<ActuatorLag<S>>,         //
-             Slot<ActuatorResonance<S>>,   //
-             Slot<ActuatorRateLimit<S>>,   //
-             Slot<CoulombFriction<S>>,     //
-             Slot<ViscousDamping<S>>,      //
-             Slot<QuadraticDamping<S>>,    //
-             Slot<ProgressiveSpring<S>>,   //
-             Slot<BumpStop<S>>,            //
-             Slot<Backlash<S>>,            //
-             Slot<TopMount<S>>,            //
-             Slot<Relaxation<S>>,          //
-             Slot<SealFriction<S>>,        //
-             Slot<BodyGuideFriction<S>>,   //
-             Slot<WheelGuideFriction<S>>,  //
-             Slot<BodyGuideDamping<S>>,    //
-             Slot<WheelGuideDamping<S>>,   //
-             Slot<ProgressiveTyre<S>>,     //
-             Slot<TyreLiftOff<S>>,         //
-             Slot<ForceSensorInertia<S>>>
-      slots;
-  std::tuple<ChannelSlots<SensorLag<S>>,         //
-             ChannelSlots<SensorDelay<S>>,       //
-             ChannelSlots<SensorGain<S>>,        //
-             ChannelSlots<SensorOffset<S>>,      //
-             ChannelSlots<SensorSaturation<S>>,  //
-             ChannelSlots<SensorHold<S>>>
-      sensors;
+  RigEffects<S> slots;
+  SensorEffects<S> sensors;
 
   template <template <class> class Effect>
   [[nodiscard]] constexpr Slot<Effect<S>>& get() {
@@ -127,12 +138,12 @@ struct Effects {
     std::apply([&](const auto&... effect) { (visit_channels(effect, visit), ...); }, sensors);
   }
 
-  /// act_on(place) of every active effect that acts there.
-  template <class PlaceOfRig>
-  constexpr void act_on(PlaceOfRig& place) const {
+  /// act_on(part) of every active effect that acts there.
+  template <class PartOfRig>
+  constexpr void act_on(PartOfRig& part) const {
     for_each([&](const auto& slot) {
-      if constexpr (requires { slot.effect.act_on(place); }) {
-        if (slot.active) slot.effect.act_on(place);
+      if constexpr (requires { slot.effect.act_on(part); }) {
+        if (slot.active) slot.effect.act_on(part);
       }
     });
   }
@@ -152,5 +163,47 @@ struct Effects {
     for (std::size_t c = 0; c < channel_count; ++c) visit(effect.channels[c], channel_at(c));
   }
 };
+
+/// Whether an effect is a law that adds a force (RigModel asks it every step), and not values of a subsystem.
+template <class Effect>
+concept SuspensionLaw = requires(const Effect& effect) {
+  effect.suspension_force(0.0, 0.0);
+};
+template <class Effect>
+concept TyreLaw = requires(const Effect& effect) {
+  effect.tyre_force(0.0, 0.0, 0.0);
+};
+template <class Effect, class Part>
+concept ActsOn = requires(const Effect& effect, Part& part) {
+  effect.act_on(part);
+};
+template <class Effect>
+concept ActsOnRig = ActsOn<Effect, MachinePath<double>> || ActsOn<Effect, SuspensionComponent<double>> ||
+    ActsOn<Effect, Piston<double>> || ActsOn<Effect, Guides<double>> || ActsOn<Effect, WheelLoadSensor<double>>;
+
+template <class Effect>
+[[nodiscard]] consteval bool is_complete() {
+  return find_gap(Effect::card).empty() && Effect::values.size() == Effect::card.parameters.size();
+}
+
+/// An effect can be listed when its card says everything and something of the model asks it to act. The linearised loop
+/// is made from the subsystems: a law is not in it.
+template <class Effect>
+concept RigEffect = is_complete<Effect>() &&
+    (ActsOnRig<Effect> ||
+     ((SuspensionLaw<Effect> || TyreLaw<Effect>)&&Effect::card.linearisation != Linearisation::exact));
+template <class Effect>
+concept SensorEffect = is_complete<Effect>() && ActsOn<Effect, SensorPath<double>>;
+
+template <RigEffect... Effect>
+constexpr bool all_rig_effects(const Slots<Effect...>* /*list*/) {
+  return true;
+}
+template <SensorEffect... Effect>
+constexpr bool all_sensor_effects(const SensorSlots<Effect...>* /*list*/) {
+  return true;
+}
+static_assert(all_rig_effects(static_cast<RigEffects<double>*>(nullptr)));
+static_assert(all_sensor_effects(static_cast<SensorEffects<double>*>(nullptr)));
 
 }  // namespace model

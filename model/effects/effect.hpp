@@ -1,32 +1,29 @@
-// What every candidate effect has: a name, a place, parameters with physical bounds, an equation, a way to act.
+// The card of an effect: all that the project knows of it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <string_view>
 
 #include "model/channel.hpp"
+#include "model/require.hpp"
 
 namespace model {
 
-/// Where an effect acts.
-enum class Place : unsigned char { machine, suspension, fdva, body_guide, wheel_guide, tyre, sensor };
+/// The part of a rig on which an effect acts.
+enum class Subsystem : unsigned char { machine, suspension, fdva, body_guide, wheel_guide, tyre, sensor };
 
-inline constexpr std::array<std::string_view, 7> place_names{"machine",     "suspension", "fdva",  "body guide",
-                                                             "wheel guide", "tyre",       "sensor"};
+inline constexpr std::array<std::string_view, 7> subsystem_names{"machine",     "suspension", "fdva",  "body guide",
+                                                                 "wheel guide", "tyre",       "sensor"};
 
-[[nodiscard]] constexpr std::string_view name(Place place) { return place_names[static_cast<std::size_t>(place)]; }
+[[nodiscard]] constexpr std::string_view name(Subsystem subsystem) {
+  return subsystem_names[static_cast<std::size_t>(subsystem)];
+}
 
-/// One parameter of an effect. Bounds are physical: nobody would build or believe a rig beyond them.
-struct EffectParameter {
-  std::string_view name;
-  std::string_view unit;
-  double lower;
-  double upper;
-};
-
-/// The kinds of rig an effect exists on, as a set.
+/// The kinds of rig on which an effect exists, as a set.
 class RigKinds {
  public:
   template <class... Kinds>
@@ -38,16 +35,126 @@ class RigKinds {
   unsigned bits_;
 };
 
-/// The card of an effect: everything about it but its numbers.
+inline constexpr RigKinds every_rig{RigKind::quarter_car, RigKind::hil, RigKind::component_bench};
+
+/// How large things are in the recordings, from a simulation of them. Fits start in proportion to these.
+struct MotionScales {
+  double force{};              ///< of the component, rms [N]
+  double deflection{};         ///< of the component, rms [m]
+  double deflection_peak{};    ///< [m]
+  double velocity{};           ///< of that deflection, rms [m/s]
+  double velocity_peak{};      ///< [m/s]
+  double tyre_force{};         ///< dynamic, rms [N]
+  double tyre_deflection{};    ///< rms [m]
+  double foot_acceleration{};  ///< rms [m/s²]
+  double channel{};            ///< of the channel on whose sensor an effect acts, rms [unit of the channel]
+};
+
+/// Characteristic sizes of a parameter. A card may name one of these or bring a function of its own.
+namespace scales {
+inline constexpr double least = 1e-12;  ///< keeps a rig that stands still away from a division by zero [SI]
+
+constexpr double unit(const MotionScales& /*s*/) { return 1.0; }          ///< the factors are the values [SI]
+constexpr double millisecond(const MotionScales& /*s*/) { return 1e-3; }  ///< [s]
+constexpr double channel(const MotionScales& s) { return s.channel; }
+constexpr double force(const MotionScales& s) { return s.force; }
+constexpr double deflection(const MotionScales& s) { return s.deflection; }
+constexpr double deflection_peak(const MotionScales& s) { return s.deflection_peak; }
+constexpr double velocity_peak(const MotionScales& s) { return s.velocity_peak; }
+constexpr double stiffness(const MotionScales& s) { return s.force / std::max(s.deflection, least); }  ///< [N/m]
+constexpr double damping(const MotionScales& s) { return s.force / std::max(s.velocity, least); }      ///< [N s/m]
+constexpr double tyre_stiffness(const MotionScales& s) {                                               ///< [N/m]
+  return s.tyre_force / std::max(s.tyre_deflection, least);
+}
+}  // namespace scales
+
+/// A few factors: starts of a fit in units of its scale.
+class Factors {
+ public:
+  constexpr Factors() = default;
+  constexpr Factors(std::initializer_list<double> factors) {  // NOLINT(google-explicit-constructor): a list of factors
+    for (const double factor : factors) factors_[count_++] = factor;
+  }
+  [[nodiscard]] constexpr const double* begin() const { return factors_.data(); }
+  [[nodiscard]] constexpr const double* end() const { return factors_.data() + count_; }
+  [[nodiscard]] constexpr std::size_t size() const { return count_; }
+
+ private:
+  std::array<double, 6> factors_{};
+  std::size_t count_ = 0;
+};
+
+/// What the values of a channel show by themselves. Where they do not show it, there is no such effect.
+enum class Reading : unsigned char {
+  nothing,           ///< the start of a fit is a factor times a scale
+  repeated_extreme,  ///< the largest |value|, where it comes again exactly: the start of a fit
+  renewal_period,    ///< the time from one change of a held value to the next
+};
+
+/// Where the fit of a parameter starts: at each of the factors, or at what is read off the recording. Of an effect with
+/// two parameters every pair of starts is tried.
+struct Starts {
+  double (*scale)(const MotionScales&) = nullptr;
+  Factors factors{};
+  Reading read = Reading::nothing;
+};
+
+/// One parameter of an effect. Bounds are physical: nobody would build or believe a rig beyond them.
+struct EffectParameter {
+  std::string_view name;
+  std::string_view unit;
+  double lower;
+  double upper;
+  Starts starts;
+  double neutral = 0.0;  ///< the value with which the effect does nothing, of a parameter that may have either sign
+  bool fitted = true;    ///< false: what was read off the recording is the value
+};
+
+/// What an effect is in the linearised loop of a hil rig, which `rigtwin stability` analyses.
+enum class Linearisation : unsigned char {
+  exact,     ///< linear, and acts through act_on: part of the loop as it is
+  left_out,  ///< without a linear part at rest: left out of the loop, which the analysis says
+  outside,   ///< does not act on the loop
+};
+
+/// An instant, decided by the motion, from which on an effect acts otherwise and changes the motion. Diagnose simulates
+/// a rig with such effects in several steps a sample, and fits it in growing pieces of the recording: the fit has many
+/// minima.
+enum class Corner : unsigned char {
+  none,
+  sticking,    ///< dry friction: where a velocity comes to zero
+  free_play,   ///< where play ends
+  stop,        ///< where a stop is met
+  rate_limit,  ///< where a limit of velocity is reached
+};
+
+/// Everything about an effect but its values. Nothing in the project asks for an effect by its name: what it wants to
+/// know stands here. Read by programs on a PC; of all this a board's program has names and bounds of parameters.
 template <std::size_t ParameterCount>
 struct EffectCard {
   std::string_view name;
-  Place place;
+  Subsystem subsystem;
   RigKinds rigs;
-  bool needs_fdva;  ///< only where the rig has an FDVA
+  bool needs_fdva = false;  ///< only where the rig has an FDVA
   std::array<EffectParameter, ParameterCount> parameters;
   std::string_view equation;
   std::string_view shows;  ///< how it shows in a recording
+  Linearisation linearisation;
+  Corner corner = Corner::none;
 };
+
+/// What is missing on a card, or wrong; empty: nothing.
+template <std::size_t N>
+[[nodiscard]] constexpr std::string_view find_gap(const EffectCard<N>& card) {
+  if (card.name.empty() || card.equation.empty() || card.shows.empty()) return "name, equation and how it shows";
+  for (const EffectParameter& p : card.parameters) {
+    if (p.name.empty() || p.unit.empty()) return "name and unit of a parameter";
+    if (!(p.lower < p.upper)) return "bounds of a parameter";
+    const bool scaled = p.starts.scale != nullptr && p.starts.factors.size() > 0;
+    if (scaled == (p.starts.read != Reading::nothing)) return "where the fit of a parameter starts";
+    if (!p.fitted && p.starts.read == Reading::nothing) return "a parameter that is neither fitted nor read";
+  }
+  return {};
+}
 
 }  // namespace model

@@ -1,8 +1,8 @@
-// A spring that stiffens, or softens, with deflection.
+// Suspension spring whose stiffness changes with deflection.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -14,13 +14,21 @@ struct ProgressiveSpring {
   S cubic_stiffness{};  ///< k₃ [N/m³], either sign
 
   static constexpr EffectCard<1> card{
-      "progressive_spring",
-      Place::suspension,
-      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-      false,
-      {{{"cubic_stiffness", "N/m³", -1e10, 1e10}}},
-      "F_s += cubic_stiffness · dz_b³",
-      "stiffness that grows (or falls) with the square of the deflection; third harmonic of the deflection"};
+      .name = "progressive_spring",
+      .subsystem = Subsystem::suspension,
+      .rigs = every_rig,
+      .parameters = {{{.name = "cubic_stiffness",
+                       .unit = "N/m³",
+                       .lower = -1e10,
+                       .upper = 1e10,
+                       .starts = {.scale =
+                                      [](const MotionScales& s) {
+                                        return scales::stiffness(s) / (s.deflection * s.deflection);
+                                      },
+                                  .factors = {0.03, -0.03}}}}},
+      .equation = "F_s += cubic_stiffness · dz_b³",
+      .shows = "stiffness that grows (or falls) with the square of the deflection; third harmonic of the deflection",
+      .linearisation = Linearisation::left_out};
   static constexpr auto values = std::array{&ProgressiveSpring::cubic_stiffness};
 
   [[nodiscard]] constexpr S suspension_force(S deflection, S /*velocity*/) const {

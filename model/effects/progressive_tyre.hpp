@@ -1,8 +1,8 @@
-// A tyre that stiffens, or softens, with deflection.
+// Tyre whose stiffness changes with deflection.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -14,13 +14,21 @@ struct ProgressiveTyre {
   S cubic_stiffness{};  ///< k₃ [N/m³], either sign
 
   static constexpr EffectCard<1> card{
-      "progressive_tyre",
-      Place::tyre,
-      RigKinds(RigKind::quarter_car, RigKind::hil),
-      false,
-      {{{"cubic_stiffness", "N/m³", -1e12, 1e12}}},
-      "F_w += cubic_stiffness · dz_w³",
-      "tyre stiffness that changes with the square of its deflection; third harmonic in the wheel load"};
+      .name = "progressive_tyre",
+      .subsystem = Subsystem::tyre,
+      .rigs = RigKinds(RigKind::quarter_car, RigKind::hil),
+      .parameters = {{{.name = "cubic_stiffness",
+                       .unit = "N/m³",
+                       .lower = -1e12,
+                       .upper = 1e12,
+                       .starts = {.scale =
+                                      [](const MotionScales& s) {
+                                        return scales::tyre_stiffness(s) / (s.tyre_deflection * s.tyre_deflection);
+                                      },
+                                  .factors = {0.03, -0.03}}}}},
+      .equation = "F_w += cubic_stiffness · dz_w³",
+      .shows = "tyre stiffness that changes with the square of its deflection; third harmonic in the wheel load",
+      .linearisation = Linearisation::left_out};
   static constexpr auto values = std::array{&ProgressiveTyre::cubic_stiffness};
 
   /// What the tyre gives once this law is added to `force`, the force of all laws before it [N].

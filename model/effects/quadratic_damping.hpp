@@ -1,8 +1,10 @@
-// Damping that grows with speed.
+// Damping in proportion to the square of the velocity.
 #pragma once
 
+#include <algorithm>
+
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -15,13 +17,22 @@ template <class S>
 struct QuadraticDamping {
   S coefficient{};  ///< c₂ [N s²/m²]
 
-  static constexpr EffectCard<1> card{"quadratic_damping",
-                                      Place::suspension,
-                                      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"coefficient", "N s²/m²", 0.0, 1e7}}},
-                                      "F_s += coefficient · ḋz_b |ḋz_b|",
-                                      "damping that grows with amplitude; odd harmonics of the deflection velocity"};
+  static constexpr EffectCard<1> card{
+      .name = "quadratic_damping",
+      .subsystem = Subsystem::suspension,
+      .rigs = every_rig,
+      .parameters = {{{.name = "coefficient",
+                       .unit = "N s²/m²",
+                       .lower = 0.0,
+                       .upper = 1e7,
+                       .starts = {.scale =
+                                      [](const MotionScales& s) {
+                                        return scales::damping(s) / std::max(s.velocity, scales::least);
+                                      },
+                                  .factors = {0.03, 0.3}}}}},
+      .equation = "F_s += coefficient · ḋz_b |ḋz_b|",
+      .shows = "damping that grows with amplitude; odd harmonics of the deflection velocity",
+      .linearisation = Linearisation::left_out};
   static constexpr auto values = std::array{&QuadraticDamping::coefficient};
 
   [[nodiscard]] constexpr S suspension_force(S /*deflection*/, S velocity) const {

@@ -1,8 +1,8 @@
-// A spring that relaxes.
+// Relaxing spring (Maxwell branch).
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -14,14 +14,25 @@ struct Relaxation {
   S stiffness{};      ///< k_r [N/m]
   S time_constant{};  ///< T [s]
 
-  static constexpr EffectCard<2> card{"relaxation",
-                                      Place::suspension,
-                                      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"stiffness", "N/m", 0.0, 1e8}, {"time_constant", "s", 1e-5, 100.0}}},
-                                      "F_s += stiffness · (dz_b − x), T ẋ = dz_b − x",
-                                      "stiffness that rises by `stiffness` around the frequency 1/(2πT), with losses "
-                                      "there: rubber, or a gas spring's heat transfer"};
+  static constexpr EffectCard<2> card{
+      .name = "relaxation",
+      .subsystem = Subsystem::suspension,
+      .rigs = every_rig,
+      .parameters = {{{.name = "stiffness",
+                       .unit = "N/m",
+                       .lower = 0.0,
+                       .upper = 1e8,
+                       .starts = {.scale = scales::stiffness, .factors = {0.05, 0.3}}},
+                      {.name = "time_constant",
+                       .unit = "s",
+                       .lower = 1e-5,
+                       .upper = 100.0,
+                       .starts = {.scale = scales::millisecond, .factors = {2.0, 10.0, 50.0, 250.0}}}}},
+      .equation = "F_s += stiffness · (dz_b − x), T ẋ = dz_b − x",
+      .shows =
+          "stiffness that rises by `stiffness` around the frequency 1/(2πT), with losses "
+          "there: rubber, or a gas spring's heat transfer",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&Relaxation::stiffness, &Relaxation::time_constant};
 
   constexpr void act_on(SuspensionComponent<S>& suspension) const {

@@ -1,12 +1,12 @@
-// Dry friction of the absorber's piston.
+// Dry friction of the FDVA piston.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
-/// Coulomb friction against the piston's travel; the coil spring must overcome it before oil flows.
+/// Coulomb friction against the piston's travel. Oil flows only when the force of the coil spring exceeds it.
 ///
 ///   A_p Δp = F_c − F_r sgn(ẏ),   sticking while |F_c| ≤ F_r
 template <class S>
@@ -14,13 +14,19 @@ struct SealFriction {
   S force{};  ///< F_r [N]
 
   static constexpr EffectCard<1> card{
-      "seal_friction",
-      Place::fdva,
-      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-      true,
-      {{{"force", "N", 0.0, 20e3}}},
-      "Coulomb friction on the FDVA piston: F_c = … + force · sgn(ẏ)",
-      "the absorber sticks at small excitation: its resonance appears at large amplitudes only"};
+      .name = "seal_friction",
+      .subsystem = Subsystem::fdva,
+      .rigs = every_rig,
+      .needs_fdva = true,
+      .parameters = {{{.name = "force",
+                       .unit = "N",
+                       .lower = 0.0,
+                       .upper = 20e3,
+                       .starts = {.scale = scales::force, .factors = {0.01, 0.03, 0.1, 0.3}}}}},
+      .equation = "Coulomb friction on the FDVA piston: F_c = … + force · sgn(ẏ)",
+      .shows = "the absorber sticks at small excitation: its resonance appears at large amplitudes only",
+      .linearisation = Linearisation::left_out,
+      .corner = Corner::sticking};
   static constexpr auto values = std::array{&SealFriction::force};
 
   constexpr void act_on(Piston<S>& piston) const { piston.dry_friction += force; }

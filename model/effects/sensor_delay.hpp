@@ -1,8 +1,8 @@
-// A sensor that is late.
+// Pure delay of a sensor.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -13,13 +13,18 @@ template <class S>
 struct SensorDelay {
   S delay{};  ///< τ [s]
 
-  static constexpr EffectCard<1> card{"sensor_delay",
-                                      Place::sensor,
-                                      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"delay", "s", 0.0, 0.5}}},
-                                      "that channel alone is late",
-                                      "this channel alone lags in proportion to frequency, at unchanged amplitude"};
+  static constexpr EffectCard<1> card{
+      .name = "sensor_delay",
+      .subsystem = Subsystem::sensor,
+      .rigs = every_rig,
+      .parameters = {{{.name = "delay",
+                       .unit = "s",
+                       .lower = 0.0,
+                       .upper = 0.5,
+                       .starts = {.scale = scales::millisecond, .factors = {0.3, 1.0, 3.0, 10.0, 30.0}}}}},
+      .equation = "that channel alone is late",
+      .shows = "this channel alone lags in proportion to frequency, at unchanged amplitude",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&SensorDelay::delay};
 
   constexpr void act_on(SensorPath<S>& sensor) const { sensor.delay = delay; }

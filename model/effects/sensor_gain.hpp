@@ -1,8 +1,8 @@
-// A sensor whose scale is wrong.
+// Gain error of a sensor.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -14,13 +14,18 @@ struct SensorGain {
   S gain{};  ///< g [1]
 
   static constexpr EffectCard<1> card{
-      "sensor_gain",
-      Place::sensor,
-      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-      false,
-      {{{"gain", "1", -100.0, 100.0}}},
-      "measured = gain · true",
-      "this channel alone is larger or smaller by one factor at every frequency and amplitude"};
+      .name = "sensor_gain",
+      .subsystem = Subsystem::sensor,
+      .rigs = every_rig,
+      .parameters = {{{.name = "gain",
+                       .unit = "1",
+                       .lower = -100.0,
+                       .upper = 100.0,
+                       .starts = {.scale = scales::unit, .factors = {1.02, 0.98}},
+                       .neutral = 1.0}}},
+      .equation = "measured = gain · true",
+      .shows = "this channel alone is larger or smaller by one factor at every frequency and amplitude",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&SensorGain::gain};
 
   constexpr void act_on(SensorPath<S>& sensor) const { sensor.gain = gain; }

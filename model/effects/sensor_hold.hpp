@@ -1,8 +1,8 @@
-// A sensor that renews its value too seldom.
+// Sample and hold of a sensor.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -14,13 +14,19 @@ template <class S>
 struct SensorHold {
   S period{};  ///< T_h [s]
 
-  static constexpr EffectCard<1> card{"sensor_hold",
-                                      Place::sensor,
-                                      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"period", "s", 0.0, 1.0}}},
-                                      "measured value renewed only every period, held between",
-                                      "steps of equal length in this channel alone, late by half a period on average"};
+  static constexpr EffectCard<1> card{
+      .name = "sensor_hold",
+      .subsystem = Subsystem::sensor,
+      .rigs = every_rig,
+      .parameters = {{{.name = "period",
+                       .unit = "s",
+                       .lower = 0.0,
+                       .upper = 1.0,
+                       .starts = {.read = Reading::renewal_period},
+                       .fitted = false}}},
+      .equation = "measured value renewed only every period, held between",
+      .shows = "steps of equal length in this channel alone, late by half a period on average",
+      .linearisation = Linearisation::left_out};
   static constexpr auto values = std::array{&SensorHold::period};
 
   constexpr void act_on(SensorPath<S>& sensor) const { sensor.hold = period; }

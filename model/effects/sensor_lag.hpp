@@ -1,8 +1,8 @@
-// A sensor with a first-order low-pass.
+// First-order low-pass of a sensor.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -14,13 +14,18 @@ template <class S>
 struct SensorLag {
   S time_constant{};  ///< T [s]
 
-  static constexpr EffectCard<1> card{"sensor_lag",
-                                      Place::sensor,
-                                      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"time_constant", "s", 0.0, 1.0}}},
-                                      "first-order low-pass in that channel",
-                                      "this channel alone falls and lags above 1/(2πT); its noise is low-passed too"};
+  static constexpr EffectCard<1> card{
+      .name = "sensor_lag",
+      .subsystem = Subsystem::sensor,
+      .rigs = every_rig,
+      .parameters = {{{.name = "time_constant",
+                       .unit = "s",
+                       .lower = 0.0,
+                       .upper = 1.0,
+                       .starts = {.scale = scales::millisecond, .factors = {0.3, 1.0, 3.0, 10.0, 30.0}}}}},
+      .equation = "first-order low-pass in that channel",
+      .shows = "this channel alone falls and lags above 1/(2πT); its noise is low-passed too",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&SensorLag::time_constant};
 
   constexpr void act_on(SensorPath<S>& sensor) const { sensor.lag = time_constant; }

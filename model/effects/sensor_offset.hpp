@@ -1,8 +1,8 @@
-// A sensor whose zero is wrong.
+// Zero error of a sensor.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -13,13 +13,18 @@ template <class S>
 struct SensorOffset {
   S offset{};  ///< o [unit of the channel], either sign
 
-  static constexpr EffectCard<1> card{"sensor_offset",
-                                      Place::sensor,
-                                      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"offset", "of the channel", -1e6, 1e6}}},
-                                      "measured = true + offset",
-                                      "the mean of this channel alone is wrong, its motion is right"};
+  static constexpr EffectCard<1> card{
+      .name = "sensor_offset",
+      .subsystem = Subsystem::sensor,
+      .rigs = every_rig,
+      .parameters = {{{.name = "offset",
+                       .unit = "of the channel",
+                       .lower = -1e6,
+                       .upper = 1e6,
+                       .starts = {.scale = scales::channel, .factors = {0.05, -0.05}}}}},
+      .equation = "measured = true + offset",
+      .shows = "the mean of this channel alone is wrong, its motion is right",
+      .linearisation = Linearisation::left_out};
   static constexpr auto values = std::array{&SensorOffset::offset};
 
   constexpr void act_on(SensorPath<S>& sensor) const { sensor.offset = offset; }

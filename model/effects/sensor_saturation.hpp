@@ -1,8 +1,8 @@
-// A sensor that clips.
+// Saturation of a sensor.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -13,13 +13,18 @@ template <class S>
 struct SensorSaturation {
   S limit{};  ///< l [unit of the channel]
 
-  static constexpr EffectCard<1> card{"sensor_saturation",
-                                      Place::sensor,
-                                      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-                                      false,
-                                      {{{"limit", "of the channel", 0.0, 1e9}}},
-                                      "measured = true, limited to ± limit",
-                                      "the same extreme value again and again, flat tops in this channel alone"};
+  static constexpr EffectCard<1> card{
+      .name = "sensor_saturation",
+      .subsystem = Subsystem::sensor,
+      .rigs = every_rig,
+      .parameters = {{{.name = "limit",
+                       .unit = "of the channel",
+                       .lower = 0.0,
+                       .upper = 1e9,
+                       .starts = {.read = Reading::repeated_extreme}}}},
+      .equation = "measured = true, limited to ± limit",
+      .shows = "the same extreme value again and again, flat tops in this channel alone",
+      .linearisation = Linearisation::left_out};
   static constexpr auto values = std::array{&SensorSaturation::limit};
 
   constexpr void act_on(SensorPath<S>& sensor) const { sensor.limit = limit; }

@@ -1,8 +1,8 @@
-// More damping in the suspension component.
+// Additional linear damping of the suspension component.
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -14,13 +14,17 @@ struct ViscousDamping {
   S damping{};  ///< b [N s/m]
 
   static constexpr EffectCard<1> card{
-      "viscous_damping",
-      Place::suspension,
-      RigKinds(RigKind::quarter_car, RigKind::hil, RigKind::component_bench),
-      false,
-      {{{"damping", "N s/m", 0.0, 1e6}}},
-      "F_s += damping · ḋz_b",
-      "a force in phase with the deflection velocity, proportional to frequency and amplitude"};
+      .name = "viscous_damping",
+      .subsystem = Subsystem::suspension,
+      .rigs = every_rig,
+      .parameters = {{{.name = "damping",
+                       .unit = "N s/m",
+                       .lower = 0.0,
+                       .upper = 1e6,
+                       .starts = {.scale = scales::damping, .factors = {0.01, 0.1}}}}},
+      .equation = "F_s += damping · ḋz_b",
+      .shows = "a force in phase with the deflection velocity, proportional to frequency and amplitude",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&ViscousDamping::damping};
 
   constexpr void act_on(SuspensionComponent<S>& suspension) const { suspension.damping += damping; }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -13,13 +13,18 @@ template <class S>
 struct WheelGuideDamping {
   S damping{};  ///< c [N s/m]
 
-  static constexpr EffectCard<1> card{"wheel_guide_damping",
-                                      Place::wheel_guide,
-                                      RigKinds(RigKind::quarter_car),
-                                      false,
-                                      {{{"damping", "N s/m", 0.0, 1e6}}},
-                                      "m_w z̈_w = … − damping · ż_w",
-                                      "the wheel's balance misses a force proportional to its absolute velocity"};
+  static constexpr EffectCard<1> card{
+      .name = "wheel_guide_damping",
+      .subsystem = Subsystem::wheel_guide,
+      .rigs = RigKinds(RigKind::quarter_car),
+      .parameters = {{{.name = "damping",
+                       .unit = "N s/m",
+                       .lower = 0.0,
+                       .upper = 1e6,
+                       .starts = {.scale = scales::damping, .factors = {0.01, 0.1}}}}},
+      .equation = "m_w z̈_w = … − damping · ż_w",
+      .shows = "the wheel's balance misses a force proportional to its absolute velocity",
+      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&WheelGuideDamping::damping};
 
   constexpr void act_on(Guides<S>& guides) const { guides.wheel_damping += damping; }

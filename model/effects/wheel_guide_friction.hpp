@@ -2,7 +2,7 @@
 #pragma once
 
 #include "model/effects/effect.hpp"
-#include "model/places.hpp"
+#include "model/subsystems.hpp"
 
 namespace model {
 
@@ -14,13 +14,19 @@ struct WheelGuideFriction {
   S force{};  ///< F_r [N]
 
   static constexpr EffectCard<1> card{
-      "wheel_guide_friction",
-      Place::wheel_guide,
-      RigKinds(RigKind::quarter_car),
-      false,
-      {{{"force", "N", 0.0, 20e3}}},
-      "m_w z̈_w = … − force · sgn(ż_w)",
-      "a force step at every reversal of the wheel's absolute velocity; flat-topped phases at small excitation"};
+      .name = "wheel_guide_friction",
+      .subsystem = Subsystem::wheel_guide,
+      .rigs = RigKinds(RigKind::quarter_car),
+      .parameters = {{{.name = "force",
+                       .unit = "N",
+                       .lower = 0.0,
+                       .upper = 20e3,
+                       .starts = {.scale = scales::force, .factors = {0.01, 0.03, 0.1, 0.3}}}}},
+      .equation = "m_w z̈_w = … − force · sgn(ż_w)",
+      .shows =
+          "a force step at every reversal of the wheel's absolute velocity; flat-topped phases at small excitation",
+      .linearisation = Linearisation::left_out,
+      .corner = Corner::sticking};
   static constexpr auto values = std::array{&WheelGuideFriction::force};
 
   constexpr void act_on(Guides<S>& guides) const { guides.wheel_dry_friction += force; }

@@ -9,9 +9,10 @@
 
 #include <string>
 
-#include "host_sim/diagnose/diagnosis.hpp"
-#include "host_sim/recording.hpp"
-#include "host_sim/rig_description.hpp"
+#include "firmware/description/rig_description.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_csv.hpp"
+#include "host_sim/identification/diagnosis.hpp"
 #include "tests/truth/truth.hpp"
 
 namespace {
@@ -20,16 +21,16 @@ void diagnose_a_minute(benchmark::State& state, const std::string& group) {
   truth::Wanted wanted;
   wanted.duration = 60.0;
   const truth::Truth truth = truth::draw(group, 1, wanted);
-  const host_sim::RigDescription rig = host_sim::parse_rig(truth::rig_toml(truth), "rig.toml");
-  std::vector<host_sim::Recording> recordings;
+  const firmware::RigDescription rig = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
+  std::vector<firmware::Recording> recordings;
   for (const truth::Record& record : truth::simulate(truth)) {
-    recordings.push_back(host_sim::parse_recording_csv(truth::csv(truth, record), "rec.csv"));
+    recordings.push_back(firmware::parse_recording_csv(truth::csv(truth, record), "rec.csv"));
   }
   double simulations = 0.0, candidates = 0.0;
   for (auto _ : state) {
-    std::vector<host_sim::diagnose::Record> records;
-    for (const auto& recording : recordings) records.push_back({recording, host_sim::diagnose::Use::shared});
-    const auto found = host_sim::diagnose::diagnose(rig, std::move(records));
+    std::vector<host_sim::identification::Record> records;
+    for (const auto& recording : recordings) records.push_back({recording, host_sim::identification::Use::shared});
+    const auto found = host_sim::identification::diagnose(rig, std::move(records));
     simulations += static_cast<double>(found.simulations);
     candidates += static_cast<double>(found.candidates);
     benchmark::DoNotOptimize(found.verdict);

@@ -6,9 +6,10 @@
 
 #include <vector>
 
+#include "firmware/recording/recording.hpp"
+#include "firmware/simulation/gaussian.hpp"
 #include "host_sim/frf/response_estimate.hpp"
 #include "host_sim/frf/result_json.hpp"
-#include "host_sim/gaussian.hpp"
 
 namespace {
 
@@ -22,13 +23,13 @@ host_sim::frf::Request request() {
 }
 
 /// Noise, and each output a lag behind it with noise of its own.
-std::vector<host_sim::Recording> ten_minutes() {
+std::vector<firmware::Recording> ten_minutes() {
   constexpr std::size_t samples = 600000;
-  host_sim::Recording recording;
+  firmware::Recording recording;
   recording.sample_period = 1e-3;
   recording.time.resize(samples);
   auto& input = recording[Channel::z_r];
-  host_sim::Gaussian gaussian(1, 0);
+  firmware::Gaussian gaussian(1, 0);
   input.resize(samples);
   for (double& x : input) x = gaussian();
   for (const Channel output : request().outputs) {

@@ -7,17 +7,18 @@
 #include <cmath>
 #include <string>
 
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/recording.hpp"
-#include "host_sim/rig_description.hpp"
-#include "host_sim/road.hpp"
+#include "firmware/description/rig_description.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_csv.hpp"
+#include "firmware/simulation/road.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
 
 namespace {
 
 constexpr std::size_t minute = 60000;
 
-host_sim::RigDescription hil_rig() {
-  return host_sim::parse_rig(R"(
+firmware::RigDescription hil_rig() {
+  return firmware::parse_rig(R"(
 kind = "hil"
 sample_rate = 1000.0
 [body]
@@ -54,20 +55,20 @@ speed = 1.5
 }
 
 void simulate_minute(benchmark::State& state) {
-  const host_sim::RigDescription rig = hil_rig();
+  const firmware::RigDescription rig = hil_rig();
   for (auto _ : state) {
-    const auto road = host_sim::drive_over(host_sim::IsoRoad{}, rig.sample_rate, minute);
+    const auto road = firmware::drive_over(firmware::IsoRoad{}, rig.sample_rate, minute);
     const host_sim::Run run = host_sim::run_closed_loop(rig, road, {});
     if (run.recording.size() != minute) state.SkipWithError("the run ended early");
-    benchmark::DoNotOptimize(host_sim::format_recording_csv(run.recording).size());
+    benchmark::DoNotOptimize(firmware::format_recording_csv(run.recording).size());
   }
 }
 BENCHMARK(simulate_minute)->Name("simulate/minute")->Unit(benchmark::kMillisecond);
 
-host_sim::Recording ten_columns() {
-  host_sim::Recording recording;
+firmware::Recording ten_columns() {
+  firmware::Recording recording;
   recording.sample_period = 1e-3;
-  recording.time = host_sim::sample_times(minute, 1000.0);
+  recording.time = firmware::sample_times(minute, 1000.0);
   for (std::size_t i = 0; i < 9; ++i) {
     recording.channels[i].resize(minute);
     for (std::size_t k = 0; k < minute; ++k) {
@@ -78,14 +79,14 @@ host_sim::Recording ten_columns() {
 }
 
 void read_minute(benchmark::State& state) {
-  const std::string text = host_sim::format_recording_csv(ten_columns());
-  for (auto _ : state) benchmark::DoNotOptimize(host_sim::parse_recording_csv(text, "minute.csv", {}, 1000.0).size());
+  const std::string text = firmware::format_recording_csv(ten_columns());
+  for (auto _ : state) benchmark::DoNotOptimize(firmware::parse_recording_csv(text, "minute.csv", {}, 1000.0).size());
 }
 BENCHMARK(read_minute)->Name("recording/read_minute")->Unit(benchmark::kMillisecond);
 
 void write_minute(benchmark::State& state) {
-  const host_sim::Recording recording = ten_columns();
-  for (auto _ : state) benchmark::DoNotOptimize(host_sim::format_recording_csv(recording).size());
+  const firmware::Recording recording = ten_columns();
+  for (auto _ : state) benchmark::DoNotOptimize(firmware::format_recording_csv(recording).size());
 }
 BENCHMARK(write_minute)->Name("recording/write_minute")->Unit(benchmark::kMillisecond);
 

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "firmware/control_loop.hpp"
+#include "firmware/loop/control_loop.hpp"
 
 namespace board {
 

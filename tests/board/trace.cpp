@@ -46,7 +46,8 @@ class Road final : public firmware::Reference {
 class Plant final : public hal::simulated::Plant {
  public:
   explicit Plant(const model::RigParameters<double>& rig)
-      : model_(rig, period, rig.kind == model::RigKind::hil ? model::Extent::test_machine : model::Extent::whole_rig),
+      : model_(rig, period,
+               rig.kind == model::RigKind::hil ? model::ModelledPart::test_machine : model::ModelledPart::whole_rig),
         state_(model_.start(0.0)) {}
 
  private:

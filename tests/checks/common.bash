@@ -14,7 +14,7 @@ skip() {
 need() {
   local tool
   for tool; do
-    command -v "$tool" >/dev/null || skip "$tool is missing (toolchains/setup installs it)"
+    command -v "$tool" >/dev/null || skip "$tool is missing (toolchains/setup checks installs it)"
   done
 }
 

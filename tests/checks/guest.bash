@@ -13,7 +13,8 @@ need dpkg-deb
 need cpack
 need ninja
 fetched=$builds/guest
-[ -e "$fetched/complete-arm64" ] && [ -e "$fetched/complete-cyclictest" ] || skip "the guest's kernel and libraries are missing in $fetched (toolchains/setup fetches them)"
+[ -e "$fetched/complete-board-arm64" ] && [ -e "$fetched/complete-guest" ] ||
+  skip "the guest's kernel and libraries are missing in $fetched (toolchains/setup tests fetches them)"
 fetched=$(cd "$fetched" && pwd)
 
 build aarch64 rig_controller

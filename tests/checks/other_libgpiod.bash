@@ -13,7 +13,7 @@ other=$((3 - here))
 root=$builds/guest/other-libgpiod/usr
 library=$(find "$root/lib/$(g++ -print-multiarch)" -maxdepth 1 -name libgpiod.so 2>/dev/null || true)
 [ -f "$root/include/gpiod.h" ] && [ -n "$library" ] ||
-  skip "libgpiod $other could not be had from this machine's package source (toolchains/fetch_guest tries): hal/linux/gpio_v$other.cpp is not compiled"
+  skip "libgpiod $other could not be had from this machine's package source (toolchains/fetch_guest tries): hal/linux/gpio_v$other.cpp is not compiled here nor run in the guest"
 [ "$(version "$root/include/gpiod.h")" = "$other" ] || { echo "$root holds libgpiod $here"; exit 1; }
 
 folder=$(mktemp -d)

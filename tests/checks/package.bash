@@ -5,8 +5,8 @@
 preset=$1
 architecture=$2
 need dpkg-deb
-[ -e "$builds/guest/complete-$architecture" ] ||
-  skip "the libraries of $architecture boards are missing in $builds/guest (toolchains/setup fetches them)"
+[ -e "$builds/guest/complete-board-$architecture" ] ||
+  skip "the libraries of $architecture boards are missing in $builds/guest (toolchains/setup board fetches them)"
 case $preset in
   aarch64) need aarch64-linux-gnu-g++ ;;
   armhf) need arm-linux-gnueabihf-g++ ;;

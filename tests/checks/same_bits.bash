@@ -18,7 +18,7 @@ for name; do
     break
   fi
 done
-[ $# -eq 0 ] || [ -n "$emulator" ] || skip "$1 is missing (toolchains/setup installs it)"
+[ $# -eq 0 ] || [ -n "$emulator" ] || skip "$1 is missing (toolchains/setup checks installs it)"
 
 build "$preset" rigtwin_trace
 expected=$("$reference")

@@ -11,13 +11,13 @@
 namespace {
 
 using namespace confusion;
-using host_sim::diagnose::Diagnosis;
-using host_sim::diagnose::NamedEffect;
-using host_sim::diagnose::Verdict;
+using host_sim::identification::Diagnosis;
+using host_sim::identification::NamedEffect;
+using host_sim::identification::Verdict;
 using model::Channel;
 
 NamedEffect named(const char* effect, std::optional<Channel> channel, double value, double confidence) {
-  return {{host_sim::find_effect(effect), channel, {value}}, {{value, 0.99 * value, 1.01 * value}}, confidence, {}};
+  return {{firmware::find_effect(effect), channel, {value}}, {{value, 0.99 * value, 1.01 * value}}, confidence, {}};
 }
 
 truth::Truth gain_of_force() {
@@ -27,14 +27,14 @@ truth::Truth gain_of_force() {
   return truth;
 }
 
-// Point. The rules, one by one.
+// Point. The rules for a right answer, one by one.
 TEST(Confusion, KnowsWhatIsRight) {
   const Asked single{"single:hil:sensor_gain:F"}, none{"none:hil"}, unknown{"unknown:hil:hysteresis"};
   Diagnosis d;
   d.verdict = Verdict::named;
   d.effects = {named("sensor_gain", Channel::F, 1.105, 0.99)};
   d.parameters = {{"suspension.stiffness", {30.1e3, 30.05e3, 30.2e3}}};
-  d.gap = {{Channel::F, {0.2, 0.2, 0.012, 0.010}}, {Channel::x_act, {0.2, 0.2, 0.01, 0.010}}};
+  d.prediction_errors = {{Channel::F, {0.2, 0.2, 0.012, 0.010}}, {Channel::x_act, {0.2, 0.2, 0.01, 0.010}}};
   const Outcome right = judged(single, gain_of_force(), d);
   EXPECT_TRUE(right.right());
   ASSERT_EQ(right.estimates.size(), 2U);
@@ -77,8 +77,8 @@ TEST(Confusion, KeepsAnOutcomeThroughText) {
   Diagnosis d;
   d.verdict = Verdict::named;
   d.effects = {named("sensor_gain", Channel::F, 1.105, 0.99)};
-  d.chi_squared_after = NAN;
-  d.rest = "F, 1 to 2 Hz";
+  d.residual_power.after = NAN;
+  d.residual = "F, 1 to 2 Hz";
   const Outcome sent = judged({"single:hil:sensor_gain:F", 7}, gain_of_force(), d);
   const Outcome come = outcome_from(nlohmann::ordered_json::parse(to_json(sent).dump()));
   EXPECT_EQ(to_json(come).dump(), to_json(sent).dump());

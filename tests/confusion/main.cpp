@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host_sim/output_file.hpp"
+#include "firmware/recording/output_file.hpp"
 #include "tests/confusion/golden.hpp"
 #include "tests/confusion/workers.hpp"
 
@@ -82,11 +82,11 @@ int main_of(const Options& options) {
     nlohmann::ordered_json all = golden_copy(options.run, today(), table, {});
     all["recordings"] = nlohmann::ordered_json::array();
     for (const Outcome& o : outcomes) all["recordings"].push_back(to_json(o));
-    host_sim::write_file(options.out, all.dump(1) + "\n");
+    firmware::write_file(options.out, all.dump(1) + "\n");
   }
   if (!options.golden.empty()) {
-    host_sim::write_file(options.golden + ".json", golden_copy(options.run, today(), table, outcomes).dump(1) + "\n");
-    host_sim::write_file(options.golden + ".txt", today() + ", " + words);
+    firmware::write_file(options.golden + ".json", golden_copy(options.run, today(), table, outcomes).dump(1) + "\n");
+    firmware::write_file(options.golden + ".txt", today() + ", " + words);
   }
   return options.against.empty() ? 0 : compared(options, table, outcomes);
 }

@@ -8,15 +8,16 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
-#include "host_sim/diagnose/story.hpp"
-#include "host_sim/recording.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_csv.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
 
 namespace confusion {
 namespace {
 
-using host_sim::diagnose::Diagnosis;
-using host_sim::diagnose::Interval;
-using host_sim::diagnose::NamedEffect;
+using host_sim::identification::Diagnosis;
+using host_sim::identification::Interval;
+using host_sim::identification::NamedEffect;
 using nlohmann::ordered_json;
 
 std::string words(const truth::Effect& effect) {
@@ -50,7 +51,7 @@ std::string hidden_words(const truth::Truth& truth) {
 std::string found_words(const Diagnosis& diagnosis) {
   std::string text;
   for (const NamedEffect& named : diagnosis.effects) {
-    text += (text.empty() ? "" : " and ") + host_sim::diagnose::words(named.effect);
+    text += (text.empty() ? "" : " and ") + host_sim::identification::words(named.effect);
     for (std::size_t p = 0; p < named.parameters.size(); ++p) {
       text += " " + std::string(named.effect.entry->parameters[p].name) + "=" + number(named.parameters[p].value);
     }
@@ -87,15 +88,15 @@ Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& d
   outcome.hidden = hidden_words(truth);
   outcome.found = found_words(diagnosis);
   outcome.size = truth.size;
-  outcome.verdict = host_sim::diagnose::name(diagnosis.verdict);
+  outcome.verdict = host_sim::identification::name(diagnosis.verdict);
   outcome.unexplained = diagnosis.unexplained;
-  outcome.rest = diagnosis.rest;
+  outcome.rest = diagnosis.residual;
   outcome.effects_hidden = truth.effects.size();
-  outcome.residual_power = diagnosis.chi_squared_after;
+  outcome.residual_power = diagnosis.residual_power.after;
   std::vector<std::string> missed;
   for (const truth::Effect& effect : truth.effects) missed.push_back(words(effect));
   for (const NamedEffect& named : diagnosis.effects) {
-    const std::string name = host_sim::diagnose::words(named.effect);
+    const std::string name = host_sim::identification::words(named.effect);
     const auto it = std::find_if(truth.effects.begin(), truth.effects.end(),
                                  [&](const truth::Effect& effect) { return words(effect) == name; });
     outcome.named.push_back({name, named.confidence, it != truth.effects.end()});
@@ -108,7 +109,7 @@ Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& d
   }
   for (const NamedEffect& named : diagnosis.effects) {
     for (const auto& other : named.alternatives) {
-      if (std::find(missed.begin(), missed.end(), host_sim::diagnose::words(other.effect)) != missed.end()) {
+      if (std::find(missed.begin(), missed.end(), host_sim::identification::words(other.effect)) != missed.end()) {
         outcome.truth_is_rival = true;
       }
     }
@@ -118,7 +119,7 @@ Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& d
       if (truth.actual.contains(path)) outcome.estimates.push_back(estimate(path, false, value, truth.actual.at(path)));
     }
   }
-  for (const auto& [channel, gap] : diagnosis.gap) {
+  for (const auto& [channel, gap] : diagnosis.prediction_errors) {
     const double ratio = gap.noise_floor > 0.0 ? gap.after / gap.noise_floor : 0.0;
     if (ratio <= outcome.gap) continue;
     outcome.gap = ratio;
@@ -134,17 +135,17 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
     const truth::Truth truth = truth::draw(asked.group, asked.seed, wanted);
     outcome.hidden = hidden_words(truth);
     outcome.effects_hidden = truth.effects.size();
-    const host_sim::RigDescription description = host_sim::parse_rig(truth::rig_toml(truth), "rig.toml");
-    std::vector<host_sim::diagnose::Record> records;
+    const firmware::RigDescription description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
+    std::vector<host_sim::identification::Record> records;
     for (const truth::Record& record : truth::simulate(truth)) {
       const std::string file = "rec" + std::to_string(records.size() + 1) + ".csv";
-      records.push_back({host_sim::parse_recording_csv(truth::csv(truth, record), file, description.channels,
+      records.push_back({firmware::parse_recording_csv(truth::csv(truth, record), file, description.channels,
                                                        description.sample_rate),
-                         host_sim::diagnose::Use::shared});
+                         host_sim::identification::Use::shared});
     }
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();
-    const Diagnosis diagnosis = host_sim::diagnose::diagnose(description, std::move(records));
+    const Diagnosis diagnosis = host_sim::identification::diagnose(description, std::move(records));
     outcome = judged(asked, truth, diagnosis);
     outcome.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     outcome.processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/diagnose/diagnosis.hpp"
+#include "host_sim/identification/diagnosis.hpp"
 #include "tests/confusion/plan.hpp"
 #include "tests/truth/truth.hpp"
 
@@ -57,7 +57,7 @@ struct Outcome {
 
 /// What the diagnosis of a recording is worth, beside the truth.
 [[nodiscard]] Outcome judged(const Asked& asked, const truth::Truth& truth,
-                             const host_sim::diagnose::Diagnosis& diagnosis);
+                             const host_sim::identification::Diagnosis& diagnosis);
 
 /// Draws, simulates, writes as text, reads, diagnoses and judges. What is thrown becomes a failure.
 [[nodiscard]] Outcome run(const Asked& asked, const truth::Wanted& wanted);

@@ -8,7 +8,10 @@
 #include <string>
 #include <string_view>
 
-#include "host_sim/recording.hpp"
+#include "firmware/description/channel_map.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_csv.hpp"
 
 namespace {
 
@@ -16,7 +19,7 @@ void require(bool holds) {
   if (!holds) std::abort();
 }
 
-void check(const host_sim::Recording& recording) {
+void check(const firmware::Recording& recording) {
   require(recording.size() >= 2 && recording.sample_period > 0.0);
   for (std::size_t k = 1; k < recording.size(); ++k) require(recording.time[k] > recording.time[k - 1]);
   for (const auto& channel : recording.channels) {
@@ -38,16 +41,16 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   // The first byte chooses the rate and the map.
-  const host_sim::ChannelMap map =
-      (*data & 1U) == 0 ? host_sim::ChannelMap{}
-                        : host_sim::ChannelMap{{"t", {"ms", 1e-3, 0.0}}, {"z_r", {"Road [mm]", 1e-3, 0.5}}};
+  const firmware::ChannelMap map =
+      (*data & 1U) == 0 ? firmware::ChannelMap{}
+                        : firmware::ChannelMap{{"t", {"ms", 1e-3, 0.0}}, {"z_r", {"Road [mm]", 1e-3, 0.5}}};
   const std::optional<double> rate = (*data & 2U) == 0 ? std::nullopt : std::optional<double>(1000.0);
   const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
 
-  host_sim::Recording recording;
+  firmware::Recording recording;
   try {
-    recording = host_sim::parse_recording_csv(text, "REC.csv", map, rate);
-  } catch (const host_sim::InputError& error) {
+    recording = firmware::parse_recording_csv(text, "REC.csv", map, rate);
+  } catch (const firmware::InputError& error) {
     const std::string_view line = error.what();
     require(line.starts_with("REC.csv:") && line.find(", expected ") != std::string_view::npos);
     require(line.find('\n') == std::string_view::npos);
@@ -55,10 +58,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   check(recording);
   // Its stamps may be refused now: what they were rounded to shows in their number of digits, which need not stay.
-  host_sim::Recording again;
+  firmware::Recording again;
   try {
-    again = host_sim::parse_recording_csv(format_recording_csv(recording), "again", {}, 1.0 / recording.sample_period);
-  } catch (const host_sim::InputError&) {
+    again = firmware::parse_recording_csv(format_recording_csv(recording), "again", {}, 1.0 / recording.sample_period);
+  } catch (const firmware::InputError&) {
     return 0;
   }
   check(again);

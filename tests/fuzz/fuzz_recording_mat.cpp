@@ -11,7 +11,9 @@
 #include <string>
 #include <string_view>
 
-#include "host_sim/recording.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
 
 namespace {
 
@@ -35,10 +37,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(file >= 0 && ::ftruncate(file, 0) == 0);
   require(::pwrite(file, data, size, 0) == static_cast<ssize_t>(size));
   try {
-    const host_sim::Recording recording = host_sim::read_recording(path);
+    const firmware::Recording recording = host_sim::read_recording(path);
     require(recording.size() >= 2 && recording.sample_period > 0.0);
     for (const auto& channel : recording.channels) require(channel.empty() || channel.size() == recording.size());
-  } catch (const host_sim::InputError& error) {
+  } catch (const firmware::InputError& error) {
     const std::string_view line = error.what();
     require(line.starts_with(path) && line.find('\n') == std::string_view::npos);
   }

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/input_error.hpp"
+#include "firmware/description/input_error.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
 
 namespace {
 
@@ -23,22 +23,22 @@ void require_one_line(std::string_view line) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  host_sim::RigDescription description;
+  firmware::RigDescription description;
   try {
-    description = host_sim::parse_rig(text, "RIG.toml");
-  } catch (const host_sim::InputError& error) {
+    description = firmware::parse_rig(text, "RIG.toml");
+  } catch (const firmware::InputError& error) {
     require_one_line(error.what());
     return 0;
   }
   require(description.sample_rate >= 1.0 && description.sample_rate <= 1e5);
   for (const auto& [path, tolerance] : description.tolerance) {
-    require(tolerance >= 0.0 && host_sim::find_parameter(description.rig, path) != nullptr);
+    require(tolerance >= 0.0 && firmware::find_parameter(description.rig, path) != nullptr);
   }
   // Three samples through the firmware: whatever a description says, it stops nothing of ours.
   try {
-    const auto motion = host_sim::excitation(description.rig, host_sim::FootPointMotion(3), description.sample_rate);
+    const auto motion = firmware::excitation(description.rig, firmware::FootPointMotion(3), description.sample_rate);
     require(host_sim::run_closed_loop(description, motion, {}).recording.size() <= 3);
-  } catch (const host_sim::InputError& error) {
+  } catch (const firmware::InputError& error) {
     require_one_line(error.what());
   }
   return 0;

@@ -10,8 +10,9 @@
 #include <string>
 #include <string_view>
 
-#include "host_sim/input_error.hpp"
-#include "host_sim/profile_file.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/simulation/profile_file.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
 
 namespace {
 
@@ -29,9 +30,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(file >= 0 && ::ftruncate(file, 0) == 0);
   require(::pwrite(file, data, size, 0) == static_cast<ssize_t>(size));
   try {
-    const host_sim::FootPointMotion motion = host_sim::road_from_file(path, 27.78, 1000.0, 2000);
+    const firmware::FootPointMotion motion =
+        firmware::road_from_file(path, 27.78, 1000.0, 2000, host_sim::read_recording);
     require(!motion.empty() && motion.size() <= 2000);
-  } catch (const host_sim::InputError& error) {
+  } catch (const firmware::InputError& error) {
     const std::string_view line = error.what();
     require(line.starts_with(path) && line.find('\n') == std::string_view::npos);
   }

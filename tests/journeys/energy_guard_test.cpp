@@ -9,10 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "firmware/control_loop.hpp"
+#include "firmware/description/control_settings.hpp"
+#include "firmware/loop/control_loop.hpp"
+#include "firmware/simulation/gaussian.hpp"
+#include "firmware/simulation/simulated_rig.hpp"
 #include "hal/simulated/rig.hpp"
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/gaussian.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
 #include "model/road_filter.hpp"
 #include "tests/support/rig_texts.hpp"
 
@@ -24,7 +26,7 @@ using model::Channel;
 /// An ISO road worked out as it is driven over: an hour of it need not be kept.
 class EndlessRoad final : public firmware::Reference {
  public:
-  EndlessRoad(const host_sim::IsoRoad& road, double period, std::uint64_t samples)
+  EndlessRoad(const firmware::IsoRoad& road, double period, std::uint64_t samples)
       : filter_({road.roughness, road.speed, road.cut_off, road.bandwidth}, period),
         gaussian_(road.seed, 1),
         loudness_(std::sqrt(0.5 / period)),
@@ -39,7 +41,7 @@ class EndlessRoad final : public firmware::Reference {
 
   model::RoadFilter<double> filter_;
   model::RoadFilter<double>::State state_ = model::RoadFilter<double>::State::Zero();
-  host_sim::Gaussian gaussian_;
+  firmware::Gaussian gaussian_;
   double loudness_;
   std::uint64_t samples_;
 };
@@ -52,17 +54,17 @@ struct Ride {
 
 /// The paper's rig over `seconds` of a road; only stroke, force and energy are limited.
 Ride ride(double virtual_damping, const char* road_class, double seconds, std::uint64_t seed) {
-  host_sim::RigDescription rig = support::rig("paper_hil_fdva");
+  firmware::RigDescription rig = support::rig("paper_hil_fdva");
   rig.rig.machine.virtual_damping = virtual_damping;
   rig.controller.speed = 50.0;
-  host_sim::IsoRoad road;
-  road.roughness = host_sim::class_roughness(road_class);
+  firmware::IsoRoad road;
+  road.roughness = firmware::class_roughness(road_class);
   road.seed = seed;
   const auto samples = static_cast<std::uint64_t>(std::llround(seconds * rig.sample_rate));
   EndlessRoad reference(road, rig.period(), samples);
 
-  const firmware::Settings settings = host_sim::firmware_settings(rig);
-  host_sim::SimulatedRig plant(rig, seed, host_sim::SimulatedRig::Noise::as_described);
+  const firmware::Settings settings = firmware::control_settings(rig);
+  firmware::SimulatedRig plant(rig, seed, firmware::SimulatedRig::Noise::as_described);
   hal::simulated::Construction construction;
   construction.period = settings.period;
   for (const Channel channel : {Channel::F, Channel::x_act}) construction.sensors[model::index(channel)].fitted = true;
@@ -70,7 +72,7 @@ Ride ride(double virtual_damping, const char* road_class, double seconds, std::u
   hal::simulated::Rig simulated(plant, construction);
   std::vector<firmware::Record> storage(4);
   firmware::Journal journal(storage);
-  firmware::ControlLoop loop(settings, rig.rig, simulated.roles(), reference, host_sim::valve_plan(rig), journal);
+  firmware::ControlLoop loop(settings, rig.rig, simulated.roles(), reference, firmware::valve_plan(rig), journal);
   Ride result;
   loop.start();
   loop.run([&] {

@@ -1,5 +1,5 @@
 // Journey. A rig whose controller is late now and then: its recording is read as it is, by compare and by diagnose,
-// which say how often it was late; what nobody recorded counts for nothing.
+// which report how often it was late; missing samples are not used.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,11 +8,16 @@
 #include <vector>
 
 #include "firmware/controller/recorder.hpp"
+#include "firmware/description/control_settings.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/simulation/simulated_rig.hpp"
+#include "firmware/simulation/simulated_setup.hpp"
 #include "hal/simulated/rig.hpp"
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/comparison.hpp"
-#include "host_sim/diagnose/evidence.hpp"
-#include "host_sim/diagnose/intake.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
+#include "host_sim/comparison/comparison.hpp"
+#include "host_sim/identification/prepare/prepared_recording.hpp"
+#include "host_sim/identification/prepare/validation.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 
@@ -24,14 +29,14 @@ using model::Channel;
 constexpr hal::Time ms = hal::milliseconds(1);
 
 /// Eight seconds of highway through the firmware and the controller's own recorder.
-void drive(const host_sim::RigDescription& rig, std::span<const LateWake> late, const std::string& out) {
-  host_sim::IsoRoad road;
-  road.bandwidth = host_sim::default_bandwidth(rig.rig.kind, 1000.0);
-  const auto motion = host_sim::excitation(rig.rig, host_sim::drive_over(road, 1000.0, 8000), 1000.0);
-  host_sim::SimulatedRig plant(rig, 3, host_sim::SimulatedRig::Noise::as_described);
+void drive(const firmware::RigDescription& rig, std::span<const LateWake> late, const std::string& out) {
+  firmware::IsoRoad road;
+  road.bandwidth = firmware::default_bandwidth(rig.rig.kind, 1000.0);
+  const auto motion = firmware::excitation(rig.rig, firmware::drive_over(road, 1000.0, 8000), 1000.0);
+  firmware::SimulatedRig plant(rig, 3, firmware::SimulatedRig::Noise::as_described);
   hal::simulated::Construction construction;
   construction.period = ms;
-  construction.sensors = host_sim::simulated_sensors(rig);
+  construction.sensors = firmware::simulated_sensors(rig);
   construction.ducts = 6;
   hal::simulated::FaultPlan faults;
   faults.late_wakes = late;
@@ -39,8 +44,8 @@ void drive(const host_sim::RigDescription& rig, std::span<const LateWake> late, 
   firmware::TableReference reference(motion);
   std::vector<firmware::Record> storage(8);
   firmware::Journal journal(storage);
-  firmware::ControlLoop loop(host_sim::firmware_settings(rig), rig.rig, hardware.roles(), reference,
-                             host_sim::valve_plan(rig), journal);
+  firmware::ControlLoop loop(firmware::control_settings(rig), rig.rig, hardware.roles(), reference,
+                             firmware::valve_plan(rig), journal);
   std::string trouble;
   firmware::controller::Recorder recorder(out, rig, hardware.roles().sensors.setup(), {}, trouble);
   ASSERT_EQ(trouble, "");
@@ -65,7 +70,7 @@ std::vector<LateWake> forty_late_periods() {
 
 TEST(LateRecording, IsComparedAndSaysHowOftenItWasLate) {
   const support::TemporaryFolder folder;
-  const host_sim::RigDescription rig = support::rig("paper_rig_fdva");
+  const firmware::RigDescription rig = support::rig("paper_rig_fdva");
   const auto error = [&](const std::string& file) {
     const host_sim::ComparedRecording recording(rig, host_sim::read_recording(file, {}, 1000.0),
                                                 host_sim::StartChoice::automatic);
@@ -86,8 +91,8 @@ TEST(LateRecording, IsComparedAndSaysHowOftenItWasLate) {
       {"compare", "--rig", description, "--data", folder / "late.csv", "--json", folder / "late.json"});
   ASSERT_EQ(told.status, 0) << told.errors;
   EXPECT_NE(
-      told.output.find("late.csv: 40 periods of 8000 began late, by 56 ms in all and 2.4 ms at most; 40 rows that "
-                       "are missing or lack a sample count for nothing"),
+      told.output.find("late.csv: 40 periods of 8000 began late, by 56 ms in total and 2.4 ms at most; 40 rows are "
+                       "missing or incomplete and not used"),
       std::string::npos)
       << told.output;
   const auto json = nlohmann::json::parse(support::TemporaryFolder::read(folder / "late.json"));
@@ -96,15 +101,15 @@ TEST(LateRecording, IsComparedAndSaysHowOftenItWasLate) {
 
 TEST(LateRecording, IsEvidenceWithoutItsMissingRows) {
   const support::TemporaryFolder folder;
-  const host_sim::RigDescription rig = support::rig("paper_rig_fdva");
+  const firmware::RigDescription rig = support::rig("paper_rig_fdva");
   const auto late = forty_late_periods();
   drive(rig, late, folder / "late.csv");
-  host_sim::Recording recording = host_sim::read_recording(folder / "late.csv", {}, 1000.0);
-  const auto remarks = host_sim::diagnose::take_in(rig, {&recording});
+  firmware::Recording recording = host_sim::read_recording(folder / "late.csv", {}, 1000.0);
+  const auto remarks = host_sim::identification::validate(rig, {&recording});
   ASSERT_FALSE(remarks.empty());
   EXPECT_NE(remarks.front().find("40 periods of 8000 began late"), std::string::npos) << remarks.front();
-  const auto evidence =
-      host_sim::diagnose::evidence_of(rig, std::move(recording), host_sim::diagnose::Use::shared, false);
+  const auto evidence = host_sim::identification::prepare_recording(rig, std::move(recording),
+                                                                    host_sim::identification::Use::shared, false);
   ASSERT_FALSE(evidence.channels.empty());
   for (const Channel channel : evidence.channels) {
     const auto& left_out = evidence.clipped[model::index(channel)];

@@ -7,34 +7,38 @@
 #include <string>
 #include <vector>
 
-#include "firmware/control_loop.hpp"
+#include "firmware/description/control_settings.hpp"
+#include "firmware/loop/control_loop.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/simulation/simulated_rig.hpp"
 #include "hal/replay/rig.hpp"
-#include "host_sim/closed_loop.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {
 
-using host_sim::Recording;
+using firmware::Recording;
 using model::Channel;
 using model::index;
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 struct Ride {
-  host_sim::RigDescription rig;
-  host_sim::FootPointMotion motion;
+  firmware::RigDescription rig;
+  firmware::FootPointMotion motion;
 };
 
 Ride ride_of(const std::string& name, std::uint64_t seed) {
   Ride ride{support::rig(name), {}};
   ride.rig.controller.speed = 5.0;
   ride.rig.controller.valve_plan = {{0.5, 0b000110}, {1.0, 0}, {1.2, 0b111111}};
-  host_sim::IsoRoad road;
-  road.roughness = host_sim::class_roughness("C");
+  firmware::IsoRoad road;
+  road.roughness = firmware::class_roughness("C");
   road.bandwidth = 30.0;
   road.seed = seed;
-  ride.motion = host_sim::excitation(ride.rig.rig, host_sim::drive_over(road, 1000.0, 2000), 1000.0);
+  ride.motion = firmware::excitation(ride.rig.rig, firmware::drive_over(road, 1000.0, 2000), 1000.0);
   return ride;
 }
 
@@ -61,7 +65,7 @@ TEST_P(Replay, GivesTheSameOutputsToTheBit) {
   played.time = times;
   hal::SensorSetup sensors{};
   for (std::size_t i = 0; i < model::channel_count; ++i) {
-    if (!host_sim::is_hardware_channel(kind, model::channel_at(i)) || recorded.channels[i].empty()) continue;
+    if (!firmware::is_hardware_channel(kind, model::channel_at(i)) || recorded.channels[i].empty()) continue;
     played.columns[i].values = recorded.channels[i];
     sensors[i].fitted = true;
   }
@@ -74,8 +78,8 @@ TEST_P(Replay, GivesTheSameOutputsToTheBit) {
   firmware::TableReference reference(ride.motion);
   std::vector<firmware::Record> storage(periods);
   firmware::Journal journal(storage);
-  firmware::ControlLoop loop(host_sim::firmware_settings(ride.rig), ride.rig.rig, rig.roles(), reference,
-                             host_sim::valve_plan(ride.rig), journal);
+  firmware::ControlLoop loop(firmware::control_settings(ride.rig), ride.rig.rig, rig.roles(), reference,
+                             firmware::valve_plan(ride.rig), journal);
   loop.start();
   std::size_t left = periods;
   loop.run([&left] { return left-- > 0; });

@@ -5,19 +5,17 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "host_sim/catalogue.hpp"
-#include "host_sim/diagnose/result_rig.hpp"
-#include "host_sim/stability/linear_rig.hpp"
+#include "firmware/description/effects_by_name.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {
 
-using host_sim::CatalogueEntry;
-using host_sim::PlacedEffect;
-using host_sim::RigDescription;
-using host_sim::stability::EffectKind;
+using firmware::CatalogueEntry;
+using firmware::PlacedEffect;
+using firmware::RigDescription;
 using model::Channel;
 using support::rigtwin;
 using support::TemporaryFolder;
@@ -60,8 +58,8 @@ class RoundTrip : public testing::TestWithParam<const char*> {
   /// A rig that comes with the project, without effects and noise.
   void SetUp() override {
     plain = support::rig(GetParam());
-    for (const PlacedEffect& effect : host_sim::effects_of(plain.rig))
-      host_sim::remove_effect(plain.rig, *effect.entry, effect.channel);
+    for (const PlacedEffect& effect : firmware::effects_of(plain.rig))
+      firmware::remove_effect(plain.rig, *effect.entry, effect.channel);
     plain.noise = {};
     plain.range = {};
     plain.controller.stroke = 2.0;  // [m]; [m/s] for the road on which a tyre lifts off
@@ -69,7 +67,7 @@ class RoundTrip : public testing::TestWithParam<const char*> {
     folder.write("plain.toml", format("given.toml", plain));
   }
   static std::string format(const char* given, const RigDescription& description) {
-    return host_sim::diagnose::result_rig(description, given);
+    return host_sim::identification::result_rig(description, given);
   }
 
   RigDescription plain;
@@ -83,16 +81,16 @@ TEST_P(RoundTrip, OfEveryEffectThroughEveryCommand) {
   const bool hil = plain.rig.kind == model::RigKind::hil;
   const auto stability_without = hil ? stability_of(folder / "plain.toml") : nlohmann::json();
   const Channel sensor = plain.rig.kind == model::RigKind::quarter_car ? Channel::F_w : Channel::F;
-  for (const CatalogueEntry& entry : host_sim::catalogue()) {
+  for (const CatalogueEntry& entry : firmware::catalogue()) {
     const std::optional<Channel> channel = entry.of_channel ? std::optional(sensor) : std::nullopt;
     if (!has_place(plain.rig, entry, channel)) continue;
     SCOPED_TRACE(std::string(GetParam()) + " " + std::string(entry.name));
     const PlacedEffect effect{&entry, channel, size_of(entry.name)};
     RigDescription found = plain;
-    host_sim::put_effect(found.rig, effect);
+    firmware::put_effect(found.rig, effect);
     folder.write("rig.toml", format("given.toml", found));
 
-    const auto again = host_sim::effects_of(host_sim::read_rig(rig).rig);
+    const auto again = firmware::effects_of(firmware::read_rig(rig).rig);
     ASSERT_EQ(again.size(), 1U);
     EXPECT_EQ(again[0].entry, &entry);
     EXPECT_EQ(again[0].channel, channel);
@@ -113,12 +111,12 @@ TEST_P(RoundTrip, OfEveryEffectThroughEveryCommand) {
     if (!hil) continue;
     const auto stability = stability_of(rig);
     std::string left_out = stability["left_out"].dump();
-    switch (host_sim::stability::kind_of_effect(entry.name)) {
-      case EffectKind::linear:
+    switch (entry.linearisation) {
+      case model::Linearisation::exact:
         EXPECT_EQ(left_out, stability_without["left_out"].dump());
         EXPECT_NE(stability["rightmost"], stability_without["rightmost"]);
         break;
-      case EffectKind::nonlinear:
+      case model::Linearisation::left_out:
         EXPECT_NE(left_out.find(entry.name), std::string::npos) << left_out;
         EXPECT_EQ(stability["rightmost"], stability_without["rightmost"]);
         break;
@@ -132,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RoundTrip, testing::Values("paper_hil_fdva", "pa
 
 // Every effect has a place in one of these rigs at least: none is left out of the round trip.
 TEST(RoundTripOfAll, MeetsEveryEffect) {
-  for (const CatalogueEntry& entry : host_sim::catalogue()) {
+  for (const CatalogueEntry& entry : firmware::catalogue()) {
     bool somewhere = false;
     for (const char* name : {"paper_hil_fdva", "paper_rig_fdva", "paper_bench_fdva"}) {
       const auto rig = support::rig(name).rig;

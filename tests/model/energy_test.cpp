@@ -9,6 +9,7 @@
 
 namespace {
 
+using model::CoreIndex;
 using model::RigKind;
 using Rig = model::RigModel<>;
 using Parameters = model::RigParameters<double>;
@@ -23,8 +24,8 @@ Parameters lossless() {
 
 Rig::State kicked(const Rig& model, double v_w = 1.0, double v_b = -0.5) {
   model::Column<double, 6> core = model::Column<double, 6>::Zero();
-  core(1) = v_w;
-  core(3) = v_b;
+  core(CoreIndex::wheel_velocity) = v_w;
+  core(CoreIndex::body_velocity) = v_b;
   return model.start(core, {}, {});
 }
 
@@ -54,10 +55,11 @@ TEST(Energy, FallsByTheWorkOfTheLosses) {
   const auto duct = model.equations().duct();
   const auto step = model::DuctFlows<double>::step_of(rig.fdva, duct, h);
   const auto power = [&] {
-    const double relative = x.core(1) - x.core(3);
-    double p = rig.tyre.damping * x.core(1) * x.core(1) + rig.suspension.damping * relative * relative;
+    const double relative = x.core(CoreIndex::wheel_velocity) - x.core(CoreIndex::body_velocity);
+    double p = rig.tyre.damping * x.core(CoreIndex::wheel_velocity) * x.core(CoreIndex::wheel_velocity) +
+               rig.suspension.damping * relative * relative;
     for (std::size_t j = 0; j < model::duct_capacity; ++j) {
-      const double q = x.ducts.flow(j, x.core(5), step);
+      const double q = x.ducts.flow(j, x.core(CoreIndex::piston_velocity), step);
       p += duct.laminar_loss * q * q + duct.minor_loss * std::fabs(q) * q * q;
     }
     return p;
@@ -132,7 +134,7 @@ TEST(Energy, NeverRisesByOpeningAndClosingDucts) {
       rig.kind = kind;
       const Rig model(rig, 1e-3);
       auto x = kicked(model);
-      if (kind == RigKind::component_bench) x.core(4) = 0.01;  // its coil spring is tensioned
+      if (kind == RigKind::component_bench) x.core(CoreIndex::piston_travel) = 0.01;  // its coil spring is tensioned
       support::NormalNoise noise(seed);
       double before = model.energy(x);
       const double start = before;
@@ -159,12 +161,12 @@ TEST(Energy, OfTheOilIsNoneWithALockedPiston) {
   const auto road = support::random_road(64e-6, 1e-3, 4.0, 54);
   for (std::size_t k = 0; k < 2000; ++k) model.step(x, {.foot_point = road[k]});
   model.open_ducts(x, 0);
-  const double y = x.core(4);
+  const double y = x.core(CoreIndex::piston_travel);
   EXPECT_NE(y, 0.0);
   for (std::size_t k = 2000; k < road.size(); ++k) {
     model.step(x, {.foot_point = road[k]});
-    EXPECT_EQ(x.core(4), y) << "seed 54";
-    EXPECT_EQ(x.core(5), 0.0) << "seed 54";
+    EXPECT_EQ(x.core(CoreIndex::piston_travel), y) << "seed 54";
+    EXPECT_EQ(x.core(CoreIndex::piston_velocity), 0.0) << "seed 54";
     const auto d = model.deflection(x);
     EXPECT_NEAR(model.suspension_force(x), 31500.0 * d.position + 55e3 * (d.position - y), 1e-9) << "seed 54";
   }

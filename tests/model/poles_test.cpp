@@ -16,6 +16,7 @@
 namespace {
 
 using model::Channel;
+using model::CoreIndex;
 using model::RigKind;
 using Complex = std::complex<double>;
 using Parameters = model::RigParameters<double>;
@@ -187,7 +188,7 @@ TEST(Poles, OfTheFdvaBranchAreEightHertzTimesTheRootOfHalfItsDucts) {
     auto x = model.start(pulled, {}, {});
     std::vector<double> y;
     for (int k = 0; k < 10'000; ++k) {
-      if (k % 8 == 0) y.push_back(x.core(4));
+      if (k % 8 == 0) y.push_back(x.core(CoreIndex::piston_travel));
       model.step(x, {});
     }
     const auto poles = poles_of(y, 2, 8e-3);

@@ -72,7 +72,7 @@ TEST(RigEquations, JoinCarAndComponent) {
   const model::RigEquations<double> equations(joined_rig());
   model::RigEquations<double>::JoinedState x = model::RigEquations<double>::JoinedState::Zero();
   x.head<6>() << 0.02, 0.5, 0.01, 0.3, 0.004, 0.1;
-  model::RigEquations<double>::JoinedDrive drive{.z_r = 0.03, .v_r = 1.0};
+  model::RigEquations<double>::JoinedInput drive{.z_r = 0.03, .v_r = 1.0};
   drive.actuator_force = 50.0;
   const auto rate = equations.joined(x, drive, 2);
   EXPECT_NEAR(rate(3), 735.0 / 290.0, 1e-12);

@@ -13,7 +13,8 @@
 namespace {
 
 using model::Channel;
-using model::Extent;
+using model::CoreIndex;
+using model::ModelledPart;
 using model::Motion;
 using model::RigKind;
 using model::Signals;
@@ -54,7 +55,8 @@ Rig::Input input_of(const Motion<double>& road) {
 TEST(RigModel, SplitsIntoCarAndMachineWithoutChangingABit) {
   for (const bool with_effects : {false, true}) {
     auto rig = with_effects ? everything(RigKind::hil) : support::fdva_rig(RigKind::hil);
-    const Rig whole(rig, period), car(rig, period, Extent::virtual_car), machine(rig, period, Extent::test_machine);
+    const Rig whole(rig, period), car(rig, period, ModelledPart::virtual_car),
+        machine(rig, period, ModelledPart::test_machine);
     const model::VirtualCar<> alone(rig, period);
     auto x = whole.start(), c = car.start(), m = machine.start();
     auto a = alone.start();
@@ -215,8 +217,8 @@ TEST(RigModel, IsStableForAnyStepAndStiffness) {
       Rig::Input in;
       in.foot_point.position = 0.1;
       for (int k = 0; k < static_cast<int>(100.0 / h); ++k) model.step(x, in);
-      EXPECT_NEAR(x.core(0), 0.1, 1e-8) << "step " << h << ", stiffness × " << factor;
-      EXPECT_NEAR(x.core(2), 0.1, 1e-8) << "step " << h << ", stiffness × " << factor;
+      EXPECT_NEAR(x.core(CoreIndex::wheel_position), 0.1, 1e-8) << "step " << h << ", stiffness × " << factor;
+      EXPECT_NEAR(x.core(CoreIndex::body_position), 0.1, 1e-8) << "step " << h << ", stiffness × " << factor;
     }
   }
 }
@@ -312,7 +314,7 @@ TEST(RigModel, ShowsTheSignalsOfABench) {
   rig.suspension.damping = 100.0;
   const Rig model(rig, period);
   model::Column<double, 6> core = model::Column<double, 6>::Zero();
-  core(4) = 0.004;
+  core(CoreIndex::piston_travel) = 0.004;
   const auto x = model.start(core, {}, {0.01, 0.2});
   const auto s = model.signals(x);
   EXPECT_EQ(at(s, Channel::x_act), 0.01);
@@ -350,9 +352,10 @@ TEST(RigModel, FeedsTheNoiseOfTheForceSensorBack) {
   model.step(quiet, {});
   EXPECT_EQ(at(model.measured(noisy, &noise), Channel::F) - at(model.measured(quiet), Channel::F), 100.0);
   EXPECT_EQ(at(model.signals(noisy), Channel::F), at(model.signals(quiet), Channel::F));
-  EXPECT_EQ(noisy.core(3), quiet.core(3));
+  EXPECT_EQ(noisy.core(CoreIndex::body_velocity), quiet.core(CoreIndex::body_velocity));
   model.step(noisy, {});
-  EXPECT_NEAR(noisy.core(3), 100.0 / 290.0 * period, 1e-3 * 100.0 / 290.0 * period);  // held for a period
+  EXPECT_NEAR(noisy.core(CoreIndex::body_velocity), 100.0 / 290.0 * period,
+              1e-3 * 100.0 / 290.0 * period);  // held for a period
 }
 
 // Fault. Ducts that are not there, an FDVA that is not there, half a rig that has no halves: broken assumptions.
@@ -361,7 +364,7 @@ TEST(RigModelDeathTest, StopsAtWhatItDoesNotHave) {
   auto x = with.start(), y = without.start();
   EXPECT_DEATH(with.open_ducts(x, 64), "");
   EXPECT_DEATH(without.open_ducts(y, 1), "");
-  EXPECT_DEATH(Rig(support::linear_rig(RigKind::quarter_car), period, Extent::virtual_car), "");
+  EXPECT_DEATH(Rig(support::linear_rig(RigKind::quarter_car), period, ModelledPart::virtual_car), "");
   auto broken = support::linear_rig(RigKind::quarter_car);
   broken.body.mass = -1.0;
   EXPECT_DEATH(Rig(broken, period), "");

@@ -1,4 +1,8 @@
-// The three rigs once more, with other equations and another method: what the model is measured against.
+// An independent integration of the three kinds of rig: the reference for the accuracy of the model's step.
+//
+// tests/truth is another one, for another question (its README compares them): it stands for a real rig with a
+// continuous road and loop. This one integrates the specification of the step: the model's sampled inputs, cubic
+// between samples, switched ducts, a force that is sampled and held.
 #pragma once
 
 #include <array>

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "host_sim/rig_description.hpp"
+#include "firmware/description/rig_description.hpp"
 
 namespace support {
 
@@ -19,8 +19,8 @@ inline const std::filesystem::path source{RIGTWIN_SOURCE_DIR};
 inline const std::filesystem::path shared = source.parent_path() / "shared";
 
 /// A rig that comes with the project: "paper_hil_fdva", …
-inline host_sim::RigDescription rig(const std::string& name) {
-  return host_sim::read_rig(source / "host_sim" / "rigs" / (name + ".toml"));
+inline firmware::RigDescription rig(const std::string& name) {
+  return firmware::read_rig(source / "host_sim" / "rigs" / (name + ".toml"));
 }
 
 /// `text` with its one occurrence of `from` replaced.

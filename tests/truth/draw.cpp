@@ -15,7 +15,7 @@
 namespace truth {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr std::array kinds{Kind::quarter_car, Kind::hil, Kind::component_bench};
 
 char letter(Kind kind) { return kind == Kind::quarter_car ? 'q' : (kind == Kind::hil ? 'h' : 'b'); }

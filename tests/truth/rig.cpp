@@ -9,7 +9,7 @@ namespace truth {
 namespace {
 
 constexpr double gravity = 9.81;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double large_stroke = 20e-3;  // [m]
 
 double sign(double v) { return v > 0.0 ? 1.0 : (v < 0.0 ? -1.0 : 0.0); }
@@ -20,6 +20,86 @@ double velocity_under(double r, double c1, double c2, double friction) {
   if (rest <= 0.0) return 0.0;
   // The root of c₂ v² + c₁ v − rest without cancellation.
   return sign(r) * 2.0 * rest / (c1 + std::sqrt(c1 * c1 + 4.0 * c2 * rest));
+}
+
+/// An effect of the catalogue into the numbers; std::invalid_argument where the rig has no place for it.
+void put(const Effect& effect, Numbers& n) {
+  const bool car = n.kind == Kind::quarter_car;
+  const auto p = [&](const char* key) { return effect.parameters.at(key); };
+  const auto only = [&](bool exists) {
+    if (!exists) throw std::invalid_argument(effect.name + " does not exist on a " + name_of(n.kind));
+  };
+  const std::string& name = effect.name;
+  if (name == "actuator_delay")
+    only(!car), n.machine_delay = p("delay");
+  else if (name == "actuator_lag")
+    only(!car), n.machine_lag = p("time_constant");
+  else if (name == "actuator_resonance")
+    only(!car), n.machine_turn = 2.0 * pi * p("frequency"), n.machine_ratio = p("damping_ratio");
+  else if (name == "actuator_rate_limit")
+    only(!car), n.machine_velocity = p("velocity");
+  else if (name == "coulomb_friction")
+    n.coulomb = p("force");
+  else if (name == "viscous_damping")
+    n.damping += p("damping");
+  else if (name == "quadratic_damping")
+    n.quadratic = p("coefficient");
+  else if (name == "progressive_spring")
+    n.cubic_spring = p("cubic_stiffness");
+  else if (name == "bump_stop")
+    n.clearance = p("clearance"), n.bump = p("stiffness");
+  else if (name == "backlash")
+    n.gap = p("gap");
+  else if (name == "top_mount")
+    n.mount = p("stiffness");
+  else if (name == "relaxation")
+    n.maxwell = p("stiffness"), n.maxwell_time = p("time_constant");
+  else if (name == "seal_friction")
+    only(n.fdva && !n.locked), n.seal = p("force");
+  else if (name == "body_guide_friction")
+    only(car), n.body_friction = p("force");
+  else if (name == "wheel_guide_friction")
+    only(car), n.wheel_friction = p("force");
+  else if (name == "body_guide_damping")
+    only(car), n.body_damping = p("damping");
+  else if (name == "wheel_guide_damping")
+    only(car), n.wheel_damping = p("damping");
+  else if (name == "tyre_lift_off")
+    only(n.kind != Kind::component_bench), n.lift_off = true;
+  else if (name == "progressive_tyre")
+    only(n.kind != Kind::component_bench), n.tyre_cubic = p("cubic_stiffness");
+  else if (name == "force_sensor_inertia")
+    only(car), n.sensor_mass = p("mass");
+  else if (effect.channel.empty())
+    throw std::invalid_argument("no such effect: " + name);
+}
+
+/// Effects that the catalogue of rigtwin does not hold.
+void put_outside(const Truth& truth, Numbers& n) {
+  const auto outside = [&](const char* key, double otherwise = 0.0) {
+    const auto found = truth.unknown_parameters.find(key);
+    return found == truth.unknown_parameters.end() ? otherwise : found->second;
+  };
+  n.fade = outside("fade");
+  n.stiffening = outside("stiffening");
+  n.wen = outside("wen_force");
+  n.wen_stiffness = outside("wen_stiffness");
+  n.coulomb += outside("stribeck_force");
+  n.static_friction = outside("stribeck_excess");
+  n.stribeck_velocity = outside("stribeck_velocity", 1.0);
+  n.cubic_damping = outside("cubic_damping");
+  n.asymmetry = outside("asymmetry");
+  n.parasite = outside("parasitic_mass");
+  n.parasite_stiffness = outside("parasitic_stiffness");
+  n.parasite_damping = outside("parasitic_damping");
+  n.leaf = outside("leaf_friction");
+  n.lopsided = outside("lopsided");
+  n.stroke_damping = outside("stroke_damping");
+  n.tyre_maxwell = outside("tyre_maxwell");
+  n.tyre_time = outside("tyre_time", 1.0);
+  n.imbalance = outside("imbalance");
+  n.imbalance_turn = 2.0 * pi * outside("imbalance_frequency");
+  n.machine_curve = outside("machine_curve");
 }
 
 }  // namespace
@@ -55,80 +135,8 @@ Numbers numbers_of(const Truth& truth) {
       n.turbulent = density * value("fdva.minor_loss") / (2.0 * area * area) * std::pow(piston, 3) / (open * open);
     }
   }
-  const bool car = n.kind == Kind::quarter_car;
-  for (const Effect& effect : truth.effects) {
-    const auto p = [&](const char* key) { return effect.parameters.at(key); };
-    const auto only = [&](bool exists) {
-      if (!exists) throw std::invalid_argument(effect.name + " does not exist on a " + name_of(n.kind));
-    };
-    const std::string& name = effect.name;
-    if (name == "actuator_delay")
-      only(!car), n.machine_delay = p("delay");
-    else if (name == "actuator_lag")
-      only(!car), n.machine_lag = p("time_constant");
-    else if (name == "actuator_resonance")
-      only(!car), n.machine_turn = 2.0 * pi * p("frequency"), n.machine_ratio = p("damping_ratio");
-    else if (name == "actuator_rate_limit")
-      only(!car), n.machine_velocity = p("velocity");
-    else if (name == "coulomb_friction")
-      n.coulomb = p("force");
-    else if (name == "viscous_damping")
-      n.damping += p("damping");
-    else if (name == "quadratic_damping")
-      n.quadratic = p("coefficient");
-    else if (name == "progressive_spring")
-      n.cubic_spring = p("cubic_stiffness");
-    else if (name == "bump_stop")
-      n.clearance = p("clearance"), n.bump = p("stiffness");
-    else if (name == "backlash")
-      n.gap = p("gap");
-    else if (name == "top_mount")
-      n.mount = p("stiffness");
-    else if (name == "relaxation")
-      n.maxwell = p("stiffness"), n.maxwell_time = p("time_constant");
-    else if (name == "seal_friction")
-      only(n.fdva && !n.locked), n.seal = p("force");
-    else if (name == "body_guide_friction")
-      only(car), n.body_friction = p("force");
-    else if (name == "wheel_guide_friction")
-      only(car), n.wheel_friction = p("force");
-    else if (name == "body_guide_damping")
-      only(car), n.body_damping = p("damping");
-    else if (name == "wheel_guide_damping")
-      only(car), n.wheel_damping = p("damping");
-    else if (name == "tyre_lift_off")
-      only(n.kind != Kind::component_bench), n.lift_off = true;
-    else if (name == "progressive_tyre")
-      only(n.kind != Kind::component_bench), n.tyre_cubic = p("cubic_stiffness");
-    else if (name == "force_sensor_inertia")
-      only(car), n.sensor_mass = p("mass");
-    else if (effect.channel.empty())
-      throw std::invalid_argument("no such effect: " + name);
-  }
-  const auto outside = [&](const char* key, double otherwise = 0.0) {
-    const auto found = truth.unknown_parameters.find(key);
-    return found == truth.unknown_parameters.end() ? otherwise : found->second;
-  };
-  n.fade = outside("fade");
-  n.stiffening = outside("stiffening");
-  n.wen = outside("wen_force");
-  n.wen_stiffness = outside("wen_stiffness");
-  n.coulomb += outside("stribeck_force");
-  n.static_friction = outside("stribeck_excess");
-  n.stribeck_velocity = outside("stribeck_velocity", 1.0);
-  n.cubic_damping = outside("cubic_damping");
-  n.asymmetry = outside("asymmetry");
-  n.parasite = outside("parasitic_mass");
-  n.parasite_stiffness = outside("parasitic_stiffness");
-  n.parasite_damping = outside("parasitic_damping");
-  n.leaf = outside("leaf_friction");
-  n.lopsided = outside("lopsided");
-  n.stroke_damping = outside("stroke_damping");
-  n.tyre_maxwell = outside("tyre_maxwell");
-  n.tyre_time = outside("tyre_time", 1.0);
-  n.imbalance = outside("imbalance");
-  n.imbalance_turn = 2.0 * pi * outside("imbalance_frequency");
-  n.machine_curve = outside("machine_curve");
+  for (const Effect& effect : truth.effects) put(effect, n);
+  put_outside(truth, n);
   if (n.mount > 0.0 && n.gap > 0.0) throw std::invalid_argument("top_mount with backlash is not simulated");
   if (n.mount > 0.0 && n.coulomb > 0.0 && n.damping + n.quadratic <= 0.0)
     throw std::invalid_argument("top_mount with coulomb_friction needs some damping");
@@ -270,43 +278,40 @@ Rig::Rates Rig::rates(const State& s, double t) const {
   if (n_.kind != Kind::quarter_car) machine(s, t, deflection, velocity, &deflection, &velocity, &r.rate);
   r.x_act = deflection;
 
+  const Deflection reached = component(s, t, deflection, velocity, r);
+  piston_rates(s, reached.position, r);
+  if (bench) return r;
+  r.wheel_load = tyre_load(s, input, r);
+  car_rates(s, t, reached.friction_held, r);
+  return r;
+}
+
+double Rig::elastic(const State& s, double e, double spring) const {
+  const double branch = n_.fdva ? n_.coupling : 0.0;
+  double force = spring * e + branch * (e - s[y]);
+  if (n_.cubic_spring != 0.0) force += n_.cubic_spring * e * e * e;
+  if (n_.lopsided > 0.0) force += n_.lopsided * spring * e * e / large_stroke;
+  if (n_.bump > 0.0) force += n_.bump * std::max(0.0, std::abs(e) - n_.clearance) * sign(e);
+  if (n_.maxwell > 0.0) force += n_.maxwell * (e - s[x]);
+  return force;
+}
+
+Rig::Deflection Rig::component(const State& s, double t, double deflection, double velocity, Rates& r) const {
   const double spring = n_.spring * (1.0 + n_.stiffening * t / duration_);
   const double damping = n_.damping * (1.0 - n_.fade * t / duration_);
-  const double branch = n_.fdva ? n_.coupling : 0.0;
-
-  // The forces that depend on deflection alone.
-  const auto elastic = [&](double e) {
-    double force = spring * e + branch * (e - s[y]);
-    if (n_.cubic_spring != 0.0) force += n_.cubic_spring * e * e * e;
-    if (n_.lopsided > 0.0) force += n_.lopsided * spring * e * e / large_stroke;
-    if (n_.bump > 0.0) force += n_.bump * std::max(0.0, std::abs(e) - n_.clearance) * sign(e);
-    if (n_.maxwell > 0.0) force += n_.maxwell * (e - s[x]);
-    return force;
-  };
-
-  double e = deflection;
-  double ev = velocity;
-  double force = 0.0;
-  bool friction_held = false;
+  Deflection reached;
   if (n_.mount > 0.0) {
+    reached.position = s[d];
     if (damping + n_.quadratic > 0.0) {
-      e = s[d];
-      force = n_.mount * (deflection - e);
-      ev = velocity_under(force - elastic(e), damping, n_.quadratic, n_.coulomb);
-      r.rate[d] = ev;
+      r.force = n_.mount * (deflection - s[d]);
+      r.rate[d] = velocity_under(r.force - elastic(s, s[d], spring), damping, n_.quadratic, n_.coulomb);
     } else {
-      // No damping: the deflection follows at once. Newton; the sum of the springs is monotone.
-      e = s[d];
-      for (int i = 0; i < 30; ++i) {
-        const double rest = n_.mount * (deflection - e) - elastic(e);
-        double stiffness = n_.mount + spring + branch + n_.maxwell + std::max(0.0, 3.0 * n_.cubic_spring * e * e);
-        if (n_.bump > 0.0 && std::abs(e) > n_.clearance) stiffness += n_.bump;
-        e += rest / stiffness;
-        if (std::abs(rest) < 1e-10) break;
-      }
-      force = n_.mount * (deflection - e);
+      reached.position = undamped_behind_mount(s, deflection, spring);
+      r.force = n_.mount * (deflection - reached.position);
     }
   } else {
+    double e = deflection;
+    double ev = velocity;
     bool free = false;
     if (n_.gap > 0.0) {
       const int side = located_play() ? m_.play : (std::abs(e) < 0.5 * n_.gap ? 0 : static_cast<int>(sign(e)));
@@ -314,53 +319,73 @@ Rig::Rates Rig::rates(const State& s, double t) const {
       e = free ? 0.0 : e - side * 0.5 * n_.gap;
       ev = free ? 0.0 : ev;
     }
-    force = elastic(e);
-    const double along_stroke = e * e / (large_stroke * large_stroke);
-    force += damping * ev * (1.0 + n_.asymmetry * sign(ev) + n_.stroke_damping * along_stroke);
-    constexpr double slow = 1e-3;  // [m/s] below it leaves creep
-    if (n_.leaf > 0.0) force += n_.leaf * spring * std::abs(e) * std::tanh(ev / slow);
-    force += n_.quadratic * ev * std::abs(ev) + n_.cubic_damping * ev * ev * ev;
-    if (n_.wen > 0.0) {
-      force += n_.wen * s[wen];
-      // ż = (k/F) (v − ½|v| z − ½ v |z|): z stays within ± 1.
-      r.rate[wen] = n_.wen_stiffness / n_.wen * (ev - 0.5 * std::abs(ev) * s[wen] - 0.5 * ev * std::abs(s[wen]));
-    }
-    if (n_.parasite > 0.0) {
-      const double pull = n_.parasite_stiffness * (e - s[up]) + n_.parasite_damping * (ev - s[vp]);
-      force += pull;
-      r.rate[up] = s[vp];
-      r.rate[vp] = pull / n_.parasite;
-    }
+    reached.position = e;
+    r.force = elastic(s, e, spring);
+    dissipative(s, e, ev, spring, damping, r);
     if (n_.coulomb > 0.0 && !free) {
       if (has(suspension)) {
-        friction_held = m_.slip[suspension] == 0;
-        if (!friction_held) force += m_.slip[suspension] * strength(suspension, ev);
+        reached.friction_held = m_.slip[suspension] == 0;
+        if (!reached.friction_held) r.force += m_.slip[suspension] * strength(suspension, ev);
       } else {
-        force += sign(ev) * strength(suspension, ev);
+        r.force += sign(ev) * strength(suspension, ev);
       }
     }
   }
-  if (n_.maxwell > 0.0) r.rate[x] = (e - s[x]) / n_.maxwell_time;
+  if (n_.maxwell > 0.0) r.rate[x] = (reached.position - s[x]) / n_.maxwell_time;
+  return reached;
+}
 
-  // Oil and piston.
-  if (n_.fdva && !n_.locked) {
-    double net = n_.coupling * (e - s[y]) - n_.laminar * s[vy] - n_.turbulent * s[vy] * std::abs(s[vy]);
-    r.rate[y] = s[vy];
-    if (n_.seal > 0.0) {
-      if (m_.slip[piston] == 0) {
-        r.held[piston] = net;
-        net = 0.0;
-        r.rate[y] = 0.0;
-      } else {
-        net -= m_.slip[piston] * n_.seal;
-      }
-    }
-    r.rate[vy] = net / n_.inertance;
+double Rig::undamped_behind_mount(const State& s, double deflection, double spring) const {
+  const double branch = n_.fdva ? n_.coupling : 0.0;
+  double e = s[d];
+  // Newton's method; the sum of the springs is monotone.
+  for (int i = 0; i < 30; ++i) {
+    const double rest = n_.mount * (deflection - e) - elastic(s, e, spring);
+    double stiffness = n_.mount + spring + branch + n_.maxwell + std::max(0.0, 3.0 * n_.cubic_spring * e * e);
+    if (n_.bump > 0.0 && std::abs(e) > n_.clearance) stiffness += n_.bump;
+    e += rest / stiffness;
+    if (std::abs(rest) < 1e-10) break;
   }
-  r.force = force;
-  if (bench) return r;
+  return e;
+}
 
-  // The tyre.
+void Rig::dissipative(const State& s, double e, double ev, double spring, double damping, Rates& r) const {
+  double& force = r.force;
+  const double along_stroke = e * e / (large_stroke * large_stroke);
+  force += damping * ev * (1.0 + n_.asymmetry * sign(ev) + n_.stroke_damping * along_stroke);
+  constexpr double slow = 1e-3;  // [m/s] below it leaves creep
+  if (n_.leaf > 0.0) force += n_.leaf * spring * std::abs(e) * std::tanh(ev / slow);
+  force += n_.quadratic * ev * std::abs(ev) + n_.cubic_damping * ev * ev * ev;
+  if (n_.wen > 0.0) {
+    force += n_.wen * s[wen];
+    // ż = (k/F) (v − ½|v| z − ½ v |z|): z stays within ± 1.
+    r.rate[wen] = n_.wen_stiffness / n_.wen * (ev - 0.5 * std::abs(ev) * s[wen] - 0.5 * ev * std::abs(s[wen]));
+  }
+  if (n_.parasite > 0.0) {
+    const double pull = n_.parasite_stiffness * (e - s[up]) + n_.parasite_damping * (ev - s[vp]);
+    force += pull;
+    r.rate[up] = s[vp];
+    r.rate[vp] = pull / n_.parasite;
+  }
+}
+
+void Rig::piston_rates(const State& s, double e, Rates& r) const {
+  if (!n_.fdva || n_.locked) return;
+  double net = n_.coupling * (e - s[y]) - n_.laminar * s[vy] - n_.turbulent * s[vy] * std::abs(s[vy]);
+  r.rate[y] = s[vy];
+  if (n_.seal > 0.0) {
+    if (m_.slip[piston] == 0) {
+      r.held[piston] = net;
+      net = 0.0;
+      r.rate[y] = 0.0;
+    } else {
+      net -= m_.slip[piston] * n_.seal;
+    }
+  }
+  r.rate[vy] = net / n_.inertance;
+}
+
+double Rig::tyre_load(const State& s, const Motion& input, Rates& r) const {
   const double tyre = input.position - s[zw];
   double load = n_.tyre * tyre + n_.tyre_damping * (input.velocity - s[vw]) + n_.tyre_cubic * tyre * tyre * tyre;
   if (n_.tyre_maxwell > 0.0) {
@@ -368,25 +393,26 @@ Rig::Rates Rig::rates(const State& s, double t) const {
     r.rate[tyre_x] = (tyre - s[tyre_x]) / n_.tyre_time;
   }
   if (n_.lift_off) load = std::max(load, -(n_.body + n_.wheel) * gravity);
-  r.wheel_load = load;
+  return load;
+}
 
-  // What the car feels of the component.
-  double felt = force;
-  double gain = 1.0;
-  if (n_.kind == Kind::hil) {
-    const double before = force_sensor_->before_noise(force, t);
-    gain = force_sensor_->gain();
-    if (force_sensor_->remembers()) {
-      felt = force_sensor_->limited(force_sensor_->shown(t / h_));
-    } else if (force_sensor_->lags()) {
-      const double noise = force_sensor_->noise_at(node_);
-      const bool taken = force_sensor_->lag_takes_noise();
-      r.rate[lagged_force] = (before + (taken ? noise : 0.0) - s[lagged_force]) / force_sensor_->lag();
-      felt = force_sensor_->limited(s[lagged_force] + (taken ? 0.0 : noise));
-    } else {
-      felt = force_sensor_->limited(before + force_sensor_->noise_at(node_));
-    }
+double Rig::felt_force(const State& s, double t, Rates& r) const {
+  if (n_.kind != Kind::hil) return r.force;
+  const double before = force_sensor_->before_noise(r.force, t);
+  if (force_sensor_->remembers()) return force_sensor_->limited(force_sensor_->shown(t / h_));
+  if (force_sensor_->lags()) {
+    const double noise = force_sensor_->noise_at(node_);
+    const bool taken = force_sensor_->lag_takes_noise();
+    r.rate[lagged_force] = (before + (taken ? noise : 0.0) - s[lagged_force]) / force_sensor_->lag();
+    return force_sensor_->limited(s[lagged_force] + (taken ? 0.0 : noise));
   }
+  return force_sensor_->limited(before + force_sensor_->noise_at(node_));
+}
+
+void Rig::car_rates(const State& s, double t, bool friction_held, Rates& r) const {
+  const double felt = felt_force(s, t, r);
+  const double gain = n_.kind == Kind::hil ? force_sensor_->gain() : 1.0;
+  const double load = r.wheel_load;
   const double dash = n_.virtual_damping * (s[vw] - s[vb]);
   double on_body = felt + dash - n_.body_damping * s[vb];
   double on_wheel = load - felt - dash - n_.wheel_damping * s[vw] + n_.imbalance * std::sin(n_.imbalance_turn * t);
@@ -425,7 +451,6 @@ Rig::Rates Rig::rates(const State& s, double t) const {
   r.rate[vb] = r.zdd_b;
   r.rate[zw] = s[vw];
   r.rate[vw] = r.zdd_w;
-  return r;
 }
 
 Rig::State Rig::runge_kutta(double t, double h) const {

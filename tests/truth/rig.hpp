@@ -86,7 +86,22 @@ class Rig {
     double wheel_load = 0, force = 0, x_act = 0, zdd_b = 0, zdd_w = 0;
   };
 
+  /// What the component's own parts see, behind mount and free play.
+  struct Deflection {
+    double position = 0.0;
+    bool friction_held = false;  ///< the component's dry friction sticks
+  };
+
   [[nodiscard]] Rates rates(const State& s, double t) const;
+  [[nodiscard]] double elastic(const State& s, double e, double spring) const;  ///< forces of the deflection e alone
+  [[nodiscard]] Deflection component(const State& s, double t, double deflection, double velocity, Rates& r) const;
+  [[nodiscard]] double undamped_behind_mount(const State& s, double deflection, double spring) const;
+  void dissipative(const State& s, double e, double ev, double spring, double damping, Rates& r) const;
+  void piston_rates(const State& s, double e, Rates& r) const;
+  [[nodiscard]] double tyre_load(const State& s, const Motion& input, Rates& r) const;
+  [[nodiscard]] double felt_force(const State& s, double t, Rates& r) const;  ///< by the virtual car of a hil rig
+  /// Friction that slides is known; friction that sticks is the force that keeps the slip velocity at zero.
+  void car_rates(const State& s, double t, bool friction_held, Rates& r) const;
   [[nodiscard]] State runge_kutta(double t, double h) const;
   [[nodiscard]] bool broken(const State& s, double t, bool repair);  ///< does the mode still fit? repair: change it
   [[nodiscard]] bool has(std::size_t friction) const;

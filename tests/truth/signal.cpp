@@ -13,7 +13,7 @@ namespace truth {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double step = 1e-3;
 
 /// x_j = Σ_k X_k e^{+2πi jk/n} in place, n a power of two.

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/firmware/rig_under_test.hpp"
+#include "tests/firmware/loop/rig_under_test.hpp"
 #include "tests/support/without_heap.hpp"
 
 namespace {

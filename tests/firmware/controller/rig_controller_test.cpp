@@ -12,8 +12,10 @@
 #include <thread>
 #include <vector>
 
-#include "host_sim/closed_loop.hpp"
-#include "host_sim/recording.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_csv.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 
@@ -62,13 +64,13 @@ TEST(RigController, RecordsTheBitsOfTheSimulation) {
     const Ended ended = controller(
         {"--rig", rig_file(name), "--simulated", "--virtual-time", "--duration", "12", "--seed", "5", "--out", out});
     ASSERT_EQ(ended.status, 0) << ended.errors;
-    const host_sim::Recording recording = host_sim::read_recording(out, {}, 1000.0);
+    const firmware::Recording recording = host_sim::read_recording(out, {}, 1000.0);
 
-    const host_sim::RigDescription rig = support::rig(name);
-    host_sim::IsoRoad road;
+    const firmware::RigDescription rig = support::rig(name);
+    firmware::IsoRoad road;
     road.seed = 5;
-    road.bandwidth = host_sim::default_bandwidth(rig.rig.kind, 1000.0);
-    const auto motion = host_sim::excitation(rig.rig, host_sim::drive_over(road, 1000.0, 12000), 1000.0);
+    road.bandwidth = firmware::default_bandwidth(rig.rig.kind, 1000.0);
+    const auto motion = firmware::excitation(rig.rig, firmware::drive_over(road, 1000.0, 12000), 1000.0);
     host_sim::RunOptions options;
     options.seed = 5;
     const host_sim::Run run = host_sim::run_closed_loop(rig, motion, options);
@@ -97,8 +99,8 @@ TEST(RigController, ReplaysARecordingToTheBit) {
     const Ended ended = controller({"--rig", rig_file(name), "--replay", simulated, "--seed", "5", "--out", replayed});
     ASSERT_EQ(ended.status, 0) << ended.errors;
     EXPECT_NE(last_line(ended.output).find("ended by reference_ended"), std::string::npos) << last_line(ended.output);
-    const host_sim::Recording first = host_sim::read_recording(simulated, {}, 1000.0);
-    const host_sim::Recording second = host_sim::read_recording(replayed, {}, 1000.0);
+    const firmware::Recording first = host_sim::read_recording(simulated, {}, 1000.0);
+    const firmware::Recording second = host_sim::read_recording(replayed, {}, 1000.0);
     EXPECT_EQ(second.time, first.time);
     EXPECT_EQ(second.channels, first.channels) << name;
     EXPECT_EQ(second.ducts, first.ducts) << name;
@@ -167,7 +169,7 @@ TEST(RigController, DrivesOverTheRoadsOfTheSimulation) {
     ASSERT_EQ(support::rigtwin(simulate).status, 0);
     const Ended ended = controller(drive);
     ASSERT_EQ(ended.status, 0) << ended.errors;
-    const host_sim::Recording a = host_sim::read_recording(folder / "a.csv", {}, 1000.0);
+    const firmware::Recording a = host_sim::read_recording(folder / "a.csv", {}, 1000.0);
     EXPECT_GT(a.size(), 2000U);
     EXPECT_EQ(host_sim::read_recording(folder / "b.csv", {}, 1000.0).channels, a.channels);
   }
@@ -251,7 +253,7 @@ TEST(RigController, LeavesWholeRowsWhenKilled) {
   ASSERT_FALSE(text.empty());
   const std::string whole = text.substr(0, text.rfind('\n') + 1);
   EXPECT_LT(text.size() - whole.size(), 512U) << "at most one row is torn";
-  const host_sim::Recording recording = host_sim::parse_recording_csv(whole, "run.csv", {}, 1000.0);
+  const firmware::Recording recording = firmware::parse_recording_csv(whole, "run.csv", {}, 1000.0);
   EXPECT_GT(recording.size(), 100U);
 }
 

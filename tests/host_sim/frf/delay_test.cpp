@@ -8,12 +8,13 @@
 #include <optional>
 #include <vector>
 
+#include "firmware/recording/recording.hpp"
 #include "host_sim/frf/response_estimate.hpp"
 #include "tests/host_sim/frf/signals.hpp"
 
 namespace {
 
-using host_sim::Recording;
+using firmware::Recording;
 using host_sim::WindowShape;
 using host_sim::frf::CrossSpectra;
 using host_sim::frf::find_delay;

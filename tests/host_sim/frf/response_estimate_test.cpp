@@ -10,15 +10,17 @@
 #include <numbers>
 #include <vector>
 
-#include "host_sim/closed_loop.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
 #include "tests/host_sim/frf/scipy_numbers.hpp"
 #include "tests/host_sim/frf/signals.hpp"
 #include "tests/support/rig_texts.hpp"
 
 namespace {
 
-using host_sim::InputError;
-using host_sim::Recording;
+using firmware::InputError;
+using firmware::Recording;
 using host_sim::frf::Complex;
 using host_sim::frf::Estimator;
 using host_sim::frf::OutputResponse;
@@ -168,9 +170,9 @@ TEST(Responses, ThroughAnInstrumentForgetCirculatingNoise) {
 // with a force sensor of 500 N noise. H1 of F over x_act is wrong by far more than its bounds where the road has little
 // to say; through z_r the component comes out as it is.
 TEST(Responses, OfAComponentInTheClosedLoopNeedTheRoadAsInstrument) {
-  host_sim::RigDescription rig = support::rig("paper_linear");
+  firmware::RigDescription rig = support::rig("paper_linear");
   rig.noise[model::index(Channel::F)] = 500.0;
-  host_sim::IsoRoad road;
+  firmware::IsoRoad road;
   road.roughness = 16e-6;
   road.bandwidth = 100.0;
   std::vector<Recording> recordings;
@@ -178,7 +180,7 @@ TEST(Responses, OfAComponentInTheClosedLoopNeedTheRoadAsInstrument) {
     road.seed = seed;
     host_sim::RunOptions options;
     options.seed = seed;
-    const auto run = host_sim::run_closed_loop(rig, host_sim::drive_over(road, rig.sample_rate, 120000), options);
+    const auto run = host_sim::run_closed_loop(rig, firmware::drive_over(road, rig.sample_rate, 120000), options);
     ASSERT_EQ(run.trip.reason, firmware::Reason::reference_ended);
     recordings.push_back(run.recording);
   }

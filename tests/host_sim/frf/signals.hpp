@@ -9,14 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "host_sim/gaussian.hpp"
-#include "host_sim/recording.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/simulation/gaussian.hpp"
 
 namespace support {
 
 /// White Gaussian noise; `stream` separates those of one seed.
 inline std::vector<double> white(std::size_t count, double sigma, std::uint64_t seed, std::uint32_t stream = 0) {
-  host_sim::Gaussian gaussian(seed, stream);
+  firmware::Gaussian gaussian(seed, stream);
   std::vector<double> signal(count);
   for (double& x : signal) x = sigma * gaussian();
   return signal;
@@ -46,15 +46,15 @@ inline std::vector<double> sum(std::vector<double> a, const std::vector<double>&
   return a;
 }
 
-inline host_sim::Recording recording(double rate,
+inline firmware::Recording recording(double rate,
                                      std::initializer_list<std::pair<model::Channel, std::vector<double>>> channels,
                                      const std::string& file = "run.csv") {
-  host_sim::Recording result;
+  firmware::Recording result;
   result.sample_period = 1.0 / rate;
   result.source = file;
   for (const auto& [channel, samples] : channels) {
     result[channel] = samples;
-    result.time = host_sim::sample_times(samples.size(), rate);
+    result.time = firmware::sample_times(samples.size(), rate);
   }
   return result;
 }

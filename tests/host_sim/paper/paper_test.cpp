@@ -3,7 +3,7 @@
 #include <numbers>
 #include <random>
 
-#include "host_sim/input_error.hpp"
+#include "firmware/description/input_error.hpp"
 #include "host_sim/paper/paper_report.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/report_page.hpp"
@@ -163,7 +163,7 @@ TEST(Paper, PageIsWhole) {
   const Experiments& e = experiments();
   const std::string html = paper_report(e, statements(e)).html();
   support::expect_sound(html, 10);
-  EXPECT_LT(html.find("8 of the 9 statements of the paper"), html.find("<h2"));
+  EXPECT_LT(html.find("8 of the 9 checked statements of the paper"), html.find("<h2"));
   for (const char* figure :
        {"Fig. 2 — ", "Fig. 3a — ", "Fig. 3b — ", "Fig. 4 — Bode", "Fig. 4 — Nyquist", "Fig. 6 — "}) {
     EXPECT_NE(html.find(figure), std::string::npos) << figure;
@@ -224,15 +224,15 @@ TEST(PaperCommand, RefusesInOneLine) {
   std::filesystem::create_symlink("/dev/full", folder / "full/report.html");
   struct Case {
     std::vector<std::string> arguments;
-    host_sim::ExitStatus status;
+    firmware::ExitStatus status;
     std::string says;
   };
-  using host_sim::ExitStatus;
+  using firmware::ExitStatus;
   const std::vector<Case> cases{{{}, ExitStatus::wrong_usage, "--out is required"},
                                 {{"--out", ""}, ExitStatus::cannot_write, "a folder"},
                                 {{"--out", file}, ExitStatus::cannot_write, "is a file"},
-                                {{"--out", file + "/below"}, ExitStatus::cannot_write, "cannot be made"},
-                                {{"--out", "/proc/rigtwin"}, ExitStatus::cannot_write, "cannot be made"},
+                                {{"--out", file + "/below"}, ExitStatus::cannot_write, "cannot be created"},
+                                {{"--out", "/proc/rigtwin"}, ExitStatus::cannot_write, "cannot be created"},
                                 {{"--out", (folder / "full").string()}, ExitStatus::cannot_write, "No space left"}};
   for (const Case& c : cases) {
     std::vector<std::string> arguments{"paper"};

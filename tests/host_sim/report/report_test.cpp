@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "host_sim/embedded_files.hpp"
-#include "host_sim/version.hpp"
+#include "firmware/description/version.hpp"
+#include "host_sim/report/embedded_files.hpp"
 #include "tests/support/report_page.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -33,7 +33,7 @@ TEST(Report, IsOneFileWithEverythingInIt) {
   support::expect_sound(html, 2);
   EXPECT_NE(html.find("plotly.js (cartesian - minified)"), std::string::npos);
   EXPECT_NE(html.find("Permission is hereby granted, free of charge"), std::string::npos);  // Plotly's licence
-  EXPECT_NE(html.find("rigtwin " + std::string(host_sim::version)), std::string::npos);
+  EXPECT_NE(html.find("rigtwin " + std::string(firmware::version)), std::string::npos);
   EXPECT_NE(html.find("href=\"#section-1\""), std::string::npos);
   EXPECT_NE(html.find("<h2 id=\"section-1\">first</h2>"), std::string::npos);
 }

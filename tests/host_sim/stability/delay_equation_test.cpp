@@ -95,7 +95,7 @@ TEST(DelayEquation, RefusesNeutralAndAdvancedLoops) {
     const DelayEquation neutral({1.0, 1.0, 2.0}, {1.0, 0.0, 0.5}, 0.01);
     FAIL();
   } catch (const UnfitLoop& reason) {
-    EXPECT_NE(std::string(reason.what()).find("neutral, ratio 0.25"), std::string::npos) << reason.what();
+    EXPECT_NE(std::string(reason.what()).find("neutral with the ratio 0.25"), std::string::npos) << reason.what();
   }
   EXPECT_THROW(DelayEquation({1.0, 1.0}, {1.0, 0.0, 0.5}, 0.01), UnfitLoop);
 }

@@ -5,7 +5,7 @@
 #include <complex>
 #include <random>
 
-#include "host_sim/rig_description.hpp"
+#include "firmware/description/rig_description.hpp"
 #include "model/rig_parameters.hpp"
 
 namespace stability_tests {
@@ -35,8 +35,8 @@ inline Rig fdva_rig(double delay = 0.010, double virtual_damping = 1140.0) {
   return rig;
 }
 
-inline host_sim::RigDescription described(const Rig& rig, double sample_rate = 1000.0) {
-  host_sim::RigDescription description;
+inline firmware::RigDescription described(const Rig& rig, double sample_rate = 1000.0) {
+  firmware::RigDescription description;
   description.rig = rig;
   description.sample_rate = sample_rate;
   description.source = "test rig";

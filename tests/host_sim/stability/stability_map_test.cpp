@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "host_sim/input_error.hpp"
+#include "firmware/description/input_error.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
 namespace {
@@ -161,7 +161,7 @@ TEST(MapText, RefusesWhatIsNoMap) {
   const auto message = [&](const std::string& text) -> std::string {
     try {
       static_cast<void>(parse_map(text, rig, 1e-3));
-    } catch (const host_sim::UsageError& error) {
+    } catch (const firmware::UsageError& error) {
       return error.what();
     }
     return "accepted";
@@ -173,24 +173,24 @@ TEST(MapText, RefusesWhatIsNoMap) {
   };
   says("tau=0.03:0:200" + good, "runs backwards");
   says("tau=0.03:0.03:200" + good, "runs backwards or is empty");
-  says("tau=0:0.03" + good, "is no range");
-  says("tau=0:0.03:2:2" + good, "is no range");
+  says("tau=0:0.03" + good, "is not a range");
+  says("tau=0:0.03:2:2" + good, "is not a range");
   says("tau=0:0.03:1" + good, "whole number in 2");
   says("tau=0:0.03:2.5" + good, "whole number in 2");
   says("tau=0:0.03:1e9" + good, "whole number in 2");
   says("tau=0:x:20" + good, "'x' is not a number");
   says("tau=0:nan:20" + good, "'nan' is not a number");
-  says("tau=-0.1:0.03:20" + good, "out of reach");
-  says("tau=0:1.5:20" + good, "out of reach");
+  says("tau=-0.1:0.03:20" + good, "out of range");
+  says("tau=0:1.5:20" + good, "out of range");
   says("tua=0:0.03:20" + good, "did you mean 'tau'");
   says("body.mas=100:200:20" + good, "did you mean 'body.mass'");
   says("effects.actuator_lag.time_constant=0:0.01:20" + good, "no variable");
   says("body.mass=0:200:20" + good, "no rig has body.mass");
   says("effects.actuator_delay.delay=0:0.9:20" + good, "no rig has effects.actuator_delay.delay");
-  says("tau=0:0.03:20", "is no map");
+  says("tau=0:0.03:20", "is not a map");
   says("tau=0:0.03:20,tau=0:0.02:20", "one variable");
   says("machine.virtual_damping=0:10:20" + good, "one variable");
-  says("tau=0:0.03:20" + good + good, "is no map");
+  says("tau=0:0.03:20" + good + good, "is not a map");
   const Axis axis = parse_axis("effects.actuator_delay.delay=0.001:0.02:5", rig, 1e-3);
   EXPECT_EQ(axis.count, 5U);
   EXPECT_EQ(axis.value(0), 0.001);

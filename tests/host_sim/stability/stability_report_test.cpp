@@ -1,11 +1,11 @@
 // The page of rigtwin stability --report.
-#include "host_sim/stability_report.hpp"
+#include "host_sim/stability/stability_report.hpp"
 
 #include <optional>
 #include <vector>
 
-#include "host_sim/command_line.hpp"
-#include "host_sim/input_error.hpp"
+#include "firmware/description/input_error.hpp"
+#include "host_sim/commands/command_line.hpp"
 #include "host_sim/stability/figures.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 #include "tests/support/program.hpp"
@@ -14,7 +14,7 @@
 namespace {
 
 using namespace host_sim::stability;
-using host_sim::RigDescription;
+using firmware::RigDescription;
 using stability_tests::described;
 using stability_tests::fdva_rig;
 using stability_tests::linear_rig;
@@ -72,7 +72,7 @@ TEST(StabilityReport, IsWholeForAnyRig) {
   budget.delay_budget.transport = 0.5;
   const std::string html = page_of(budget);
   support::expect_sound(html);
-  EXPECT_NE(html.find("longer than the model&#39;s delay line"), std::string::npos);
+  EXPECT_NE(html.find("exceeds the model&#39;s delay line"), std::string::npos);
 }
 
 // Point. The border in the map is the exact one: it passes the critical damping at the rig's delay.
@@ -138,13 +138,13 @@ TEST(StabilityReport, TellsWhenThePageCannotBeWritten) {
   const std::string rig = RIGTWIN_SOURCE_DIR "/host_sim/rigs/paper_linear.toml";
   for (const std::string& file : {(folder / "no/such/page.html").string(), std::string("/dev/full")}) {
     const auto ended = support::rigtwin({"stability", "--rig", rig, "--report", file});
-    EXPECT_EQ(ended.status, static_cast<int>(host_sim::ExitStatus::cannot_write)) << ended.errors;
+    EXPECT_EQ(ended.status, static_cast<int>(firmware::ExitStatus::cannot_write)) << ended.errors;
     EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
     EXPECT_EQ(ended.output, "");
   }
   const std::string same = (folder / "same").string();
   const auto ended = support::rigtwin({"stability", "--rig", rig, "--report", same, "--json", same});
-  EXPECT_EQ(ended.status, static_cast<int>(host_sim::ExitStatus::wrong_usage)) << ended.errors;
+  EXPECT_EQ(ended.status, static_cast<int>(firmware::ExitStatus::wrong_usage)) << ended.errors;
   EXPECT_EQ(folder.count(), 0U);
 }
 

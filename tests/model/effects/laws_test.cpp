@@ -11,6 +11,7 @@
 namespace {
 
 using model::Channel;
+using model::CoreIndex;
 using model::RigKind;
 using Rig = model::RigParameters<double>;
 using Model = model::RigModel<>;
@@ -192,23 +193,24 @@ TEST(SealFriction, HoldsThePistonUpToItsForce) {
   // Friction is constant over a step: under a load that grows by 55 N/s the piston of b = 21.768 kg creeps back by
   // Ḟ h³/(12 b) = 2.1e-10 m a step, 0.2 µm in all 1000 of them.
   const double creep = 55.0 * std::pow(period, 3) / (12.0 * 21.768) * 1000.0;
-  EXPECT_NEAR(x.core(4), -creep, 0.01 * creep);
+  EXPECT_NEAR(x.core(CoreIndex::piston_travel), -creep, 0.01 * creep);
   EXPECT_NEAR(model.signals(x)[index(Channel::F)], 30e3 * 1e-3 + 1000.0 * slow + 55e3 * (1e-3 + creep),
               0.01 * 55e3 * creep);
   for (int k = 1001; k <= 3000; ++k) model.step(x, {.command = {slow * k * period, slow}});
-  EXPECT_GT(x.core(4), 0.0) << "55 N/mm · 3 mm is more than the seal holds";
+  EXPECT_GT(x.core(CoreIndex::piston_travel), 0.0) << "55 N/mm · 3 mm is more than the seal holds";
 }
 
 // Point. F_w += k₃ dz_w³, before lift-off cuts the sum.
 TEST(ProgressiveTyre, AddsTheCubeOfTheTyreDeflectionAndLiftOffCutsTheSum) {
   Rig rig = plain(RigKind::quarter_car);
   model::Column<double, 6> core = model::Column<double, 6>::Zero();
-  core(0) = core(2) = -0.01;  // dz_w = 10 mm
+  core(CoreIndex::wheel_position) = core(CoreIndex::body_position) = -0.01;  // dz_w = 10 mm
   const double linear = quarter_car_signal(rig, Channel::F_w, core);
   rig.effects.add(model::ProgressiveTyre<double>{3e8});
   EXPECT_NEAR(quarter_car_signal(rig, Channel::F_w, core) - linear, 300.0, rounding);
 
-  core(0) = core(2) = 0.015;  // −3000 N − 3e8 · 3.375e-6 = −4012.5 N, below −340 kg · g = −3335.4 N
+  core(CoreIndex::wheel_position) = core(CoreIndex::body_position) =
+      0.015;  // −3000 N − 3e8 · 3.375e-6 = −4012.5 N, below −340 kg · g = −3335.4 N
   EXPECT_NEAR(quarter_car_signal(rig, Channel::F_w, core), -4012.5, 1e-6);
   rig.effects.add(model::TyreLiftOff<double>{});
   EXPECT_NEAR(quarter_car_signal(rig, Channel::F_w, core), -340.0 * 9.81, 1e-9);

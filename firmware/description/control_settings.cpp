@@ -1,0 +1,44 @@
+#include "firmware/description/control_settings.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "firmware/description/input_error.hpp"
+
+namespace firmware {
+
+Settings control_settings(const RigDescription& description) {
+  const ControllerDescription& c = description.controller;
+  Settings settings;
+  settings.period = hal::seconds(description.period());
+  if (std::abs(settings.period.seconds() * description.sample_rate - 1.0) > 1e-12) {
+    throw InputError(description.source, 0, "the period of sample_rate is not a whole number of nanoseconds",
+                     "a rate such as 1000.0, 500.0 or 2000.0 Hz");
+  }
+  settings.limits.stroke = c.stroke;
+  settings.limits.speed = c.speed;
+  settings.limits.force = c.force;
+  settings.limits.energy_gain = c.energy_gain;
+  settings.limits.late_in_a_row = description.hardware.schedule.late_in_a_row;
+  settings.ramps.rate = c.ramp;
+  if (c.cross_over > 0.0) settings.observers.cross_over = c.cross_over;
+  if (const auto wrong = settings.check(); !wrong.empty()) {
+    throw InputError(description.source, 0, "the control settings are invalid", wrong);
+  }
+  return settings;
+}
+
+ValvePlan valve_plan(const RigDescription& description) {
+  const auto& fdva = description.rig.fdva;
+  const auto first = hal::Openings::first(description.rig.has_fdva ? static_cast<std::size_t>(fdva.open_ducts) : 0);
+  std::vector<ValvePlan::Change> changes;
+  for (const auto& s : description.controller.valve_plan) {
+    changes.push_back({hal::seconds(s.time), hal::Openings::from_bits(s.open)});
+  }
+  if (const auto wrong = ValvePlan::check(changes); !wrong.empty()) {
+    throw InputError(description.source, 0, "valves.plan does not fit", wrong);
+  }
+  return {first, changes};
+}
+
+}  // namespace firmware

@@ -1,0 +1,67 @@
+// The part of a rig description that only rig_controller uses: devices and scheduling.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace firmware {
+
+/// [controller]: how the program runs.
+struct ScheduleDescription {
+  int priority = 80;           ///< SCHED_FIFO, 1 … 99
+  int cpu = -1;                ///< on which the loop runs; −1: any
+  int late_in_a_row = 5;       ///< number of consecutive late periods that ends the run
+  double wake_early = 200e-6;  ///< before a period, to rehearse it, at most so long [s] and a quarter of it; 0: not
+  double allowed_delay =
+      0.0;  ///< of sample age and computation together [s]: what `rigtwin stability` says is left; 0: unknown
+};
+
+/// [gpio]: lines of one chip, by label and names.
+struct GpioDescription {
+  std::string chip;
+  std::vector<std::string> valves;  ///< duct 1 first
+  bool valves_active_low = false;   ///< open is the low level
+  std::string stop;                 ///< empty: no stop button
+  bool stop_active_low = false;     ///< pressed is the low level
+  std::string stop_bias;            ///< "pull-up", "pull-down", or empty
+  std::string heartbeat;            ///< empty: no watchdog
+};
+
+/// [converters]
+struct ConverterDescription {
+  std::string trigger;
+  double trigger_rate = 0.0;  ///< [Hz]; 0: left alone
+  struct Input {
+    std::size_t channel;  ///< of model::Channel
+    std::string device, input;
+    double scale = 1.0, offset = 0.0;  ///< [SI unit/count], [SI unit]
+  };
+  std::vector<Input> inputs;  ///< [converters.F] and the like
+  struct Output {
+    std::string device, output;
+    double scale = 1.0, offset = 0.0;  ///< [m/count], [m]
+    int lowest_counts = 0, highest_counts = 65535;
+  };
+  std::optional<Output> command;  ///< [converters.command]
+};
+
+/// [lasers.dz_b] and the like: RIFTEK RF60x on a serial port.
+struct LaserDescription {
+  std::size_t channel;
+  std::string port;
+  int baud = 921600;
+  int address = 1;
+  double range = 0.0;                ///< [m]
+  double scale = 1.0, offset = 0.0;  ///< [SI unit/m], [SI unit]
+};
+
+struct HardwareDescription {
+  ScheduleDescription schedule;
+  std::optional<GpioDescription> gpio;
+  std::optional<ConverterDescription> converters;
+  std::vector<LaserDescription> lasers;
+};
+
+}  // namespace firmware

@@ -1,0 +1,247 @@
+#include "firmware/description/rig_description.hpp"
+
+#include <fstream>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/number_text.hpp"
+#include "firmware/description/quantity.hpp"
+#include "firmware/description/rig_description_controller.hpp"
+#include "firmware/description/rig_description_table.hpp"
+
+namespace firmware {
+namespace {
+
+using Rig = model::RigParameters<double>;
+
+model::RigKind read_kind(DescriptionTable& top) {
+  const std::string word = top.text("kind");
+  for (std::size_t i = 0; i < model::rig_kind_names.size(); ++i) {
+    if (model::rig_kind_names[i] == word) return static_cast<model::RigKind>(i);
+  }
+  top.fail("kind", with_suggestion("unknown kind", word, model::rig_kind_names),
+           "one of " + listed(model::rig_kind_names));
+}
+
+/// All tables of numbers. A component_bench may say on which car (body, wheel, tyre) its component drives:
+/// excitation().
+void read_parameters(DescriptionTable& top, Rig& rig) {
+  const bool car = rig.kind != model::RigKind::component_bench;
+  struct Part {
+    std::string_view table;
+    bool needed;
+    std::string_view expected;
+  };
+  const std::array<Part, 6> parts{{
+      {"body", car, "a table [body] with mass, which this kind of rig has"},
+      {"wheel", car, "a table [wheel] with mass, which this kind of rig has"},
+      {"tyre", car, "a table [tyre] with stiffness and damping, which this kind of rig has"},
+      {"suspension", true, "a table [suspension] with stiffness and damping"},
+      {"machine", false, ""},
+      {"fdva", false, ""},
+  }};
+  for (const Part& part : parts) {
+    auto table = top.table(part.table);
+    if (!table) {
+      if (part.needed) top.need(part.table, part.expected);
+      continue;
+    }
+    for (const auto& p : parameter_paths()) {
+      if (p.table != part.table) continue;
+      if (p.table == "machine") {
+        table->optional_number(p.key, p.value(rig));
+      } else {
+        p.value(rig) = table->number(p.key);
+      }
+    }
+    if (part.table == "fdva") {
+      rig.has_fdva = true;
+      rig.fdva.ducts = table->whole("ducts");
+      rig.fdva.open_ducts = table->whole("open_ducts");
+    }
+    table->finish();
+  }
+}
+
+template <class Slot>
+void read_effect(DescriptionTable& parent, std::string_view name, Slot& slot) {
+  using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+  auto table = parent.table(name);
+  if (!table) return;
+  slot.active = true;
+  for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
+    slot.effect.*Effect::values[i] = table->number(Effect::card.parameters[i].name);
+  }
+  table->finish();
+}
+
+void read_effects(DescriptionTable& top, Rig& rig) {
+  auto effects = top.table("effects");
+  if (!effects) return;
+  rig.effects.for_each(
+      [&](auto& slot) { read_effect(*effects, std::remove_cvref_t<decltype(slot.effect)>::card.name, slot); });
+  // A sensor effect has one table for each channel, [effects.sensor_lag.dz_b].
+  rig.effects.for_each_sensor([&](auto& slot, model::Channel channel) {
+    auto channels = effects->table(std::remove_cvref_t<decltype(slot.effect)>::card.name);
+    if (!channels) return;
+    channels->for_each_channel([](model::Channel, const std::string&, const toml::node&) {});
+    read_effect(*channels, model::name(channel), slot);
+  });
+  effects->finish();
+}
+
+void read_tolerances(DescriptionTable& top, RigDescription& description) {
+  const auto table = top.table("tolerance");
+  if (!table) return;
+  std::vector<std::string> known;
+  for (const auto& p : parameter_paths()) {
+    if (has_part(description.rig, p.table)) known.push_back(std::string(p.table) + "." + std::string(p.key));
+  }
+
+  const auto take = [&](const std::string& path, const toml::node& node) {
+    if (find_parameter(description.rig, path) == nullptr) {
+      const std::vector<std::string_view> words(known.begin(), known.end());
+      table->fail(node, with_suggestion("tolerance of the unknown parameter", path, words),
+                  "a parameter of this rig, such as \"suspension.stiffness\"");
+    }
+    const auto value = as_number(node);
+    if (!value || !(*value >= 0.0 && *value <= 10.0)) {
+      table->fail(node, "the tolerance of " + path + " is not a number in 0 … 10",
+                  "a relative bound, such as 0.03 for ±3 %");
+    }
+    description.tolerance[path] = *value;
+  };
+  const auto walk = [&](const auto& self, const toml::table& inner, const std::string& prefix) -> void {
+    for (const auto& [key, node] : inner) {
+      const std::string path = prefix + std::string(key.str());
+      if (node.is_table()) {
+        self(self, *node.as_table(), path + ".");
+      } else {
+        take(path, node);
+      }
+    }
+  };
+  walk(walk, table->raw(), "");
+}
+
+void read_sensors(DescriptionTable& top, RigDescription& description) {
+  if (auto noise = top.table("noise")) {
+    noise->for_each_channel([&](model::Channel channel, const std::string& key, const toml::node& node) {
+      const double value = noise->number(key);
+      if (value < 0.0) noise->fail(node, noise->path(key) + " is negative", "the rms of the channel's noise, >= 0");
+      description.noise[model::index(channel)] = value;
+    });
+  }
+  if (auto range = top.table("range")) {
+    range->for_each_channel([&](model::Channel channel, const std::string& key, const toml::node& node) {
+      const auto* pair = node.as_array();
+      const bool two = pair != nullptr && pair->size() == 2;
+      const auto lowest = two ? as_number((*pair)[0]) : std::nullopt;
+      const auto highest = two ? as_number((*pair)[1]) : std::nullopt;
+      if (!lowest || !highest || !(*lowest < *highest)) {
+        range->fail(node, range->path(key) + " is not a range", "[lowest, highest] in SI units");
+      }
+      description.range[model::index(channel)] = {*lowest, *highest};
+    });
+  }
+  if (auto channels = top.table("channels")) {
+    for (const auto& [key, node] : channels->raw()) {
+      const std::string name(key.str());
+      if (!is_recorded_quantity(name)) {
+        std::vector<std::string_view> names{"t"};
+        for (const auto& n : model::channel_names) names.push_back(n.name);
+        channels->fail(node, with_suggestion("unknown channel", channels->path(name), names),
+                       "t, a channel or duct_1 … duct_6");
+      }
+      DescriptionTable entry = *channels->table(name);
+      ColumnSource column;
+      column.column = entry.text("column");
+      entry.optional_number("scale", column.scale);
+      entry.optional_number("offset", column.offset);
+      if (column.scale == 0.0) entry.fail("scale", entry.path("scale") + " is 0", "a factor other than 0");
+      entry.finish();
+      description.channels[name] = column;
+    }
+    channels->accept_all_keys();
+  }
+}
+
+/// A rig that the model refuses, at the line where the number stands.
+void check_physics(const toml::table& top, const RigDescription& description) {
+  Rig rig = description.rig;
+  const bool drives_on_car = rig.kind == model::RigKind::component_bench &&
+                             (top.contains("body") || top.contains("wheel") || top.contains("tyre"));
+  auto fault = find_rig_fault(rig, description.period());
+  if (!fault && drives_on_car) fault = find_rig_fault(on_its_car(rig), description.period());
+  if (!fault) return;
+  const toml::node* node = &top;
+  std::string path;
+  const auto descend = [&](std::string_view key) {
+    if (key.empty()) return;
+    path += (path.empty() ? "" : ".") + std::string(key);
+    const toml::table* table = node->as_table();
+    const toml::node* inner = table != nullptr ? table->get(key) : nullptr;
+    if (inner != nullptr) node = inner;
+  };
+  if (!fault->table.empty() && !top.contains(fault->table)) descend("effects");
+  descend(fault->table);
+  if (fault->channel) descend(model::name(*fault->channel));
+  descend(fault->key);
+  if (path.empty()) path = "the rig as a whole";
+  if (const auto value = as_number(*node)) path += " = " + shortest(*value);
+  std::string expected(fault->expected);
+  if (fault->bounds) expected += ", " + shortest(fault->bounds->lower) + " to " + shortest(fault->bounds->upper);
+  throw InputError(description.source, node == &top ? 0 : node->source().begin.line, path + " does not fit", expected);
+}
+
+}  // namespace
+
+RigDescription parse_rig(std::string_view text, std::string_view source) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    throw InputError(source, 0, "the file is empty", "a rig description, beginning with kind and sample_rate");
+  }
+  toml::table top_table;
+  try {
+    top_table = toml::parse(text, source);
+  } catch (const toml::parse_error& error) {
+    throw InputError(source, error.source().begin.line, "TOML syntax: " + std::string(error.description()),
+                     "a rig description in TOML");
+  }
+  RigDescription description;
+  description.source = source;
+  description.text = text;
+  DescriptionTable top(top_table, "", source);
+  description.rig.kind = read_kind(top);
+  description.sample_rate = top.number("sample_rate");
+  if (!(description.sample_rate >= 1.0 && description.sample_rate <= 1e5)) {
+    top.fail("sample_rate", "sample_rate = " + shortest(description.sample_rate) + " does not fit",
+             "the rate of the loop in Hz, from 1 to 100000");
+  }
+  read_parameters(top, description.rig);
+  read_effects(top, description.rig);
+  read_sensors(top, description);
+  read_controller(top, description.rig, description.controller);
+  read_delay_budget(top, description.rig.kind, description.delay_budget);
+  read_hardware(top, description.rig, description.hardware);
+  read_tolerances(top, description);
+  top.finish();
+  check_physics(top_table, description);
+  return description;
+}
+
+RigDescription read_rig(const std::filesystem::path& file) {
+  std::error_code status;
+  if (std::filesystem::is_directory(file, status)) {
+    throw InputError(file.string(), 0, "is a directory", "a rig description in TOML");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string(), 0, "cannot be opened", "a readable rig description in TOML");
+  constexpr std::size_t longest = 1U << 20U;  // a description has some hundred lines; a device may never end
+  std::string text(longest + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream.bad()) throw InputError(file.string(), 0, "cannot be read", "a readable rig description in TOML");
+  if (text.size() > longest) throw InputError(file.string(), 0, "is larger than 1 MiB", "a rig description in TOML");
+  return parse_rig(text, file.string());
+}
+
+}  // namespace firmware

@@ -1,0 +1,110 @@
+// A rig description: the TOML file that describes a rig, its sensors, its recordings and its controller.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/description/channel_map.hpp"
+#include "firmware/description/hardware_description.hpp"
+#include "model/channel.hpp"
+#include "model/fdva.hpp"
+#include "model/rig_model.hpp"
+
+namespace firmware {
+
+/// Measuring range of a channel [SI]; a sample at or beyond it is clipped.
+struct MeasuringRange {
+  double lower;
+  double upper;
+
+  [[nodiscard]] bool holds(double value) const { return value > lower && value < upper; }
+};
+
+/// By model::Channel; nullopt: no range, every sample is used.
+using MeasuringRanges = std::array<std::optional<MeasuringRange>, model::channel_count>;
+
+/// Limits and settings of the controller; the defaults are those of the TU Darmstadt rig.
+struct ControllerDescription {
+  double stroke = 0.250;     ///< whole travel of cylinder or machine [m], half of it to each side of the middle
+  double speed = 0.7;        ///< of cylinder or machine [m/s]
+  double force = 25e3;       ///< [N]
+  double energy_gain = 1.0;  ///< hil: energy that the interface may feed, in terms of what the dampers take
+  double ramp = 0.05;  ///< speed at which the command goes to the start of a run, and to rest in the safe state [m/s]
+  double cross_over = 0.0;          ///< of the velocity estimate [Hz]; 0: the firmware's own default
+  model::OpenDucts safe_ducts = 0;  ///< open in the safe state
+  struct Switching {
+    double time;            ///< since the start of the run [s]
+    model::OpenDucts open;  ///< from then on
+  };
+  std::vector<Switching> valve_plan;  ///< by time; empty: fdva.open_ducts throughout
+};
+
+/// Delays of a hil loop that no effect of the rig models [s]. `rigtwin stability` adds them to the loop; a simulation
+/// ignores them.
+struct DelayBudget {
+  double sensor_age = 0.0;   ///< of a force sample when it is read
+  double transport = 0.0;    ///< on the way from the sensor to the program, and of the command to the machine
+  double computation = 0.0;  ///< from force to command
+
+  [[nodiscard]] double sum() const { return sensor_age + transport + computation; }
+};
+
+/// The rig, the tolerances of its parameters, and the format of its recordings.
+struct RigDescription {
+  model::RigParameters<double> rig;
+  double sample_rate = 0.0;                                       ///< of the loop and of its recordings [Hz]
+  std::map<std::string, double> tolerance;                        ///< parameter path → relative hard bound
+  std::array<std::optional<double>, model::channel_count> noise;  ///< rms of the sensor's noise [SI]
+  MeasuringRanges range;
+  ChannelMap channels;
+  ControllerDescription controller;
+  DelayBudget delay_budget;
+  HardwareDescription hardware;  ///< used by rig_controller only
+  std::string source;            ///< file name as given by the user
+  std::string text;              ///< its contents, for reports
+
+  [[nodiscard]] double period() const { return 1.0 / sample_rate; }
+};
+
+/// A parameter as rig descriptions, tolerances and results name it: "body.mass".
+struct ParameterPath {
+  std::string_view table;
+  std::string_view key;
+  std::string_view unit;
+  double& (*value)(model::RigParameters<double>&);
+};
+
+/// All real-valued parameters of a rig that stand in tables of their own (effects not included).
+[[nodiscard]] std::span<const ParameterPath> parameter_paths();
+
+/// Whether a rig has the part that a table describes.
+[[nodiscard]] bool has_part(const model::RigParameters<double>& rig, std::string_view table);
+
+/// The parameter "table.key" or "effects.name.key" of a rig, nullptr when there is none of that name or the rig does
+/// not have that part or effect.
+[[nodiscard]] double* find_parameter(model::RigParameters<double>& rig, std::string_view path);
+
+/// nullopt, or the reason why the model refuses these parameters: model::find_fault, or (table and key empty) rates of
+/// change that a step of this period [s] cannot resolve.
+[[nodiscard]] std::optional<model::RigFault> find_rig_fault(const model::RigParameters<double>& rig, double period);
+
+/// The quarter car on which the component of a component_bench drives: the rig without its effects on the body, wheel
+/// and tyre of the description, else of the paper (290 kg, 40 kg, 200 kN/m, 100 N s/m), with 1140 N s/m beside the
+/// component.
+[[nodiscard]] model::RigParameters<double> on_its_car(const model::RigParameters<double>& component_bench);
+
+/// Reads and checks a description. InputError for every error: TOML syntax, an unknown key (with the nearest known key
+/// as suggestion), a missing table, a number outside its bounds, a delay beyond the capacity of the delay line.
+[[nodiscard]] RigDescription read_rig(const std::filesystem::path& file);
+
+/// The same from text; `source` stands for the file in messages.
+[[nodiscard]] RigDescription parse_rig(std::string_view text, std::string_view source);
+
+}  // namespace firmware

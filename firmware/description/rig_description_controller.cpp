@@ -1,0 +1,184 @@
+#include "firmware/description/rig_description_controller.hpp"
+
+#include <utility>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/number_text.hpp"
+#include "firmware/loop/valve_plan.hpp"
+
+namespace firmware {
+namespace {
+
+model::OpenDucts read_ducts(DescriptionTable& table, std::string_view key, int installed) {
+  const toml::node& node = table.need(key, "a number of open ducts, or a list of them such as [1, 3]");
+  const std::string expected = "a number of open ducts from 0 to " + std::to_string(installed) + ", or a list of them";
+  if (node.is_array()) {
+    model::OpenDucts open = 0;
+    for (const auto& item : *node.as_array()) {
+      const auto duct = as_whole(item);
+      if (!duct || *duct < 1 || *duct > installed) table.fail(node, table.path(key) + " names no such duct", expected);
+      open = static_cast<model::OpenDucts>(open | (1U << static_cast<unsigned>(*duct - 1)));
+    }
+    return open;
+  }
+  const auto n = as_whole(node);
+  if (!n || *n < 0 || *n > installed) table.fail(node, table.path(key) + " is not a valid number of ducts", expected);
+  return model::first_ducts(static_cast<int>(*n));
+}
+
+void read_gpio(DescriptionTable& table, const model::RigParameters<double>& rig, GpioDescription& gpio) {
+  gpio.chip = table.text("chip");
+  if (table.has("valves")) {
+    const toml::node& node = table.need("valves", "");
+    const int installed = rig.has_fdva ? rig.fdva.ducts : 0;
+    const std::string expected = "a list of " + std::to_string(installed) + " line names, one for each duct";
+    const auto* list = node.as_array();
+    if (list == nullptr) table.fail(node, "gpio.valves is not a list", expected);
+    for (const auto& item : *list) {
+      if (!item.is_string()) table.fail(item, "a line of gpio.valves is not a text", expected);
+      gpio.valves.push_back(item.as_string()->get());
+    }
+    if (static_cast<int>(gpio.valves.size()) != installed) {
+      table.fail(node, "gpio.valves names " + std::to_string(gpio.valves.size()) + " lines", expected);
+    }
+  }
+  if (table.has("valves_active_low")) gpio.valves_active_low = table.truth("valves_active_low");
+  if (table.has("stop")) gpio.stop = table.text("stop");
+  if (table.has("stop_active_low")) gpio.stop_active_low = table.truth("stop_active_low");
+  if (table.has("stop_bias")) {
+    gpio.stop_bias = table.text("stop_bias");
+    if (gpio.stop_bias != "pull-up" && gpio.stop_bias != "pull-down") {
+      table.fail("stop_bias", "unknown gpio.stop_bias " + in_quotes(gpio.stop_bias), "'pull-up' or 'pull-down'");
+    }
+  }
+  if (table.has("heartbeat")) gpio.heartbeat = table.text("heartbeat");
+  table.finish();
+}
+
+/// Calls use(channel, table) for each sub-table named like a channel; the caller reads the other keys.
+template <class Use>
+void for_each_named_channel(DescriptionTable& table, const Use& use) {
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    if (auto entry = table.table(model::channel_names[i].name)) {
+      use(i, *entry);
+      entry->finish();
+    }
+  }
+}
+
+void read_converters(DescriptionTable& table, ConverterDescription& converters) {
+  if (table.has("trigger")) converters.trigger = table.text("trigger");
+  if (table.has("trigger_rate")) converters.trigger_rate = table.positive("trigger_rate");
+  for_each_named_channel(table, [&](std::size_t channel, DescriptionTable& entry) {
+    ConverterDescription::Input input{channel, entry.text("device"), entry.text("input")};
+    input.scale = entry.factor("scale");
+    entry.optional_number("offset", input.offset);
+    converters.inputs.push_back(std::move(input));
+  });
+  if (auto entry = table.table("command")) {
+    ConverterDescription::Output output{entry->text("device"), entry->text("output")};
+    output.scale = entry->factor("scale");
+    entry->optional_number("offset", output.offset);
+    constexpr int most = 1 << 24;
+    if (entry->has("lowest_counts")) output.lowest_counts = entry->whole_in("lowest_counts", -most, most);
+    if (entry->has("highest_counts")) output.highest_counts = entry->whole_in("highest_counts", -most, most);
+    if (output.lowest_counts >= output.highest_counts) {
+      throw InputError(table.source(), entry->line(), "converters.command has no counts between lowest and highest",
+                       "lowest_counts < highest_counts");
+    }
+    entry->finish();
+    converters.command = std::move(output);
+  }
+  table.finish();
+}
+
+}  // namespace
+
+void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig,
+                     ControllerDescription& controller) {
+  if (auto limits = top.table("limits")) {
+    if (limits->has("stroke")) controller.stroke = limits->positive("stroke");
+    if (limits->has("speed")) controller.speed = limits->positive("speed");
+    if (limits->has("force")) controller.force = limits->positive("force");
+    if (limits->has("ramp")) controller.ramp = limits->positive("ramp");
+    if (limits->has("energy_gain")) controller.energy_gain = limits->positive("energy_gain");
+    if (controller.ramp > controller.speed) {
+      limits->fail(limits->has("ramp") ? "ramp" : "speed", "limits.ramp is faster than limits.speed",
+                   "a ramp of at most " + shortest(controller.speed) + " m/s");
+    }
+    limits->finish();
+  }
+  if (auto estimator = top.table("estimator")) {
+    if (estimator->has("cross_over")) controller.cross_over = estimator->positive("cross_over");
+    estimator->finish();
+  }
+  auto valves = top.table("valves");
+  if (!valves) return;
+  const int installed = rig.has_fdva ? rig.fdva.ducts : 0;
+  if (valves->has("safe")) controller.safe_ducts = read_ducts(*valves, "safe", installed);
+  if (valves->has("plan")) {
+    const toml::node& node = valves->need("plan", "");
+    const std::string expected = "a list of { t = seconds, open = ducts } with t >= 0 growing";
+    const auto* list = node.as_array();
+    if (list == nullptr) valves->fail(node, "valves.plan is not a list", expected);
+    for (const auto& item : *list) {
+      if (!item.is_table()) valves->fail(item, "an entry of valves.plan is not a table", expected);
+      DescriptionTable entry(*item.as_table(), "valves.plan", valves->source());
+      const double t = entry.number("t");
+      if (t < 0.0 || (!controller.valve_plan.empty() && t <= controller.valve_plan.back().time)) {
+        valves->fail(item, "the times of valves.plan do not grow", expected);
+      }
+      if (controller.valve_plan.size() == ValvePlan::capacity) {
+        valves->fail(item, "valves.plan is too long", "at most " + std::to_string(ValvePlan::capacity) + " entries");
+      }
+      controller.valve_plan.push_back({t, read_ducts(entry, "open", installed)});
+      entry.finish();
+    }
+  }
+  valves->finish();
+}
+
+void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& budget) {
+  auto table = top.table("delay_budget");
+  if (!table) return;
+  if (kind != model::RigKind::hil) {
+    top.fail("delay_budget", "[delay_budget] does not fit", "none: only the loop of a hil rig has such a budget");
+  }
+  for (const auto& [key, part] :
+       {std::pair("sensor_age", &DelayBudget::sensor_age), std::pair("transport", &DelayBudget::transport),
+        std::pair("computation", &DelayBudget::computation)}) {
+    if (!table->has(key)) continue;
+    const double value = table->number(key);
+    if (!(value >= 0.0 && value <= 0.5)) table->fail(key, table->path(key) + " does not fit", "a delay of 0 … 0.5 s");
+    budget.*part = value;
+  }
+  table->finish();
+}
+
+void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, HardwareDescription& hardware) {
+  if (auto controller = top.table("controller")) {
+    ScheduleDescription& schedule = hardware.schedule;
+    if (controller->has("priority")) schedule.priority = controller->whole_in("priority", 1, 99);
+    if (controller->has("cpu")) schedule.cpu = controller->whole_in("cpu", 0, 1023);
+    if (controller->has("late_in_a_row")) schedule.late_in_a_row = controller->whole_in("late_in_a_row", 1, 1000000);
+    if (controller->has("wake_early")) schedule.wake_early = controller->not_negative("wake_early");
+    if (controller->has("allowed_delay")) schedule.allowed_delay = controller->positive("allowed_delay");
+    controller->finish();
+  }
+  if (auto gpio = top.table("gpio")) read_gpio(*gpio, rig, hardware.gpio.emplace());
+  if (auto converters = top.table("converters")) read_converters(*converters, hardware.converters.emplace());
+  if (auto lasers = top.table("lasers")) {
+    for_each_named_channel(*lasers, [&](std::size_t channel, DescriptionTable& entry) {
+      LaserDescription laser{channel, entry.text("port")};
+      if (entry.has("baud")) laser.baud = entry.whole_in("baud", 2400, 921600);
+      if (entry.has("address")) laser.address = entry.whole_in("address", 1, 127);
+      laser.range = entry.positive("range");
+      if (entry.has("scale")) laser.scale = entry.factor("scale");
+      entry.optional_number("offset", laser.offset);
+      hardware.lasers.push_back(std::move(laser));
+    });
+    lasers->finish();
+  }
+}
+
+}  // namespace firmware

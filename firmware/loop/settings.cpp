@@ -1,0 +1,41 @@
+#include "firmware/loop/settings.hpp"
+
+namespace firmware {
+namespace {
+
+/// Neither NaN (compares false) nor infinite (1e300 is far beyond any rig).
+bool positive(double value) { return value > 0.0 && value < 1e300; }
+bool not_negative(double value) { return value >= 0.0 && value < 1e300; }
+
+}  // namespace
+
+std::string_view Settings::check() const {
+  if (period < hal::microseconds(10) || period > hal::milliseconds(1000)) return "period: expected 10 µs to 1 s";
+  if (!positive(limits.stroke)) return "limits.stroke: expected a length above 0 m";
+  if (!positive(limits.speed)) return "limits.speed: expected a speed above 0 m/s";
+  if (!not_negative(limits.speed_time)) return "limits.speed_time: expected a time of at least 0 s";
+  if (!positive(limits.force)) return "limits.force: expected a force above 0 N";
+  if (limits.bridged_in_a_row < 1) return "limits.bridged_in_a_row: expected at least 1 sample";
+  if (!(limits.stale_after >= 1.0 && limits.stale_after <= 1000.0)) {
+    return "limits.stale_after: expected 1 to 1000 periods";
+  }
+  if (!(limits.late_after > 0.0 && limits.late_after <= 1.0)) {
+    return "limits.late_after: expected a share of the period, above 0 and at most 1";
+  }
+  if (limits.late_in_a_row < 1) return "limits.late_in_a_row: expected at least 1 period";
+  if (!positive(limits.energy_gain)) return "limits.energy_gain: expected a ratio above 0";
+  if (!positive(limits.energy_memory)) return "limits.energy_memory: expected a time above 0 s";
+  if (!not_negative(limits.energy_quiet)) return "limits.energy_quiet: expected a width of at least 0 m";
+  if (limits.energy_cycles < 1) return "limits.energy_cycles: expected at least 1 cycle";
+  const double half_stroke = 0.5 * limits.stroke;
+  if (!(ramps.rest >= -half_stroke && ramps.rest <= half_stroke))
+    return "ramps.rest: expected a place within the stroke";
+  if (!(ramps.rate > 0.0 && ramps.rate <= limits.speed)) return "ramps.rate: expected above 0, at most limits.speed";
+  if (!positive(ramps.braking)) return "ramps.braking: expected a deceleration above 0 m/s²";
+  if (!not_negative(ramps.settling)) return "ramps.settling: expected a time of at least 0 s";
+  if (!positive(observers.cross_over)) return "observers.cross_over: expected a frequency above 0 Hz";
+  if (!positive(observers.differentiation)) return "observers.differentiation: expected a frequency above 0 Hz";
+  return {};
+}
+
+}  // namespace firmware

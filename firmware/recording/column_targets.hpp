@@ -1,0 +1,44 @@
+// Assigns the columns of a file to quantities, from their headings and from [channels] of the rig description.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/description/channel_map.hpp"
+#include "firmware/description/quantity.hpp"
+
+namespace firmware {
+
+/// The text without blanks and tabs around it; where nothing is left, an empty part of it.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+
+/// The heading of a column: "F_w [N]" has text "F_w [N]", name "F_w", unit "N".
+struct Heading {
+  std::string text;
+  std::string name;
+  std::optional<std::string> unit;
+};
+[[nodiscard]] Heading read_heading(std::string_view text);
+
+/// The quantity of one column of a file:   value = scale × column + offset.
+struct Target {
+  Quantity quantity;
+  double scale = 1.0;
+  double offset = 0.0;
+
+  [[nodiscard]] double value(double column) const {
+    return scale == 1.0 && offset == 0.0 ? column : scale * column + offset;  // −0 stays −0
+  }
+};
+
+/// The target of each column: first by the entries of the map, then by the names of the quantities. Columns without a
+/// target are ignored. InputErrors (at `line` of the file): no column t, no known channel, two columns for one
+/// quantity, two quantities from one column, a unit that is not the SI unit.
+[[nodiscard]] std::vector<std::optional<Target>> find_targets(const std::vector<Heading>& headings,
+                                                              const ChannelMap& map, std::string_view source,
+                                                              std::size_t line);
+
+}  // namespace firmware

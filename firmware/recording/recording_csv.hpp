@@ -1,0 +1,48 @@
+// Recordings as CSV text: read with every check, written with the shortest decimals that read back to the same bits.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/description/channel_map.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/recording/run_columns.hpp"
+
+namespace firmware {
+
+/// Reads CSV text in memory, with the checks of host_sim/recording_files; `source` names it in messages.
+[[nodiscard]] Recording parse_recording_csv(std::string_view text, std::string_view source, const ChannelMap& map = {},
+                                            std::optional<double> expected_rate = std::nullopt);
+
+/// Reads an opened CSV file in blocks of `block` bytes; its first bytes, `head`, have been read already.
+[[nodiscard]] Recording read_recording_csv(int descriptor, std::string_view head, std::string_view source,
+                                           const ChannelMap& map, std::optional<double> expected_rate,
+                                           std::size_t block = std::size_t{1} << 20U);
+
+/// Reads a CSV file; a MATLAB file is an InputError. For programs without the MATLAB reader.
+[[nodiscard]] Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap& map,
+                                           std::optional<double> expected_rate);
+
+/// A CSV recording with its rows exactly as in the file, for a replay. Times must increase; no other check is made. NaN
+/// of a controller's recording are kept, gaps are not filled.
+struct AsRecorded {
+  Recording recording;
+  std::vector<double> late;  ///< lateness of each row of a controller's recording [s]; empty for other recordings
+  /// Age of each sample of a controller's recording [s], NaN without a sample; empty: not recorded.
+  std::array<std::vector<double>, model::channel_count> age;
+};
+[[nodiscard]] AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map);
+
+/// Passes the CSV text to `take` in pieces, because the text is larger than the recording in memory.
+void format_recording_csv(const Recording& recording, const std::function<void(std::string_view)>& take);
+
+/// The CSV text that write_recording writes.
+[[nodiscard]] std::string format_recording_csv(const Recording& recording);
+
+}  // namespace firmware

@@ -1,0 +1,107 @@
+#include "firmware/recording/run_columns.hpp"
+
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace firmware {
+
+using model::Channel;
+using model::RigKind;
+
+hal::Time oldest_sample(const Record& record) {
+  hal::Time oldest = record.time;
+  for (const hal::Time taken : record.taken) {
+    if (taken != hal::never && taken < oldest) oldest = taken;
+  }
+  return oldest;
+}
+
+std::string age_name(Channel channel) { return "age_" + std::string(model::name(channel)); }
+
+RunColumns::RunColumns(const RigDescription& description, const hal::SensorSetup& sensors) {
+  const RigKind kind = description.rig.kind;
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    const Channel channel = model::channel_at(i);
+    const bool force_or_motion_of_hardware =
+        channel == Channel::F || channel == Channel::x_act || channel == Channel::F_act;
+    const bool computed = (kind == RigKind::hil && !force_or_motion_of_hardware) ||
+                          (kind == RigKind::component_bench && channel == Channel::x_cmd);
+    if (!sensors[i].fitted && !computed) continue;
+    columns_.push_back({std::string(model::name(channel)), std::string(model::unit(channel)), Source::channel, i});
+  }
+  const std::size_t ducts = description.rig.has_fdva ? static_cast<std::size_t>(description.rig.fdva.ducts) : 0;
+  for (std::size_t j = 0; j < ducts; ++j) {
+    columns_.push_back({"duct_" + std::to_string(j + 1), "", Source::duct, j});
+  }
+  if (kind == RigKind::quarter_car) {
+    columns_.push_back({"F_w_c", "N", Source::wheel_load, 0});
+    columns_.push_back({"v_r", "m/s", Source::velocity, 0});
+    columns_.push_back({"v_w", "m/s", Source::velocity, 1});
+    columns_.push_back({"v_b", "m/s", Source::velocity, 2});
+  }
+  columns_.push_back({"late", "s", Source::late, 0});
+  columns_.push_back({"age", "s", Source::age, 0});
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    if (sensors[i].fitted) columns_.push_back({age_name(model::channel_at(i)), "s", Source::channel_age, i});
+  }
+}
+
+double RunColumns::value(const Column& column, const Record& record) {
+  switch (column.source) {
+    case Source::channel:
+      return record.values[column.index];
+    case Source::duct:
+      return record.openings.is_open(column.index) ? 1.0 : 0.0;
+    case Source::wheel_load:
+      return record.wheel_load;
+    case Source::velocity:
+      return std::array{record.velocities.foot_point, record.velocities.wheel, record.velocities.body}[column.index];
+    case Source::late:
+      return record.late.seconds();
+    case Source::age:
+      return (record.time - oldest_sample(record)).seconds();
+    case Source::channel_age:
+      return record.taken[column.index] == hal::never ? std::numeric_limits<double>::quiet_NaN()
+                                                      : (record.time - record.taken[column.index]).seconds();
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+RunRecording::RunRecording(const RigDescription& description, const hal::SensorSetup& sensors,
+                           std::size_t expected_rows)
+    : columns_(description, sensors), sample_rate_(description.sample_rate) {
+  using Source = RunColumns::Source;
+  recording_.sample_period = description.period();
+  for (const RunColumns::Column& column : columns_.columns()) {
+    if (column.source == Source::wheel_load || column.source == Source::velocity) {
+      recording_.extra.push_back({column.name, column.unit, {}});
+    }
+  }
+  std::size_t extra = 0;
+  for (const RunColumns::Column& column : columns_.columns()) {
+    std::vector<double>* values = nullptr;
+    if (column.source == Source::channel) values = &recording_.channels[column.index];
+    if (column.source == Source::duct) values = &recording_.ducts[column.index];
+    if (column.source == Source::wheel_load || column.source == Source::velocity) {
+      values = &recording_.extra[extra++].values;
+    }
+    if (values != nullptr) values->reserve(expected_rows);
+    values_.push_back(values);
+  }
+}
+
+void RunRecording::take(const Record& record) {
+  if (record.mode != Mode::running) return;
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    if (values_[i] != nullptr) values_[i]->push_back(RunColumns::value(columns_.columns()[i], record));
+  }
+  ++rows_;
+}
+
+Recording RunRecording::finish() {
+  recording_.time = sample_times(rows_, sample_rate_);
+  return std::move(recording_);
+}
+
+}  // namespace firmware

@@ -1,0 +1,131 @@
+#include "firmware/recording/sample_checks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "firmware/description/number_text.hpp"
+#include "firmware/description/quantity.hpp"
+
+namespace firmware {
+namespace {
+
+bool all_are_single_precision(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(),
+                     [](double x) { return static_cast<double>(static_cast<float>(x)) == x; });
+}
+
+// Six digits, for a message: rates and steps as a person would write them.
+std::string rounded(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 6).ptr;
+  return {text.data(), end};
+}
+
+// Unit of the last printed place of a stamp as large as `largest` [s].
+double last_place(const StampRounding& rounding, double largest) {
+  const double in_file = largest / rounding.scale;
+  const double by_decimals = std::pow(10.0, -rounding.decimals);
+  const double by_digits =
+      in_file > 0.0 ? std::pow(10.0, std::floor(std::log10(in_file)) + 1.0 - rounding.significant_digits) : 0.0;
+  return std::max(by_decimals, by_digits) * rounding.scale;
+}
+
+}  // namespace
+
+double median_step(const std::vector<double>& time) {
+  std::vector<double> steps(time.size() - 1);
+  for (std::size_t k = 1; k < time.size(); ++k) steps[k - 1] = time[k] - time[k - 1];
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+Objection object_to(Quantity quantity, double value) {
+  if (!std::isfinite(value))
+    return {std::string(quantity_name(quantity)) + " is " + shortest(value), "a finite number"};
+  if (quantity >= first_duct && value != 0.0 && value != 1.0) {
+    return {std::string(quantity_name(quantity)) + " is " + shortest(value), "1 (open) or 0 (closed)"};
+  }
+  return {};
+}
+
+InputError RecordingLocation::error(std::size_t k, std::string_view wrong, std::string_view expected) const {
+  if (first_line > 0) return {source, first_line + k, wrong, expected};
+  return {source, 0, "sample " + std::to_string(k + 1) + ": " + std::string(wrong), expected};
+}
+
+void check_time_rises(const Recording& recording, const RecordingLocation& location) {
+  const std::vector<double>& time = recording.time;
+  for (std::size_t k = 1; k < time.size(); ++k) {
+    if (time[k] > time[k - 1]) continue;
+    const std::string stamp = shortest(time[k]) + " follows " + shortest(time[k - 1]);
+    if (time[k] == time[k - 1])
+      throw location.error(k, "time does not increase: " + stamp, "a later time in each sample");
+    throw location.error(k, "time runs backwards: " + stamp, "a later time in each sample");
+  }
+}
+
+void check_time(Recording& recording, const StampRounding& rounding, const RecordingLocation& location,
+                std::optional<double> expected_rate) {
+  const std::vector<double>& time = recording.time;
+  const std::size_t n = time.size();
+  if (n < 2) throw location.error(0, "there is only one sample", "at least two");
+  check_time_rises(recording, location);
+
+  constexpr double jitter = 1e-3;       // of T; these two are explained at read_recording
+  constexpr double clock_error = 1e-4;  // of T
+  const double largest = std::max(std::abs(time.front()), std::abs(time.back()));
+  const double arithmetic = 4.0 * std::numeric_limits<double>::epsilon() * largest;
+  // Stamps kept in single precision are as coarse as that; with eight digits or fewer the printing is coarser still.
+  const bool single = rounding.significant_digits > 8 && all_are_single_precision(time);
+  const double printed = std::max(last_place(rounding, largest),
+                                  single ? static_cast<double>(std::numeric_limits<float>::epsilon()) * largest : 0.0);
+  const double mean = (time.back() - time.front()) / static_cast<double>(n - 1);
+  double period = expected_rate ? 1.0 / *expected_rate : mean;
+  if (!expected_rate) {
+    const double middle = median_step(time);
+    if (std::abs(mean - middle) > printed + jitter * middle) period = middle;  // the mean holds a gap
+    const double whole_rate = std::round(1.0 / period);
+    const double mean_error = (printed + arithmetic) / static_cast<double>(n - 1) + 1e-9 * period;
+    if (whole_rate >= 1.0 && std::abs(1.0 / whole_rate - period) <= std::min(mean_error, jitter * period)) {
+      period = 1.0 / whole_rate;
+    }
+  }
+  recording.sample_period = period;
+
+  const double places = period / printed;
+  const bool exact = !single && std::abs(places - std::round(places)) < 1e-3 && places > 0.5;
+  const double stamp_error = (exact ? 0.0 : printed) + arithmetic;
+  const double tolerance = stamp_error + jitter * period;
+
+  std::size_t odd = 1;
+  while (odd < n && std::abs(time[odd] - time[odd - 1] - period) <= tolerance) ++odd;
+  const auto rate_error = [&](std::size_t k, double step) {
+    return location.error(k,
+                          "the recording's rate is " + rounded(1.0 / step) + " Hz (steps of " + rounded(step) + " s)",
+                          rounded(1.0 / period) + " Hz as in the rig description");
+  };
+  if (odd < n) {
+    const double middle = median_step(time);
+    if (expected_rate && std::abs(middle - period) > tolerance) throw rate_error(1, middle);
+    const double step = time[odd] - time[odd - 1];
+    throw location.error(odd,
+                         (step > period ? "gap in time: " : "irregular time: ") + shortest(time[odd]) + " follows " +
+                             shortest(time[odd - 1]),
+                         "steps of " + rounded(period) + " s ± " + rounded(tolerance) + " s");
+  }
+  if (stamp_error > 0.5 * period) {
+    throw location.error(1, "time is rounded to " + rounded(stamp_error) + " s",
+                         "stamps that tell a gap from a step of " + rounded(period) + " s");
+  }
+  if (std::abs(mean - period) >
+      clock_error * period + (stamp_error + 2.0 * jitter * period) / static_cast<double>(n - 1)) {
+    throw rate_error(1, mean);
+  }
+}
+
+}  // namespace firmware

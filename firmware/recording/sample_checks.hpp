@@ -1,0 +1,50 @@
+// Checks of a recording's samples and time stamps, the same for every file format.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/quantity.hpp"
+#include "firmware/recording/recording.hpp"
+
+namespace firmware {
+
+/// Error of one value of a quantity and the expected value; both empty if the value is valid.
+struct Objection {
+  std::string wrong;
+  std::string_view expected;
+  [[nodiscard]] explicit operator bool() const { return !wrong.empty(); }
+};
+[[nodiscard]] Objection object_to(Quantity quantity, double value);
+
+/// Position of the samples of a recording in its file, for messages.
+struct RecordingLocation {
+  std::string_view source;
+  std::size_t first_line = 0;  ///< line of the first sample; 0 where samples have no lines
+
+  /// An InputError about sample k.
+  [[nodiscard]] InputError error(std::size_t k, std::string_view wrong, std::string_view expected) const;
+};
+
+/// Resolution of the printed time stamps of a file.
+struct StampRounding {
+  int decimals = 17;            ///< most decimals of any stamp
+  int significant_digits = 17;  ///< most significant digits of any stamp
+  double scale = 1.0;           ///< [s / unit of the stamps]
+};
+
+/// The median of the differences between successive times; there are two times at least.
+[[nodiscard]] double median_step(const std::vector<double>& time);
+
+/// An InputError unless each time is later than the one before.
+void check_time_rises(const Recording& recording, const RecordingLocation& location);
+
+/// The checks of read_recording() on `time`; sets the sample period.
+void check_time(Recording& recording, const StampRounding& rounding, const RecordingLocation& location,
+                std::optional<double> expected_rate);
+
+}  // namespace firmware

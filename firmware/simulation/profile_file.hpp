@@ -1,0 +1,24 @@
+// Roads from files.
+#pragma once
+
+#include <filesystem>
+
+#include "firmware/description/channel_map.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/simulation/road.hpp"
+
+namespace firmware {
+
+/// Reader of the file: read_csv_recording(), or one that also reads MATLAB files.
+using RecordingReader = Recording (*)(const std::filesystem::path&, const ChannelMap&, std::optional<double>);
+
+/// The motion over a road given as CSV (or .mat): z_r [m] over t [s], or (CSV only) over the distance s [m], converted
+/// to time by `speed` [m/s]. The points are equally spaced. If their spacing h differs from the sample period, a cubic
+/// Hermite polynomial interpolates (error of z_r at most h⁴/384 max|z_r⁗|, plus the velocity error of
+/// through_samples()). The motion ends with the file or after `samples` samples.
+///
+/// InputError for another kind of file and for fewer than five points.
+[[nodiscard]] FootPointMotion road_from_file(const std::filesystem::path& file, double speed, double sample_rate,
+                                             std::size_t samples, RecordingReader read);
+
+}  // namespace firmware

@@ -1,0 +1,90 @@
+#include "firmware/simulation/road.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/rig_description.hpp"
+#include "firmware/simulation/gaussian.hpp"
+#include "model/rig_model.hpp"
+#include "model/road_filter.hpp"
+
+namespace firmware {
+
+namespace {
+constexpr std::uint32_t road_stream = 1;  // of a run's seed; sensor noise has its own
+}
+
+double road_density(double roughness, double speed, double frequency, double cut_off) {
+  constexpr double n0 = model::RoadFilter<double>::reference_wave_number;
+  return roughness * n0 * n0 * speed / (frequency * frequency + cut_off * cut_off);
+}
+
+double class_roughness(std::string_view letter) {
+  if (letter.size() == 1 && letter[0] >= 'A' && letter[0] <= 'H') {
+    return 16e-6 * static_cast<double>(1U << (2U * static_cast<unsigned>(letter[0] - 'A')));
+  }
+  throw UsageError("unknown road class " + in_quotes(letter) + ", expected one of A, B, C, D, E, F, G, H");
+}
+
+double default_bandwidth(model::RigKind kind, double sample_rate) {
+  return std::min(kind == model::RigKind::hil ? 100.0 : 30.0, 0.2 * sample_rate);
+}
+
+FootPointMotion drive_over(const IsoRoad& road, double sample_rate, std::size_t samples) {
+  const double period = 1.0 / sample_rate;
+  const model::RoadFilter<double> filter({road.roughness, road.speed, road.cut_off, road.bandwidth}, period);
+  Gaussian noise(road.seed, road_stream);
+  const double deviation = std::sqrt(0.5 * sample_rate);  // variance 1/(2h): one-sided density 1
+  FootPointMotion motion(samples);
+  auto state = model::RoadFilter<double>::State::Zero().eval();
+  for (auto& m : motion) {
+    m = filter.motion(state);
+    state = filter.step(state, deviation * noise());
+  }
+  return motion;
+}
+
+FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMotion road, double sample_rate) {
+  if (rig.kind != model::RigKind::component_bench || road.empty()) return road;
+  const model::RigModel<> model(on_its_car(rig), 1.0 / sample_rate);
+  auto x = model.start(road.front().position);
+  for (auto& m : road) {
+    model.step(x, {.foot_point = m});
+    const auto signals = model.signals(x);
+    const auto deflection = model.deflection(x);
+    m = {deflection.position, deflection.velocity,
+         signals[index(model::Channel::zdd_w)] - signals[index(model::Channel::zdd_b)]};
+  }
+  return road;
+}
+
+FootPointMotion through_samples(const std::vector<double>& z, double sample_rate) {
+  const std::size_t n = z.size();
+  FootPointMotion motion(n);
+  const double h = 1.0 / sample_rate;
+  for (std::size_t k = 0; k < n; ++k) {
+    model::Motion<double>& m = motion[k];
+    m.position = z[k];
+    if (n < 3) {
+      m.velocity = n < 2 ? 0.0 : (z[1] - z[0]) / h;
+    } else if (k >= 2 && k + 2 < n) {
+      // Differences of neighbours first: a constant signal then has a velocity of exactly 0, and so no sign for
+      // friction.
+      m.velocity = (8.0 * (z[k + 1] - z[k - 1]) - (z[k + 2] - z[k - 2])) / (12.0 * h);
+      const double near = (z[k + 1] - z[k]) - (z[k] - z[k - 1]), far = (z[k + 2] - z[k]) - (z[k] - z[k - 2]);
+      m.acceleration = (16.0 * near - far) / (12.0 * h * h);
+    } else {
+      const std::size_t i = std::clamp<std::size_t>(k, 1, n - 2);  // parabola through the three nearest
+      const double curvature = ((z[i + 1] - z[i]) - (z[i] - z[i - 1])) / (h * h);
+      const double away = k < i ? -h : (k > i ? h : 0.0);
+      m.velocity = (z[i + 1] - z[i - 1]) / (2.0 * h) + curvature * away;
+      m.acceleration = curvature;
+    }
+  }
+  return motion;
+}
+
+}  // namespace firmware

@@ -1,0 +1,43 @@
+#include "firmware/simulation/road_choice.hpp"
+
+#include <cmath>
+#include <string_view>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/number_text.hpp"
+
+namespace firmware {
+
+FootPointMotion motion_over(const RoadChoice& choice, const RigDescription& rig, std::size_t samples,
+                            RecordingReader read) {
+  constexpr std::string_view standard = "iso8608:";
+  if (!choice.road.starts_with(standard)) {
+    if (choice.bandwidth || choice.cut_off) {
+      throw UsageError("--bandwidth and --cut-off shape an ISO 8608 road, expected neither with a road from a file");
+    }
+    return road_from_file(choice.road, choice.speed, rig.sample_rate, samples, read);
+  }
+  IsoRoad road;
+  road.roughness = class_roughness(choice.road.substr(standard.size()));
+  road.speed = choice.speed;
+  road.cut_off = choice.cut_off.value_or(road.cut_off);
+  road.seed = choice.seed;
+  road.bandwidth = choice.bandwidth.value_or(default_bandwidth(rig.rig.kind, rig.sample_rate));
+  if (road.bandwidth > 0.2 * rig.sample_rate) {
+    throw UsageError("--bandwidth is above a fifth of the sample rate, expected at most " +
+                     shortest(0.2 * rig.sample_rate) + " Hz for this rig");
+  }
+  return drive_over(road, rig.sample_rate, samples);
+}
+
+std::size_t samples_of(double duration, double sample_rate) {
+  constexpr double most = 1e7;  // about 200 bytes a sample
+  const double wanted = duration * sample_rate;
+  if (!(wanted >= 1.0 && wanted <= most)) {
+    throw UsageError("--duration " + shortest(duration) + " does not fit, expected " + shortest(1.0 / sample_rate) +
+                     " to " + shortest(most / sample_rate) + " s at the sample rate of this rig");
+  }
+  return static_cast<std::size_t>(std::llround(wanted));
+}
+
+}  // namespace firmware

@@ -1,0 +1,64 @@
+#include "firmware/simulation/simulated_rig.hpp"
+
+#include <algorithm>
+
+namespace firmware {
+
+namespace {
+constexpr std::uint32_t noise_stream = 2;  // of a run's seed; the road has its own
+using model::Channel;
+using model::RigKind;
+}  // namespace
+
+model::ModelledPart hardware_of(RigKind kind) {
+  return kind == RigKind::hil ? model::ModelledPart::test_machine : model::ModelledPart::whole_rig;
+}
+
+bool is_hardware_channel(RigKind kind, Channel channel) {
+  switch (channel) {
+    case Channel::F:
+    case Channel::x_act:
+      return kind != RigKind::quarter_car;
+    case Channel::x_cmd:
+      return false;
+    default:
+      return kind == RigKind::quarter_car;
+  }
+}
+
+SimulatedRig::SimulatedRig(const RigDescription& description, std::uint64_t seed, Noise noise, double start)
+    : model_(description.rig, description.period(), hardware_of(description.rig.kind)),
+      state_(description.rig.kind == RigKind::quarter_car ? model_.start(start) : model_.start(0.0, start)),
+      gaussian_(seed, noise_stream),
+      range_(description.range) {
+  if (noise == Noise::none) return;
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    if (is_hardware_channel(description.rig.kind, model::channel_at(i)))
+      deviation_[i] = description.noise[i].value_or(0.0);
+  }
+  draw_noise();
+}
+
+void SimulatedRig::draw_noise() {
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    if (deviation_[i] > 0.0) noise_[i] = deviation_[i] * gaussian_();
+  }
+}
+
+void SimulatedRig::do_measure(std::span<double, hal::channel_capacity> values) {
+  const model::Signals<double> signals = model_.measured(state_, &noise_);
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    values[i] = range_[i] ? std::clamp(signals[i], range_[i]->lower, range_[i]->upper) : signals[i];
+  }
+}
+
+void SimulatedRig::do_advance(const hal::Command& command, hal::Openings openings) {
+  const auto open = static_cast<model::OpenDucts>(openings.bits());
+  if (open != state_.ducts.open()) model_.open_ducts(state_, open);
+  draw_noise();
+  model_.step(state_, {.foot_point = {command.position, command.velocity, command.acceleration},
+                       .command = {command.position, command.velocity},
+                       .noise = &noise_});
+}
+
+}  // namespace firmware

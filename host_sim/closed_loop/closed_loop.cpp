@@ -1,0 +1,39 @@
+#include "host_sim/closed_loop/closed_loop.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "firmware/description/control_settings.hpp"
+#include "firmware/recording/run_columns.hpp"
+#include "firmware/simulation/simulated_setup.hpp"
+#include "hal/simulated/rig.hpp"
+
+namespace host_sim {
+
+Run run_closed_loop(const firmware::RigDescription& description, const firmware::FootPointMotion& excitation,
+                    const RunOptions& options) {
+  const firmware::Settings settings = firmware::control_settings(description);
+  firmware::SimulatedRig plant(description, options.seed, options.noise);
+  const hal::simulated::Construction construction = firmware::simulated_construction(description);
+  hal::simulated::Rig rig(plant, construction, options.faults);
+
+  std::vector<firmware::Record> storage(8);
+  firmware::Journal journal(storage);
+  firmware::TableReference reference(excitation);
+  firmware::ControlLoop loop(settings, description.rig, rig.roles(), reference, firmware::valve_plan(description),
+                             journal);
+
+  firmware::RunRecording recording(description, construction.sensors, excitation.size());
+  loop.start();
+  std::size_t periods = 0;
+  loop.run([&] {
+    while (const auto record = journal.pop()) recording.take(*record);
+    if (options.progress && (periods & 0x3fffU) == 0) {
+      options.progress(std::min(1.0, static_cast<double>(periods) / static_cast<double>(excitation.size() + 1)));
+    }
+    return ++periods == 1 || loop.mode() != firmware::Mode::safe;
+  });
+  return {recording.finish(), loop.trip(), loop.counters(), journal.lost()};
+}
+
+}  // namespace host_sim

@@ -1,0 +1,84 @@
+#include "host_sim/commands/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/version.hpp"
+#include "host_sim/commands/compare_command.hpp"
+#include "host_sim/commands/diagnose_command.hpp"
+#include "host_sim/commands/frf_command.hpp"
+#include "host_sim/commands/paper_command.hpp"
+#include "host_sim/commands/simulate_command.hpp"
+#include "host_sim/commands/stability_command.hpp"
+
+namespace host_sim {
+namespace {
+
+constexpr std::string_view unwritable_output = "standard output: cannot be written, expected room for the results";
+
+int fail(firmware::ExitStatus status, std::string_view message) {
+  std::fprintf(stderr, "rigtwin: %s\n", firmware::one_line(message).c_str());
+  return static_cast<int>(status);
+}
+
+/// Names the unknown command and lists the known ones. (CLI11 only says that a subcommand is required.)
+void demand_command(const CLI::App& app, const std::string& word) {
+  std::string known;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (word == command->get_name()) return;
+    known += (known.empty() ? "" : ", ") + command->get_name();
+  }
+  if (!word.starts_with('-'))
+    throw firmware::UsageError("unknown command " + firmware::in_quotes(word) + ", expected one of " + known);
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC", "rigtwin");
+  app.set_version_flag("--version", "rigtwin " + std::string(firmware::version));
+  app.require_subcommand(1);
+  SimulateOptions simulate_options;
+  CompareOptions compare_options;
+  add_simulate(app, simulate_options);
+  add_compare(app, compare_options);
+  StabilityOptions stability_options;
+  add_stability(app, stability_options);
+  FrfOptions frf_options;
+  add_frf(app, frf_options);
+  DiagnoseOptions diagnose_options;
+  add_diagnose(app, diagnose_options);
+  PaperOptions paper_options;
+  add_paper(app, paper_options);
+  try {
+    if (argc > 1) demand_command(app, argv[1]);
+    app.parse(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      return fail(firmware::ExitStatus::cannot_write, unwritable_output);
+    }
+    return static_cast<int>(firmware::ExitStatus::done);
+  } catch (const CLI::Success& help) {
+    app.exit(help);
+    std::cout.flush();
+    return std::cout ? static_cast<int>(firmware::ExitStatus::done)
+                     : fail(firmware::ExitStatus::cannot_write, unwritable_output);
+  } catch (const CLI::ParseError& error) {
+    return fail(firmware::ExitStatus::wrong_usage, std::string(error.what()) + " (see rigtwin --help)");
+  } catch (const firmware::UsageError& error) {
+    return fail(firmware::ExitStatus::wrong_usage, error.what());
+  } catch (const firmware::InputError& error) {
+    return fail(firmware::ExitStatus::unfit_input, error.what());
+  } catch (const firmware::OutputError& error) {
+    return fail(firmware::ExitStatus::cannot_write, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(firmware::ExitStatus::internal, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(firmware::ExitStatus::internal, std::string("internal error: ") + error.what());
+  }
+}
+
+}  // namespace host_sim

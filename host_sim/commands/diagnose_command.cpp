@@ -1,0 +1,154 @@
+#include "host_sim/commands/diagnose_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/spelling.hpp"
+#include "firmware/recording/output_file.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/commands/progress.hpp"
+#include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/identification/report/verdict_json.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
+
+namespace host_sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Creates the folder if necessary. OutputError if it holds a rig.toml that rigtwin diagnose did not write: that may be
+/// the user's own description.
+void prepare_folder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    throw firmware::OutputError(folder.string(), "is not a folder", "a folder, or the name of a new one");
+  }
+  fs::create_directories(folder, error);
+  if (error)
+    throw firmware::OutputError(folder.string(), "cannot be created: " + error.message(),
+                                "a folder that may be written");
+  const fs::path rig = folder / "rig.toml";
+  if (!fs::exists(rig, error)) return;
+  std::ifstream file(rig);
+  std::string first;
+  std::getline(file, first);
+  if (!first.starts_with(identification::result_rig_mark)) {
+    throw firmware::OutputError(rig.string(), "is there already and was not written by rigtwin diagnose",
+                                "another folder for the results");
+  }
+}
+
+void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
+  std::printf("%s\n", identification::sentence(diagnosis).c_str());
+  for (const identification::NamedEffect& named : diagnosis.effects) {
+    std::printf("  %s", identification::words(named.effect).c_str());
+    for (std::size_t p = 0; p < named.parameters.size(); ++p) {
+      const auto& card = named.effect.entry->parameters[p];
+      std::printf("   %s = %.5g %s (%.5g … %.5g)", std::string(card.name).c_str(), named.parameters[p].value,
+                  identification::unit_of(named.effect, p).c_str(), named.parameters[p].lower,
+                  named.parameters[p].upper);
+    }
+    std::printf("   confidence %.3f\n", named.confidence);
+    for (std::size_t a = 0; a < std::min<std::size_t>(2, named.alternatives.size()); ++a) {
+      const auto& other = named.alternatives[a];
+      std::printf("    rather than %s: odds %s%s%s\n", identification::words(other.effect).c_str(),
+                  identification::odds_text(other.odds_against).c_str(),
+                  other.separate_by.empty() ? "" : "; to be separated by ", other.separate_by.c_str());
+    }
+  }
+  if (!diagnosis.parameters.empty()) std::printf("fitted parameters, 95 %% interval\n");
+  for (const auto& [path, fitted] : diagnosis.parameters) {
+    std::printf("  %-28s %12.6g (%.6g … %.6g), ±%.2g %%\n", path.c_str(), fitted.value, fitted.lower, fitted.upper,
+                50.0 * (fitted.upper - fitted.lower) / std::abs(fitted.value));
+  }
+  if (!diagnosis.locations.empty()) std::printf("location of the disagreement\n");
+  for (const identification::RecordingLocation& place : diagnosis.locations) {
+    std::printf("  %-6s %5.3g … %-5.3g Hz  %5.1f %%  %s\n", std::string(model::name(place.channel)).c_str(),
+                place.lowest, place.highest, 100.0 * place.share, place.subsystem.c_str());
+  }
+  if (!diagnosis.prediction_errors.empty()) {
+    std::printf("error ÷ rms on held-out data\n  %-8s %10s %10s %10s %12s\n", "channel", "before", "refit", "after",
+                "noise floor");
+  }
+  for (const auto& [channel, gap] : diagnosis.prediction_errors) {
+    std::printf("  %-8s %10.5f %10.5f %10.5f %12.5f\n", std::string(model::name(channel)).c_str(), gap.before,
+                gap.refit, gap.after, gap.noise_floor);
+  }
+  for (const std::string& remark : diagnosis.remarks) std::printf("%s\n", remark.c_str());
+  std::printf("%s: verdict.json, report.html, rig.toml\n", folder.string().c_str());
+}
+
+}  // namespace
+
+void run_diagnosis(const DiagnoseOptions& options) {
+  if (!options.explain.empty()) {
+    const firmware::CatalogueEntry* const entry = firmware::find_effect(options.explain);
+    if (entry == nullptr) {
+      std::vector<std::string_view> names;
+      for (const firmware::CatalogueEntry& e : firmware::catalogue()) names.push_back(e.name);
+      throw firmware::UsageError("--explain: unknown effect " + firmware::in_quotes(options.explain) +
+                                 " (did you mean " + firmware::in_quotes(firmware::nearest(options.explain, names)) +
+                                 "?)");
+    }
+    std::printf("%s", identification::explanation(*entry).c_str());
+    return;
+  }
+  if (options.rig.empty() || options.data.empty() || options.out.empty()) {
+    throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --explain EFFECT");
+  }
+  const firmware::RigDescription description = firmware::read_rig(options.rig);
+  std::vector<identification::Record> records;
+  const identification::Use use = options.holdout.empty() ? identification::Use::shared : identification::Use::fitted;
+  for (const fs::path& file : options.data) {
+    records.push_back({read_recording(file, description.channels, description.sample_rate), use});
+  }
+  for (const fs::path& file : options.holdout) {
+    records.push_back(
+        {read_recording(file, description.channels, description.sample_rate), identification::Use::held_out});
+  }
+  prepare_folder(options.out);
+  std::optional<Progress> progress(std::in_place, "diagnose");
+  const identification::Diagnosis diagnosis = identification::diagnose(
+      description, std::move(records),
+      [&, begun = std::chrono::steady_clock::now()](double share, const std::string& what, std::size_t simulations,
+                                                    std::size_t candidates) {
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
+        const double rate = static_cast<double>(simulations) / std::max(taken.count(), 1e-3);
+        char tried[96];
+        std::snprintf(tried, sizeof tried, " (%zu candidates, %zu simulations, %.0f/s)", candidates, simulations, rate);
+        progress->show(share, what + tried);
+      });
+  progress.reset();
+
+  // All three files or none: each is written under a temporary name first.
+  firmware::OutputFile verdict(options.out / "verdict.json"), report(options.out / "report.html"),
+      rig(options.out / "rig.toml");
+  verdict.write(identification::to_json(diagnosis).dump(2) + "\n");
+  report.write(identification::report_html(diagnosis, description));
+  rig.write(identification::result_rig(diagnosis.rig, options.rig.filename().string()));
+  verdict.commit();
+  report.commit();
+  rig.commit();
+  print(diagnosis, options.out);
+}
+
+void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("diagnose", "Locate the disagreement of rig and model and name the missing effect");
+  command->add_option("--rig", options.rig, "Rig description (TOML)");
+  command->add_option("--data", options.data, "Recording (CSV or .mat); may be given several times");
+  command->add_option("--holdout", options.holdout,
+                      "Recording for validation, not used for fitting (default: the last quarter of each --data)");
+  command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
+  command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
+  command->callback([&options] { run_diagnosis(options); });
+}
+
+}  // namespace host_sim

@@ -1,0 +1,24 @@
+// rigtwin diagnose: locates the disagreement between rig and model and names the missing effect.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace host_sim {
+
+struct DiagnoseOptions {
+  std::filesystem::path rig, out;
+  std::vector<std::filesystem::path> data, holdout;
+  std::string explain;  ///< name of an effect; the other options are then unused
+};
+void run_diagnosis(const DiagnoseOptions& options);
+
+/// Adds the sub-command; `options` must live as long as `app`.
+void add_diagnose(CLI::App& app, DiagnoseOptions& options);
+
+}  // namespace host_sim

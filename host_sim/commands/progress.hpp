@@ -1,0 +1,26 @@
+// Progress of long work, shown at a terminal.
+#pragma once
+
+#include <string>
+
+namespace host_sim {
+
+/// One line on standard error, updated at most ten times a second; nothing when standard error is not a terminal. The
+/// destructor removes the line, also after an exception.
+class Progress {
+ public:
+  explicit Progress(std::string what);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(double share, const std::string& detail = {});  ///< share of the work done, 0 … 1
+
+ private:
+  std::string what_;
+  bool terminal_;
+  double last_ = 0.0;  // when something was shown [s]
+  bool shown_ = false;
+};
+
+}  // namespace host_sim

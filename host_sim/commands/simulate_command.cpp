@@ -1,0 +1,127 @@
+#include "host_sim/commands/simulate_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/number_text.hpp"
+#include "firmware/description/version.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/simulation/road_choice.hpp"
+#include "firmware/simulation/simulated_rig.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
+#include "host_sim/closed_loop/trace.hpp"
+#include "host_sim/commands/option_checks.hpp"
+#include "host_sim/commands/progress.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
+
+namespace host_sim {
+namespace {
+
+/// A trip in one line: reason, channel, value, limit, time.
+std::string describe(const firmware::Trip& trip) {
+  using firmware::Reason;
+  std::string text(firmware::name(trip.reason));
+  if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
+  const bool in_a_row = trip.reason == Reason::sample_missing || trip.reason == Reason::sample_not_finite ||
+                        trip.reason == Reason::sample_clipped || trip.reason == Reason::sample_stale;
+  std::string unit(trip.channel ? model::unit(*trip.channel) : "");
+  if (trip.reason == Reason::speed) unit = "m/s";
+  if (trip.reason == Reason::stroke) unit = "m";
+  if (trip.reason == Reason::energy) unit = "J fed per J dissipated";
+  char numbers[128];
+  std::snprintf(
+      numbers, sizeof numbers,
+      in_a_row ? ": last %.4g %s, %.0f times in a row, at t = %.4f s" : ": %.4g %s, limit %.4g, at t = %.4f s",
+      trip.value, unit.c_str(), trip.limit, trip.time.seconds());
+  return text + numbers;
+}
+
+void print_channels(const firmware::Recording& recording) {
+  std::printf("  %-6s %-5s %12s %12s %12s\n", "", "unit", "rms", "lowest", "highest");
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    const auto& column = recording.channels[i];
+    if (column.empty()) continue;
+    double squares = 0.0;
+    for (const double value : column) squares += value * value;
+    const auto [low, high] = std::minmax_element(column.begin(), column.end());
+    const std::string unit(model::channel_names[i].unit);
+    const int width = unit.find("²") != std::string::npos ? 6 : 5;  // ² is two bytes
+    std::printf("  %-6s %-*s %12.5g %12.5g %12.5g\n", std::string(model::channel_names[i].name).c_str(), width,
+                unit.c_str(), std::sqrt(squares / static_cast<double>(column.size())), *low, *high);
+  }
+}
+
+}  // namespace
+
+void simulate(const SimulateOptions& options) {
+  const firmware::RigDescription rig = firmware::read_rig(options.rig);
+  const std::size_t samples = firmware::samples_of(options.duration, rig.sample_rate);
+  const firmware::RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
+  const firmware::FootPointMotion motion =
+      firmware::excitation(rig.rig, firmware::motion_over(road, rig, samples, read_recording), rig.sample_rate);
+
+  Progress progress("simulate");
+  RunOptions run_options;
+  run_options.seed = options.seed;
+  run_options.noise =
+      options.no_noise ? firmware::SimulatedRig::Noise::none : firmware::SimulatedRig::Noise::as_described;
+  run_options.progress = [&progress](double share) { progress.show(share); };
+  Run run = run_closed_loop(rig, motion, run_options);
+  if (run.recording.size() == 0) {
+    throw firmware::InputError(rig.source, 0, "the run was stopped before its first sample: " + describe(run.trip),
+                               "a rig that can move to the start of the road");
+  }
+
+  run.recording.comments.push_back("rigtwin " + std::string(firmware::version) +
+                                   " simulate: " + std::string(model::name(rig.rig.kind)) + ", " + options.road + ", " +
+                                   firmware::shortest(options.speed) + " m/s, seed " + std::to_string(options.seed));
+  write_recording(options.out, run.recording);
+
+  std::printf("%s: %s, %.6g s at %.6g Hz over %s at %.4g m/s, seed %llu\n", options.rig.c_str(),
+              std::string(model::name(rig.rig.kind)).c_str(),
+              static_cast<double>(run.recording.size()) / rig.sample_rate, rig.sample_rate, options.road.c_str(),
+              options.speed, static_cast<unsigned long long>(options.seed));
+  print_channels(run.recording);
+  if (firmware::is_fault(run.trip.reason)) {
+    std::fprintf(stderr, "rigtwin: the firmware stopped the run: %s\n", describe(run.trip).c_str());
+  }
+  if (run.counters.limited_commands > 0) {
+    std::printf("  %llu commands were slowed down to the speed limit of %.3g m/s\n",
+                static_cast<unsigned long long>(run.counters.limited_commands), rig.controller.speed);
+  }
+  std::printf("trace     %s\nrecording %s (%zu samples)\n", hexadecimal(trace_hash(run.recording)).c_str(),
+              options.out.c_str(), run.recording.size());
+}
+
+void add_simulate(CLI::App& app, SimulateOptions& options) {
+  CLI::App* command = app.add_subcommand("simulate", "Drive a simulated rig over a road through the firmware");
+  command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
+  command->add_option("--out", options.out, "Recording to write: CSV, or MATLAB if the name ends in .mat")->required();
+  command->add_option("--road", options.road, "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m]")
+      ->capture_default_str();
+  command->add_option("--speed", options.speed, "Speed over the road [m/s]")
+      ->check(number_within(0.1, 150.0))
+      ->capture_default_str();
+  command->add_option("--duration", options.duration, "Length of the run [s]")
+      ->check(number_within(1e-5, 1e7))
+      ->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of road and sensor noise")
+      ->check(whole_64_bit_number())
+      ->capture_default_str();
+  command
+      ->add_option("--bandwidth", options.bandwidth,
+                   "Low-pass frequency of an ISO 8608 road [Hz] (default: 100 for hil, else 30)")
+      ->check(number_within(0.1, 2e4));
+  command
+      ->add_option("--cut-off", options.cut_off,
+                   "Frequency below which the spectrum of an ISO 8608 road is flat [Hz] (default: 0.05)")
+      ->check(number_within(0.001, 10.0));
+  command->add_flag("--no-noise", options.no_noise, "Simulate the sensors without noise");
+  command->callback([&options] { simulate(options); });
+}
+
+}  // namespace host_sim

@@ -1,0 +1,242 @@
+#include "host_sim/commands/stability_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/progress.hpp"
+#include "host_sim/signal/spectrum.hpp"
+#include "host_sim/stability/json.hpp"
+#include "host_sim/stability/stability_report.hpp"
+#include "host_sim/stability/verdict.hpp"
+
+namespace host_sim {
+namespace {
+
+using stability::Complex;
+using stability::StabilityAnalysis;
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  char line[240];
+  std::snprintf(line, sizeof line, format, values...);
+  return line;
+}
+
+std::string milliseconds(double seconds) { return text("%.4g ms", 1e3 * seconds); }
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  return list;
+}
+
+void print_roots(const StabilityAnalysis& a) {
+  std::printf("roots right of Re = %.4g 1/s: %d, proven by the argument principle\n", a.roots.line, a.roots.count);
+  std::printf("  %14s %14s %10s %10s\n", "Re [1/s]", "Im [1/s]", "f [Hz]", "damping");
+  for (const Complex s : a.roots.roots) {
+    std::printf("  %14.7g %14.7g %10.4f %9.2f %%\n", s.real(), s.imag(), s.imag() / full_turn,
+                std::abs(s) > 0.0 ? -100.0 * s.real() / std::abs(s) : 0.0);
+  }
+}
+
+void print_border(const StabilityAnalysis& a, double virtual_damping) {
+  const auto& m = a.margins;
+  std::printf("margins\n");
+  if (m.critical_delay) {
+    std::printf("  critical delay            %s at %.4g Hz, given %s\n",
+                text("%.6g ms", 1e3 * *m.critical_delay).c_str(), m.critical_omega / full_turn,
+                text("%.6g ms", 1e3 * a.delay).c_str());
+  } else {
+    std::printf("  critical delay            none up to 1 s\n");
+  }
+  if (a.critical_damping) {
+    std::printf("  critical virtual damping  %.6g N s/m at %.4g Hz, given %.6g N s/m\n", a.critical_damping->value,
+                a.critical_damping->omega / full_turn, virtual_damping);
+  } else {
+    std::printf("  critical virtual damping  none from 0 to 10000 N s/m, given %.6g N s/m\n", virtual_damping);
+  }
+  for (const auto& [name, gain] :
+       {std::pair("gain margin, upwards", m.upper_gain), std::pair("gain margin, downwards", m.lower_gain)}) {
+    if (gain) {
+      std::printf("  %-25s force × %.4g (%+.2f dB) at %.4g Hz\n", name, gain->factor, 20.0 * std::log10(gain->factor),
+                  gain->omega / full_turn);
+    }
+  }
+  if (m.phase_margin) {
+    std::printf("  phase margin              %.2f° at %.4g Hz\n", *m.phase_margin * 360.0 / full_turn,
+                m.phase_margin_omega / full_turn);
+  }
+  std::printf("  sensitivity peak          %.4g at %.4g Hz\n", a.sensitivity.value, a.sensitivity.omega / full_turn);
+}
+
+void print_sampled(const StabilityAnalysis& a) {
+  if (!a.sampled) {
+    std::printf("sampled loop: not analysed, the delay exceeds the model's delay line at this sample rate\n");
+    return;
+  }
+  const auto& s = *a.sampled;
+  std::printf("sampled loop at %.6g Hz: %s, spectral radius %.7f (%zu states)\n", 1.0 / s.period,
+              s.stable() ? "stable" : "unstable", s.spectral_radius, s.states);
+  if (s.added_delay) {
+    std::printf("  sampling and hold add %s of delay (%.2f steps): critical delay %s\n",
+                milliseconds(*s.added_delay).c_str(), *s.added_delay / s.period,
+                text("%.6g ms", 1e3 * *s.critical_delay).c_str());
+  }
+}
+
+void print_pade(const StabilityAnalysis& a) {
+  if (!a.margins.critical_delay) return;
+  std::printf("Padé in place of the delay\n");
+  for (const auto& p : a.pade) {
+    if (p.critical_delay) {
+      std::printf("  order %d: critical delay %.6g ms, %+.2g %%, %s\n", p.order, 1e3 * *p.critical_delay,
+                  100.0 * *p.error, p.unsafe ? "on the unsafe side" : "on the safe side");
+    } else {
+      std::printf("  order %d: finds no critical delay, on the unsafe side\n", p.order);
+    }
+  }
+}
+
+void print_budget(const StabilityAnalysis& a) {
+  std::printf("delay budget\n");
+  for (const auto& part : a.balance.parts) {
+    const bool lag = part.name.starts_with("lag");
+    std::printf("  %-52s %9.4f ms%s\n", part.name.c_str(), 1e3 * part.seconds,
+                lag ? "   (part of the equations, not added)" : "");
+  }
+  std::printf("  %-52s %9.4f ms", "total", 1e3 * a.balance.total);
+  if (a.balance.left)
+    std::printf(", %.4f ms %s", 1e3 * std::abs(*a.balance.left),
+                *a.balance.left >= 0.0 ? "below the critical delay" : "above the critical delay");
+  std::printf("\n");
+}
+
+void print_sensitivities(const StabilityAnalysis& a) {
+  constexpr std::size_t most = 8;
+  std::printf("effect of +1 %% of each parameter on the critical root (%.4g %+.4gj 1/s) and on the critical delay\n",
+              a.critical_root.real(), a.critical_root.imag());
+  for (std::size_t i = 0; i < std::min(most, a.parameters.size()); ++i) {
+    const auto& s = a.parameters[i];
+    std::printf("  %-36s %+11.4g 1/s %+11.4g Hz", s.path.c_str(), 0.01 * s.critical_root_change.real(),
+                0.01 * s.critical_root_change.imag() / full_turn);
+    if (a.margins.critical_delay && std::abs(s.critical_delay_change) > 1e-12) {
+      std::printf(" %+11.4g ms", 10.0 * s.critical_delay_change);
+    }
+    std::printf("\n");
+  }
+}
+
+void print_map(const stability::StabilityMap& map) {
+  const auto stable = std::count_if(map.rightmost.begin(), map.rightmost.end(), [](double re) { return re < 0.0; });
+  const auto [low, high] = std::minmax_element(map.rightmost.begin(), map.rightmost.end());
+  std::size_t points = 0;
+  for (const auto& curve : map.boundary) points += curve.points.size();
+  std::printf("map %s × %s: %.1f %% of %zu points stable, rightmost Re %.4g … %.4g 1/s, %zu points on borders\n",
+              map.x.variable.c_str(), map.y.variable.c_str(),
+              100.0 * static_cast<double>(stable) / static_cast<double>(map.rightmost.size()), map.rightmost.size(),
+              *low, *high, points);
+}
+
+void print_sweep(const stability::PoleSweep& sweep) {
+  std::printf("sweep of %s\n", sweep.axis.variable.c_str());
+  std::printf("  %14s %14s %10s\n", sweep.axis.variable.c_str(), "Re [1/s]", "f [Hz]");
+  for (std::size_t i = 0; i < sweep.axis.count; ++i) {
+    const Complex s = sweep.roots[i].front();
+    std::printf("  %14.7g %14.7g %10.4f\n", sweep.axis.value(i), s.real(), s.imag() / full_turn);
+  }
+}
+
+}  // namespace
+
+void examine_stability(const StabilityOptions& options) {
+  const firmware::RigDescription description = firmware::read_rig(options.rig);
+  if (!(options.line < 0.0))
+    throw firmware::UsageError("--right-of is not below 0, expected a negative real part, such as -60");
+  if (description.rig.kind != model::RigKind::hil) {
+    throw firmware::InputError(
+        description.source, 0,
+        "stability analysis needs the loop of a hil rig, this is a " + std::string(model::name(description.rig.kind)),
+        "kind = \"hil\"");
+  }
+  if (options.report && options.json == options.report) {
+    throw firmware::UsageError("--json and --report name the same file, expected two files");
+  }
+  std::optional<std::pair<stability::Axis, stability::Axis>> axes;
+  if (options.map) axes = stability::parse_map(*options.map, description.rig, description.period());
+  std::vector<stability::Axis> sweeps;
+  for (const std::string& sweep : options.sweeps) {
+    sweeps.push_back(stability::parse_axis(sweep, description.rig, description.period()));
+  }
+
+  const StabilityAnalysis analysis = stability::analyse(description, options.line);
+  nlohmann::ordered_json json = stability::to_json(analysis, description);
+  const stability::LoopFamily family(description.rig, description.delay_budget.sum());
+  std::vector<stability::PoleSweep> swept;
+  for (const stability::Axis& axis : sweeps) swept.push_back(stability::pole_sweep(family, axis, options.line));
+  std::optional<stability::StabilityMap> map;
+  if (axes) {
+    Progress progress("stability map");
+    map = stability::stability_map(family, axes->first, axes->second, 0, [&](double share) { progress.show(share); });
+  }
+
+  if (options.report) {
+    const stability::StabilityFindings findings{description, analysis, swept, map};
+    firmware::write_file(*options.report, stability::stability_report(findings).html());
+  }
+  const bool only_json = options.json && *options.json == "-";
+  if (options.json) {
+    if (!swept.empty()) json["sweeps"] = nlohmann::ordered_json::array();
+    for (const auto& sweep : swept) json["sweeps"].push_back(stability::to_json(sweep));
+    if (map) json["map"] = stability::to_json(*map);
+    if (options.responses) {
+      json["bode"] = stability::to_json(stability::bode(analysis.rig, analysis.delay, analysis.machine_delay,
+                                                        stability::frequencies(0.1, 100.0, 600, analysis.roots.roots)));
+      json["nyquist"] = stability::to_json(stability::nyquist(analysis.equation(), analysis.roots.roots));
+    }
+    const std::string bytes = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    if (only_json) {
+      std::fwrite(bytes.data(), 1, bytes.size(), stdout);
+      return;
+    }
+    firmware::write_file(*options.json, bytes);
+  }
+  std::printf("%s: %s\n", options.rig.c_str(), stability::verdict(analysis).c_str());
+  print_roots(analysis);
+  print_border(analysis, description.rig.machine.virtual_damping);
+  print_sampled(analysis);
+  print_pade(analysis);
+  print_budget(analysis);
+  print_sensitivities(analysis);
+  if (!analysis.rig.left_out.empty()) {
+    std::printf("not in the linear analysis (no linear part): %s\n", joined(analysis.rig.left_out).c_str());
+  }
+  if (!analysis.rig.outside_loop.empty()) {
+    std::printf("not part of the loop: %s\n", joined(analysis.rig.outside_loop).c_str());
+  }
+  for (const auto& sweep : swept) print_sweep(sweep);
+  if (map) print_map(*map);
+  if (options.report) std::printf("report %s\n", options.report->c_str());
+}
+
+void add_stability(CLI::App& app, StabilityOptions& options) {
+  CLI::App* command = app.add_subcommand("stability", "Delay stability of a hil rig: poles, critical delay, margins");
+  command->add_option("--rig", options.rig, "Rig description (TOML), kind = \"hil\"")->required();
+  command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
+  command->add_option("--sweep", options.sweeps,
+                      "Roots over one variable, for example virtual_damping=0:2000:41; may be given several times");
+  command->add_option(
+      "--map", options.map,
+      "Rightmost root over two variables, for example tau=0:0.03:200,virtual_damping=0:2000:200; a variable "
+      "is tau, virtual_damping or a parameter path of the rig description");
+  command->add_option("--report", options.report, "Write all results as one HTML page with figures");
+  command->add_flag("--responses", options.responses, "Add Bode and Nyquist data to the JSON");
+  command->add_option("--right-of", options.line, "List the roots with a real part above this value [1/s]")
+      ->capture_default_str();
+  command->callback([&options] { examine_stability(options); });
+}
+
+}  // namespace host_sim

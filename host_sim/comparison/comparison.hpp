@@ -1,0 +1,83 @@
+// Compares a recording with the simulation of its own input.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/comparison/simulation.hpp"
+#include "host_sim/signal/bands.hpp"
+
+namespace host_sim {
+
+/// One third-octave band of one channel.
+struct BandError {
+  Band band;
+  double error_rms;  ///< of simulated − measured [unit of the channel]
+  double data_rms;   ///< of measured
+};
+
+/// One channel. nrmse = rms(simulated − measured) ÷ rms(measured − its mean); a channel that never moves has none
+/// (NaN).
+struct ChannelComparison {
+  model::Channel channel;
+  double nrmse;
+  double error_rms;         ///< [unit of the channel]
+  double data_rms;          ///< about the mean
+  std::size_t clipped = 0;  ///< samples at or beyond the measuring range: left out of everything above
+  std::vector<BandError> bands;
+};
+
+/// One recording.
+struct RecordingComparison {
+  std::string source;
+  double duration;       ///< [s]
+  model::Channel input;  ///< that drove the simulation
+  bool started_at_rest;
+  std::vector<ChannelComparison> channels;
+  std::size_t missing = 0;  ///< samples of each channel that were not recorded: left out as well
+  std::string remark;       ///< a line on them; empty: none
+};
+
+/// How the state at the first sample is found.
+enum class StartChoice { automatic, rest, estimated };
+
+/// A recording with its input prepared and its start chosen; its simulations differ in the rig's parameters only.
+class ComparedRecording {
+ public:
+  /// InputError when the input is missing, or nothing measured could be compared.
+  ComparedRecording(const firmware::RigDescription& description, firmware::Recording recording, StartChoice choice);
+
+  /// Simulation with these parameters; a start that is estimated is estimated with them.
+  [[nodiscard]] Response simulate(const model::RigParameters<double>& rig) const;
+
+  /// Residuals of all channels, sample by sample, with weights that make the squares of a channel sum up to nrmse²:
+  ///   (1)  r_k = (simulated_k − measured_k) / (rms(measured − mean) √samples)
+  /// A channel that never moves is left out.
+  void residuals(const Response& response, std::vector<double>& out) const;
+  [[nodiscard]] std::size_t residual_count() const;
+
+  [[nodiscard]] RecordingComparison compare(const Response& response) const;
+  [[nodiscard]] const firmware::Recording& recording() const { return recording_; }
+
+ private:
+  struct Judged {
+    model::Channel channel;
+    double data_rms;            ///< about the mean
+    std::vector<bool> trusted;  ///< empty: all samples
+    std::size_t clipped = 0;
+    double count = 0.0;  ///< of the samples that are trusted
+  };
+  [[nodiscard]] bool trusted(const Judged& judged, std::size_t k) const {
+    return judged.trusted.empty() || judged.trusted[k];
+  }
+
+  firmware::Recording recording_;
+  SimulationInput input_;
+  firmware::MeasuringRanges range_;
+  bool at_rest_ = false;
+  std::vector<Judged> judged_;
+};
+
+}  // namespace host_sim

@@ -1,0 +1,134 @@
+#include "host_sim/comparison/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/quantity.hpp"
+
+namespace host_sim {
+namespace {
+
+using model::Channel;
+using model::RigKind;
+using Rig = model::RigParameters<double>;
+
+/// Without the machine: what is known to have been reached needs no machine.
+Rig without_machine(Rig rig) {
+  rig.effects.for_each([](auto& slot) {
+    if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::machine) slot.active = false;
+  });
+  return rig;
+}
+
+/// Between two samples, where the model has it (model::hermite); its z̈ is the measured one, straight between.
+model::Motion<double> between(const model::Motion<double>& from, const model::Motion<double>& to, double share,
+                              double period) {
+  const auto [position, velocity] =
+      model::hermite<double>({from.position, from.velocity}, {to.position, to.velocity}, share, period);
+  return {position, velocity, from.acceleration + share * (to.acceleration - from.acceleration)};
+}
+
+}  // namespace
+
+SimulationInput simulation_input(const Rig& rig, const firmware::Recording& recording) {
+  SimulationInput input;
+  input.period = recording.sample_period;
+  const double rate = 1.0 / input.period;
+  if (rig.kind == RigKind::component_bench) {
+    input.deflection_reached = recording.has(Channel::x_act) && !recording.has(Channel::x_cmd);
+    input.channel = input.deflection_reached ? Channel::x_act : Channel::x_cmd;
+    input.motion = firmware::through_samples(
+        recording.required(input.channel, "drives the simulation of a component_bench"), rate);
+  } else {
+    input.motion = firmware::through_samples(recording.required(Channel::z_r, "drives the simulation"), rate);
+    if (recording.has(Channel::zdd_r)) {
+      for (std::size_t k = 0; k < input.size(); ++k) input.motion[k].acceleration = recording[Channel::zdd_r][k];
+    }
+    if (recording.has(Channel::F_act)) input.actuator_force = recording[Channel::F_act];
+  }
+  if (rig.has_fdva) {
+    bool recorded = false;
+    std::vector<model::OpenDucts> ducts(recording.size(), model::first_ducts(rig.fdva.open_ducts));
+    for (std::size_t j = 0; j < firmware::recorded_ducts; ++j) {
+      const auto& column = recording.ducts[j];
+      if (column.empty()) continue;
+      recorded = true;
+      for (std::size_t k = 0; k < column.size(); ++k) {
+        const auto bit = static_cast<model::OpenDucts>(1U << j);
+        ducts[k] = static_cast<model::OpenDucts>(column[k] > 0.5 ? ducts[k] | bit : ducts[k] & ~bit);
+        if ((ducts[k] >> rig.fdva.ducts) != 0) {
+          throw firmware::InputError(recording.source, 0, "duct_" + std::to_string(j + 1) + " is open",
+                                     "at most the " + std::to_string(rig.fdva.ducts) + " ducts of the rig description");
+        }
+      }
+    }
+    if (recorded) input.ducts = std::move(ducts);
+  }
+  return input;
+}
+
+std::vector<Channel> response_channels(RigKind kind, const SimulationInput& input) {
+  switch (kind) {
+    case RigKind::quarter_car:
+      return {Channel::z_w, Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w, Channel::dz_b, Channel::F_w};
+    case RigKind::hil:
+      return {Channel::z_w,  Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w,
+              Channel::dz_b, Channel::F_w, Channel::x_cmd, Channel::x_act, Channel::F};
+    case RigKind::component_bench:
+      break;
+  }
+  if (input.deflection_reached) return {Channel::F};
+  return {Channel::x_act, Channel::F};
+}
+
+InitialState resting(const Rig& rig, const SimulationInput& input) {
+  InitialState start = InitialState::Zero();
+  const double first = input.motion.empty() ? 0.0 : input.motion.front().position;
+  if (rig.kind == RigKind::component_bench) {
+    start(4) = first;
+  } else {
+    start(0) = start(2) = first;
+  }
+  return start;
+}
+
+Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
+                  int substeps) {
+  const bool bench = rig.kind == RigKind::component_bench;
+  const model::RigModel<> model(input.deflection_reached ? without_machine(rig) : rig, input.period / substeps);
+  const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
+  const std::vector<Channel> channels = response_channels(rig.kind, input);
+  Response response;
+  for (const Channel channel : channels) response[index(channel)].resize(count);
+  if (count == 0) return response;
+
+  const auto& first = input.motion.front();
+  model::MachinePath<double> machine{};
+  model.parameters().effects.act_on(machine);
+  model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
+  if (bench) reached = {first.position, first.velocity};
+  reached.position -= reached.velocity * machine.delay;
+  auto x = model.start(start, first, reached);
+  if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();
+
+  for (std::size_t k = 0;; ++k) {
+    const auto measured = model.measured(x);
+    for (const Channel channel : channels) response[index(channel)][k] = measured[index(channel)];
+    if (k + 1 == count) return response;
+    if (!input.ducts.empty() && input.ducts[k] != x.ducts.open()) model.open_ducts(x, input.ducts[k]);
+    const auto& next = input.motion[k + 1];
+    const double actuator_force = input.actuator_force.empty() ? 0.0 : input.actuator_force[k + 1];
+    for (int substep = 1; substep < substeps; ++substep) {
+      const double share = static_cast<double>(substep) / substeps;
+      const model::Motion<double> inside = between(input.motion[k], next, share, input.period);
+      model.step(x,
+                 {.foot_point = inside,
+                  .command = {inside.position, inside.velocity},
+                  .actuator_force = x.actuator_force + (actuator_force - x.actuator_force) / (substeps - substep + 1)});
+    }
+    model.step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
+  }
+}
+
+}  // namespace host_sim

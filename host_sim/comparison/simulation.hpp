@@ -1,0 +1,55 @@
+// Simulation of a recording's own input.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+#include "firmware/recording/recording.hpp"
+#include "firmware/simulation/road.hpp"
+#include "model/rig_model.hpp"
+
+namespace host_sim {
+
+/// The input of a simulation, taken from a recording once and used for every simulation of it.
+///
+///   quarter_car, hil     foot point z_r, and F_act where recorded
+///   component_bench      command x_cmd; x_act where there is no x_cmd, the machine is then left out of the model
+///
+/// Between samples z_r and x move on cubic Hermite polynomials whose velocities are differences of fourth order. z̈_r,
+/// which only sensors with inertia see, is the recorded zdd_r; without it second differences of z_r, which multiply the
+/// noise of z_r by 2.7/h².
+struct SimulationInput {
+  double period = 0.0;                           ///< [s]
+  firmware::FootPointMotion motion;              ///< foot point or command
+  std::vector<double> actuator_force;            ///< F_act [N]; empty: none
+  std::vector<model::OpenDucts> ducts;           ///< in force from each sample on; empty: as in the rig description
+  bool deflection_reached = false;               ///< motion is x_act
+  model::Channel channel = model::Channel::z_r;  ///< that the motion comes from
+
+  [[nodiscard]] std::size_t size() const { return motion.size(); }
+};
+
+/// InputError when the recording does not hold the input of this kind of rig.
+[[nodiscard]] SimulationInput simulation_input(const model::RigParameters<double>& rig,
+                                               const firmware::Recording& recording);
+
+/// The channels that the model computes: all of this kind of rig except its input.
+[[nodiscard]] std::vector<model::Channel> response_channels(model::RigKind kind, const SimulationInput& input);
+
+/// z_w, ż_w, z_b, ż_b, y, ẏ
+using InitialState = model::Column<double, 6>;
+
+/// At rest above the first sample of the input.
+[[nodiscard]] InitialState resting(const model::RigParameters<double>& rig, const SimulationInput& input);
+
+/// Simulated channels, by model::Channel; those that the rig does not have stay empty. `samples`: how many, 0 for all.
+/// `substeps`: model steps per sample. Between samples the input is interpolated as the model does it. With several
+/// substeps a law with a corner (friction, a stop) acts near its own instant and not at the next sample. A controller
+/// runs 1.
+using Response = std::array<std::vector<double>, model::channel_count>;
+[[nodiscard]] Response simulate(const model::RigParameters<double>& rig, const SimulationInput& input,
+                                const InitialState& start, std::size_t samples = 0, int substeps = 1);
+
+}  // namespace host_sim

@@ -1,0 +1,155 @@
+#include "host_sim/identification/assess/assess.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/parity/fault_location.hpp"
+#include "host_sim/identification/select/select_model.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using model::Channel;
+
+Interval interval_of(const Estimate& e) {
+  constexpr double deviations = 1.96;  // 95 % of a normal distribution: numbers without noise need no allowance
+  return {e.value, e.value - deviations * e.error, e.value + deviations * e.error};
+}
+
+ResidualPower residual_power(const IdentificationProblem& problem, const SearchSpace& space,
+                             const SearchResult& found) {
+  const auto count = static_cast<double>(problem.residual_count());
+  const auto per_residual = [&](const Hypothesis& hypothesis) {
+    return residuals(problem, predict(problem, hypothesis)).squaredNorm() / count;
+  };
+  return {per_residual(space.given), per_residual(found.nothing.fit.hypothesis),
+          per_residual(found.best.fit.hypothesis)};
+}
+
+/// Beside an unexplained residual a name is worth what it explains: nearly all of the power, or at most half of a
+/// certainty for the share of the error that goes away.
+double worth_beside_residual(const IdentificationProblem& problem, const SearchResult& found, double explained) {
+  const double refit = pooled_error(problem, found.nothing.fit.hypothesis);
+  const double after = pooled_error(problem, found.best.fit.hypothesis);
+  const double shrinks = std::max(1.0 - after / std::max(refit, 1e-300), 0.0);
+  constexpr double all = thresholds::explains_all;
+  return std::max((explained - all) / (1.0 - all), thresholds::worth_of_shrinking * shrinks);
+}
+
+Certainty certainty_of(const IdentificationProblem& problem, const SearchResult& found, bool unexplained,
+                       double explained) {
+  const auto count = static_cast<double>(found.best.fit.residual.size());
+  return {unexplained ? worth_beside_residual(problem, found, explained) : 1.0,
+          std::max(1.0, found.best.fit.chi_squared / count), seen_from(count, problem.channels().size())};
+}
+
+/// Effects of the virtual tyre. Their rival is the tyre without them; the residual of its equation has one channel and
+/// one band, whose noise is what the estimate leaves.
+void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& criterion, Diagnosis& result) {
+  for (const TyreEffect& tyre : car.effects) {
+    const double penalty = criterion.effect + criterion.parameter * static_cast<double>(tyre.effect.values.size());
+    const double odds = std::exp(std::min(0.5 * (tyre.gain - penalty), thresholds::most_logarithmic_odds));
+    // Held-out data that the effects do not improve take the name away.
+    const TyreError& error = car.tyre_error;
+    const double worth = error.with_effects < error.refitted ? 1.0 : 0.0;
+    const double seen = std::max(thresholds::significant_deviations * std::sqrt(2.0 * tyre.count),
+                                 thresholds::significant_share * tyre.count);
+    NamedEffect named{tyre.effect, {}, confidence({odds}, tyre.gain, {worth, 1.0, seen}), {}};
+    for (const Estimate& e : tyre.parameters) named.parameters.push_back(interval_of(e));
+    result.effects.push_back(std::move(named));
+  }
+  if (car.effects.empty()) return;
+  // No sensor is between the program and its recording: a perfect model leaves nothing.
+  result.prediction_errors[Channel::F_w] = {car.tyre_error.described, car.tyre_error.refitted,
+                                            car.tyre_error.with_effects, 0.0};
+}
+
+/// Where no effect is named, a relation that fails counts as a residual: what drives the simulation, or is computed by
+/// the program, shows in the relations alone.
+void add_failed_relations(Diagnosis& result) {
+  if (!result.effects.empty()) return;
+  for (const ParityResidual& r : result.relations) {
+    if (!r.significant()) continue;
+    result.unexplained = true;
+    result.residual.append(result.residual.empty() ? "" : "; ").append(r.relation).append(" does not hold");
+    if (!r.description.empty()) result.residual.append(", ").append(r.description);
+  }
+}
+
+Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
+  if (result.effects.empty()) return result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
+  if (result.unexplained && explained < thresholds::explains_all) return Verdict::unexplained;
+  return close ? Verdict::ambiguous : Verdict::named;
+}
+
+void locate(const IdentificationProblem& problem, const SearchResult& found, bool tyre_effects, Diagnosis& result) {
+  result.left_by_refit = band_powers(problem, found.nothing.fit.hypothesis);
+  result.left_after = band_powers(problem, found.best.fit.hypothesis);
+  result.locations = localise(result.left_by_refit, found, likely_fault_location(result.relations));
+  if (!tyre_effects) return;
+  // The virtual tyre shows in no residual: half of the disagreement is its own, all of it where there is no other.
+  const double other = result.locations.empty() ? 0.0 : 0.5;
+  for (RecordingLocation& location : result.locations) location.share *= other;
+  result.locations.push_back({Channel::F_w, 0.0, 0.5 / problem.sample_period(), "tyre", 1.0 - other});
+}
+
+void put_into_rig(const firmware::RigDescription& description, Diagnosis& result) {
+  result.rig = description;
+  for (const auto& [path, value] : result.parameters) {
+    if (double* const parameter = firmware::find_parameter(result.rig.rig, path)) *parameter = value.value;
+  }
+  for (const NamedEffect& named : result.effects) firmware::put_effect(result.rig.rig, named.effect);
+}
+
+}  // namespace
+
+std::string_view name(Verdict verdict) {
+  constexpr std::array<std::string_view, 4> names{"no_discrepancy", "named", "ambiguous", "unexplained"};
+  return names[static_cast<std::size_t>(verdict)];
+}
+
+Diagnosis assess(const firmware::RigDescription& description, const IdentificationProblem& problem,
+                 const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found) {
+  estimate_held_out_starts(found.nothing.fit.hypothesis, description, problem.samples());
+  estimate_held_out_starts(found.best.fit.hypothesis, description, problem.samples());
+  const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
+
+  Diagnosis result;
+  result.relations = std::move(relations);
+  result.simulations = found.simulations;
+  result.candidates = found.candidates;
+  result.remarks = found.remarks;
+  result.residual_power = residual_power(problem, space, found);
+  const UnexplainedResidual left = unexplained_residual(problem, after);
+  result.unexplained = left.significant;
+  result.residual = left.words;
+  const double explained = explained_share(result.residual_power.refit, result.residual_power.after,
+                                           static_cast<double>(problem.residual_count()));
+
+  const SelectionCriterion criterion;
+  const Certainty certainty = certainty_of(problem, found, result.unexplained, explained);
+  const std::vector<Interval> parameters = intervals(found.best.fit, certainty.temper);
+  for (std::size_t i = 0; i < space.tolerated.size(); ++i) {
+    result.parameters[space.tolerated[i].path] = parameters[i];
+  }
+  result.effects = named_effects(problem, found, criterion, parameters, certainty);
+  const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close_rival);
+  const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
+  for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
+  add_tyre_effects(car, criterion, result);
+  add_failed_relations(result);
+  result.verdict = verdict_of(result, explained, close);
+
+  locate(problem, found, !car.effects.empty(), result);
+  result.prediction_errors.merge(prediction_errors(problem, space.given, refit, after));
+  result.overlays = overlays_of(problem, space.given, refit, after);
+  put_into_rig(description, result);
+  return result;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,43 @@
+// The result of a diagnosis.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+#include "host_sim/identification/assess/localisation.hpp"
+#include "host_sim/identification/assess/named_effect.hpp"
+#include "host_sim/identification/assess/overlay.hpp"
+#include "host_sim/identification/assess/prediction_error.hpp"
+#include "host_sim/identification/parity/parity_residual.hpp"
+
+namespace host_sim::identification {
+
+enum class Verdict : unsigned char { no_discrepancy, named, ambiguous, unexplained };
+[[nodiscard]] std::string_view name(Verdict verdict);
+
+/// Power of the whitened residuals per residual: 1 is noise.
+struct ResidualPower {
+  double given = 0.0, refit = 0.0, after = 0.0;  ///< rig as described, tolerances refitted, effects added
+};
+
+struct Diagnosis {
+  Verdict verdict{};
+  std::vector<ParityResidual> relations;  ///< before anything is fitted but tolerances
+  std::vector<RecordingLocation> locations;
+  std::vector<BandPower> left_by_refit, left_after;  ///< tolerances refitted; effects, too
+  std::vector<NamedEffect> effects;
+  std::map<model::Channel, PredictionError> prediction_errors;
+  std::map<std::string, Interval> parameters;  ///< tolerated, refitted
+  bool unexplained = false;                    ///< a significant residual remains
+  std::string residual;                        ///< that residual in words; empty without one
+  std::vector<Overlay> overlays;
+  firmware::RigDescription rig;  ///< with effects and refitted parameters
+  ResidualPower residual_power;
+  std::size_t simulations = 0, candidates = 0;  ///< tried
+  std::vector<std::string> remarks;             ///< clipped samples, channels left out, noise estimated
+};
+
+}  // namespace host_sim::identification

@@ -1,0 +1,217 @@
+#include "host_sim/identification/assess/experiment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+
+#include "firmware/recording/recording.hpp"
+#include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/predict/sensor_readings.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using model::Channel;
+using model::RigKind;
+
+struct Band {
+  double from, to;  ///< [Hz]
+};
+
+struct Experiment {
+  std::string words;
+  double level = 1.0;
+  std::optional<int> open_ducts{};
+  std::optional<Band> band{};
+  std::optional<Channel> sensor{};
+  std::optional<RigKind> rig{};
+};
+
+/// Sines of equal velocity over a band, phases as Schroeder 1970 for a low peak.
+firmware::FootPointMotion multisine(Band band, double period, std::size_t samples) {
+  constexpr int lines = 24;
+  firmware::FootPointMotion motion(samples);
+  for (int i = 0; i < lines; ++i) {
+    const double omega = 2.0 * std::numbers::pi * band.from * std::pow(band.to / band.from, (i + 0.5) / lines);
+    const double phase = -std::numbers::pi * i * (i + 1) / lines;
+    for (std::size_t k = 0; k < samples; ++k) {
+      const double angle = omega * period * static_cast<double>(k) + phase;
+      motion[k].position += (std::sin(angle) - std::sin(phase)) / omega;
+      motion[k].velocity += std::cos(angle);
+      motion[k].acceleration -= omega * std::sin(angle);
+    }
+  }
+  return motion;
+}
+
+struct MotionSize {
+  double velocity = 0.0, travel = 0.0;  ///< rms, peak
+};
+
+MotionSize size_of(const firmware::FootPointMotion& motion) {
+  MotionSize size;
+  if (motion.empty()) return size;
+  for (const auto& m : motion) {
+    size.velocity += m.velocity * m.velocity;
+    size.travel = std::max(size.travel, std::abs(m.position - motion.front().position));
+  }
+  size.velocity = std::sqrt(size.velocity / static_cast<double>(motion.size()));
+  return size;
+}
+
+void scale(firmware::FootPointMotion& motion, double factor) {
+  for (auto& m : motion) {
+    m.position *= factor;
+    m.velocity *= factor;
+    m.acceleration *= factor;
+  }
+}
+
+SimulationInput changed(SimulationInput input, const Experiment& experiment) {
+  if (experiment.band) {
+    const MotionSize before = size_of(input.motion);
+    input.motion = multisine(*experiment.band, input.period, input.size());
+    const MotionSize after = size_of(input.motion);
+    if (after.velocity > 0.0 && after.travel > 0.0) {
+      scale(input.motion,
+            std::min(before.velocity / after.velocity, thresholds::most_travel * before.travel / after.travel));
+    }
+  }
+  scale(input.motion, experiment.level);
+  if (experiment.open_ducts) input.ducts.clear();
+  return input;
+}
+
+/// Σ (a − b)²/σ² of one channel; without σ that of a new sensor.
+double apart(const std::vector<double>& a, const std::vector<double>& b, Window window, double sigma) {
+  double squares = 0.0, power = 0.0;
+  const std::size_t end = std::min({window.to, a.size(), b.size()});
+  for (std::size_t k = window.from; k < end; ++k) {
+    squares += std::pow(a[k] - b[k], 2);
+    power += a[k] * a[k] / static_cast<double>(window.size());
+  }
+  const double noise =
+      sigma > 0.0 ? sigma * sigma : thresholds::new_sensor_noise * thresholds::new_sensor_noise * power;
+  return noise > 0.0 ? squares / noise : 0.0;
+}
+
+/// On the rig that recorded.
+double separation_here(const ProblemRecording& r, const Hypothesis& one, const Hypothesis& other,
+                       const Experiment& experiment) {
+  const PreparedRecording& e = *r.samples;
+  const SimulationInput input = changed(e.input, experiment);
+  std::array<Response, 2> responses;
+  const std::array<const Hypothesis*, 2> hypotheses{&one, &other};
+  for (std::size_t h = 0; h < 2; ++h) {
+    Hypothesis tried = *hypotheses[h];
+    if (experiment.open_ducts) tried.rig.fdva.open_ducts = *experiment.open_ducts;
+    responses[h] = read_channels(tried, e, input, resting(tried.rig, input), r.fitted.to, r.resolution());
+  }
+  double sum = 0.0;
+  for (const Channel channel : e.channels) {
+    const auto c = index(channel);
+    sum += apart(responses[0][c], responses[1][c], r.fitted, std::max(e.noise[c], 1e-15));
+  }
+  if (experiment.sensor) {
+    const auto c = index(*experiment.sensor);
+    sum += apart(responses[0][c], responses[1][c], r.fitted, 0.0);
+  }
+  return sum;
+}
+
+/// On a rig of another kind, moved as the component or the road was here; nothing where the numbers do not make one.
+std::optional<double> separation_there(const ProblemRecording& r, const Hypothesis& one, const Hypothesis& other,
+                                       RigKind kind) {
+  const PreparedRecording& e = *r.samples;
+  firmware::Recording moved;
+  moved.sample_period = e.recording.sample_period;
+  moved.time = e.recording.time;
+  if (kind == RigKind::component_bench) {
+    const Response here = true_channels(one.rig, e, e.input, resting(one.rig, e.input), 0, r.resolution());
+    moved[Channel::x_act] = here[index(Channel::dz_b)];
+  } else {
+    if (!e.recording.has(Channel::z_r)) return std::nullopt;
+    moved[Channel::z_r] = e.recording[Channel::z_r];
+  }
+  std::array<Response, 2> responses;
+  std::vector<Channel> channels;
+  const std::array<const Hypothesis*, 2> hypotheses{&one, &other};
+  for (std::size_t h = 0; h < 2; ++h) {
+    auto rig = hypotheses[h]->rig;
+    rig.kind = kind;
+    rig.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
+    if (firmware::find_rig_fault(rig, e.input.period)) return std::nullopt;
+    const SimulationInput input = simulation_input(rig, moved);
+    channels = response_channels(kind, input);
+    responses[h] = simulate(rig, input, resting(rig, input), r.fitted.to);
+  }
+  double sum = 0.0;
+  for (const Channel channel : channels) {
+    sum += apart(responses[0][index(channel)], responses[1][index(channel)], r.fitted, 0.0);
+  }
+  return sum;
+}
+
+std::vector<Experiment> experiments(const IdentificationProblem& problem, const Hypothesis& one) {
+  const PreparedRecording& first = problem.samples().front();
+  std::vector<Experiment> list;
+  const auto add = [&list](std::string words) -> Experiment& {
+    list.emplace_back();
+    list.back().words = std::move(words);
+    return list.back();
+  };
+  add("three times the level of excitation").level = 3.0;
+  add("a third of the level of excitation").level = 1.0 / 3.0;
+  for (const Band band : {Band{0.5, 3.0}, Band{3.0, 10.0}, Band{10.0, 30.0}, Band{30.0, 80.0}}) {
+    if (band.to * first.input.period > 0.4) continue;
+    char words[64];
+    std::snprintf(words, sizeof words, "excitation from %g to %g Hz", band.from, band.to);
+    add(words).band = band;
+  }
+  if (one.rig.has_fdva) {
+    for (int open = 0; open <= one.rig.fdva.ducts; ++open) {
+      if (open != one.rig.fdva.open_ducts) {
+        add(std::to_string(open) + (open == 1 ? " duct open" : " ducts open")).open_ducts = open;
+      }
+    }
+  }
+  for (const Channel channel : response_channels(one.rig.kind, first.input)) {
+    if (!first.explains(channel)) add("a sensor of " + std::string(model::name(channel))).sensor = channel;
+  }
+  if (one.rig.kind == RigKind::quarter_car) {
+    add("the component alone on a bench, moved as it was here").rig = RigKind::component_bench;
+  } else {
+    add("the component in a quarter car on this road").rig = RigKind::quarter_car;
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string best_experiment(const IdentificationProblem& problem, const Hypothesis& one, const Hypothesis& other) {
+  const auto separation = [&](const Experiment& experiment) {
+    double sum = 0.0;
+    for (const ProblemRecording& r : problem.recordings()) {
+      if (!r.is_fitted()) continue;
+      sum += experiment.rig ? separation_there(r, one, other, *experiment.rig).value_or(0.0)
+                            : separation_here(r, one, other, experiment);
+    }
+    return sum;
+  };
+  const double now = std::max(separation({}), 1.0);
+  std::string best = "a longer recording: no other level, band, sensor or rig that was tried separates twice as well";
+  double most = thresholds::separates_better * now;
+  for (const Experiment& experiment : experiments(problem, one)) {
+    const double there = separation(experiment);
+    if (!(there > most)) continue;
+    most = there;
+    char factor[64];
+    std::snprintf(factor, sizeof factor, " (separates %.2g times as well)", there / now);
+    best = experiment.words + factor;
+  }
+  return best;
+}
+
+}  // namespace host_sim::identification

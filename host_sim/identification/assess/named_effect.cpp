@@ -1,0 +1,91 @@
+#include "host_sim/identification/assess/named_effect.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host_sim/identification/assess/experiment.hpp"
+#include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/common/frequency_bands.hpp"
+#include "host_sim/identification/estimate/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+/// (3)
+double outside_chance(double gain, double seen) {
+  constexpr double closest = thresholds::closest_outside;
+  const double share = std::log(seen / (std::max(gain, 1e-9) * closest)) / std::log(1.0 / closest);
+  return thresholds::outside_share * std::clamp(share, 0.0, 1.0);
+}
+
+}  // namespace
+
+double seen_from(double count, std::size_t channels) {
+  const double per_band = 2.0 * count / static_cast<double>(noise_bands * channels);
+  return std::max(thresholds::significant_deviations * std::sqrt(2.0 * per_band),
+                  thresholds::significant_share * per_band);
+}
+
+double confidence(const std::vector<double>& odds, double gain, const Certainty& certainty) {
+  double against = 0.0;
+  for (const double each : odds) against += 1.0 / each;
+  const double known_law = 1.0 - outside_chance(gain / certainty.temper, certainty.seen);
+  return thresholds::highest_confidence / (1.0 + against) * certainty.worth * known_law;
+}
+
+std::vector<Interval> intervals(const Fit& fit, double temper) {
+  const Eigen::MatrixXd covariance = fit.covariance();
+  std::vector<Interval> list;
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    const FreeParameter& parameter = fit.parameters[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    const double u = parameter.get(fit.hypothesis);
+    const double half = thresholds::interval_deviations * std::sqrt(std::max(covariance(k, k), 0.0) * temper);
+    const double low = std::max(u - half, parameter.lower), high = std::min(u + half, parameter.upper);
+    list.push_back({parameter.value(u), parameter.value(low), parameter.value(high)});
+  }
+  return list;
+}
+
+bool has_close_rival(const NamedEffect& effect) {
+  return std::any_of(effect.alternatives.begin(), effect.alternatives.end(),
+                     [](const Alternative& other) { return other.odds_against < thresholds::close_odds; });
+}
+
+std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, const SearchResult& found,
+                                       const SelectionCriterion& criterion, const std::vector<Interval>& parameters,
+                                       const Certainty& certainty) {
+  const CandidateModel& best = found.best;
+  std::size_t next = parameters.size();  // those of the effects stand last
+  for (const firmware::PlacedEffect& effect : best.effects) next -= effect_parameters(effect).size();
+  std::vector<NamedEffect> list;
+  for (std::size_t i = 0; i < best.effects.size(); ++i) {
+    NamedEffect named{best.effects[i], {}, 0.0, {}};
+    const std::size_t count = effect_parameters(named.effect).size();
+    for (std::size_t p = 0; p < count; ++p) named.parameters.push_back(parameters[next++]);
+    // A hold is read off the values themselves, so no law outside the catalogue can look like it.
+    double gain = found.gains[i];
+    if (is_hold(*named.effect.entry)) {
+      const HoldPeriod period = hold_period(problem.samples(), *named.effect.channel).value();
+      named.parameters.push_back({period.value, period.value - period.half_width, period.value + period.half_width});
+      gain = INFINITY;
+    }
+    std::vector<double> odds;
+    for (const Rival& rival : found.rivals[i]) {
+      const double apart = rival.penalised_chi_squared - best.penalised_chi_squared(criterion);
+      odds.push_back(std::exp(std::min(apart / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
+      if (named.alternatives.size() == thresholds::most_alternatives) continue;
+      Alternative alternative{rival.effect, odds.back(), {}};
+      if (odds.back() < thresholds::close_odds) {
+        alternative.separate_by = best_experiment(problem, best.fit.hypothesis, rival.hypothesis);
+      }
+      named.alternatives.push_back(std::move(alternative));
+    }
+    named.confidence = confidence(odds, gain, certainty);
+    list.push_back(std::move(named));
+  }
+  return list;
+}
+
+}  // namespace host_sim::identification

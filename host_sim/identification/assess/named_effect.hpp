@@ -1,0 +1,65 @@
+// Effects that were found, how large they are and how sure that is.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_sim/identification/select/search.hpp"
+
+namespace host_sim::identification {
+
+/// A value with the interval that holds the truth with 95 %.
+struct Interval {
+  double value, lower, upper;
+};
+
+/// An effect that could stand in another's place.
+struct Alternative {
+  firmware::PlacedEffect effect;
+  double odds_against;
+  std::string separate_by;  ///< the experiment, where the two are close
+};
+
+struct NamedEffect {
+  firmware::PlacedEffect effect;
+  std::vector<Interval> parameters;
+  double confidence;
+  std::vector<Alternative> alternatives;  ///< the nearest first
+};
+
+/// What confidence depends on beside the rivals.
+struct Certainty {
+  double worth;   ///< of any name beside an unexplained residual: 0 … 1
+  double temper;  ///< χ² per residual, at least 1: odds are those of χ² divided by it
+  double seen;    ///< χ² of a residual that would be seen
+};
+
+/// χ² that must be left to be seen, in a channel and two bands: n residuals there of `count` in all.
+///
+///   (1)  seen = max(thresholds::significant_deviations · √(2n), significant_share · n)
+[[nodiscard]] double seen_from(double count, std::size_t channels);
+
+/// Confidence of an effect that gained so much χ², with the odds against each of its rivals:
+///
+///   (2)  odds_i     = exp((penalised χ²_i − penalised χ²) / (2 temper))          Bayes factor, as BIC approximates it
+///   (3)  outside    = outside_share · ln(seen · temper/(gain · q₀))/ln(1/q₀),  in 0 … outside_share,  q₀ =
+///   closest_outside (4)  confidence = highest_confidence · worth · (1 − outside) / (1 + Σ 1/odds_i)
+///
+/// (3): a law outside the catalogue that shares all but q of the effect's power leaves q · gain, which is seen from
+/// `seen` on. Its q is as likely around 0.001 as around 0.1 (uniform in ln q). Source of (2): R. Kass and A. Raftery,
+/// Bayes factors, J. Am. Stat. Assoc. 90, 1995.
+[[nodiscard]] double confidence(const std::vector<double>& odds, double gain, const Certainty& certainty);
+
+/// 95 % of each parameter of a fit, widened by √temper for what the model leaves unexplained.
+[[nodiscard]] std::vector<Interval> intervals(const Fit& fit, double temper);
+
+/// The effects of `found.best`; `parameters`: intervals() of its fit.
+[[nodiscard]] std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, const SearchResult& found,
+                                                     const SelectionCriterion& criterion,
+                                                     const std::vector<Interval>& parameters,
+                                                     const Certainty& certainty);
+
+/// Whether a rival is so near that the two count as not told apart (thresholds::close_odds).
+[[nodiscard]] bool has_close_rival(const NamedEffect& effect);
+
+}  // namespace host_sim::identification

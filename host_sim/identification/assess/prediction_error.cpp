@@ -1,0 +1,58 @@
+#include "host_sim/identification/assess/prediction_error.hpp"
+
+#include <cmath>
+
+#include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/prepare/input_fusion.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
+
+namespace host_sim::identification {
+
+using model::Channel;
+
+namespace {
+
+double error_of(const IdentificationProblem& problem, const std::vector<Response>& responses, Channel channel) {
+  SquaredError squares;
+  for (std::size_t i = 0; i < responses.size(); ++i) {
+    const ProblemRecording& r = problem.recordings()[i];
+    squares.add(*r.samples, channel, responses[i], r.held_out);
+  }
+  return squares.data > 0.0 ? std::sqrt(squares.error / squares.data) : 0.0;
+}
+
+double noise_floor(const IdentificationProblem& problem, Channel channel) {
+  const auto c = index(channel);
+  double noise = 0.0, data = 0.0;
+  for (const ProblemRecording& r : problem.recordings()) {
+    if (!r.is_held_out()) continue;
+    const PreparedRecording& samples = *r.samples;
+    const auto& measured = samples.recording[channel];
+    const Window window = samples.comparable(channel, r.held_out);
+    for (std::size_t k = window.from; k < window.to; ++k) data += std::pow(measured[k], 2);
+    double variance = samples.noise[c] * samples.noise[c] + r.input_noise.variance[c];
+    if (channel == Channel::zdd_r) {  // z_r alone says nothing of faster motion
+      variance += variance_above(thresholds::acceleration_edge * samples.acceleration_known, measured, window,
+                                 samples.noise[c], samples.input.period);
+    }
+    noise += variance * static_cast<double>(window.size());
+  }
+  return data > 0.0 ? std::sqrt(noise / data) : 0.0;
+}
+
+}  // namespace
+
+std::map<Channel, PredictionError> prediction_errors(const IdentificationProblem& problem, const Hypothesis& given,
+                                                     const Hypothesis& refit, const Hypothesis& after) {
+  std::map<Channel, PredictionError> result;
+  if (!problem.has_held_out()) return result;
+  const auto of_given = read_all(problem, given), of_refit = read_all(problem, refit),
+             of_after = read_all(problem, after);
+  for (const Channel channel : problem.channels()) {
+    result[channel] = {error_of(problem, of_given, channel), error_of(problem, of_refit, channel),
+                       error_of(problem, of_after, channel), noise_floor(problem, channel)};
+  }
+  return result;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,22 @@
+// Prediction error: how far rig and model are apart, by channel, on data that was not fitted.
+#pragma once
+
+#include <map>
+
+#include "host_sim/identification/noise/identification_problem.hpp"
+
+namespace host_sim::identification {
+
+/// rms of simulated − measured ÷ rms of measured over the held-out windows (contract.md: "gap").
+struct PredictionError {
+  double before, refit, after;  ///< rig as described, tolerances refitted, effects added
+  double noise_floor;           ///< what a perfect model leaves: noise of the channel's sensor and of the input's
+};
+
+/// Of every channel; empty where nothing is held out.
+[[nodiscard]] std::map<model::Channel, PredictionError> prediction_errors(const IdentificationProblem& problem,
+                                                                          const Hypothesis& given,
+                                                                          const Hypothesis& refit,
+                                                                          const Hypothesis& after);
+
+}  // namespace host_sim::identification

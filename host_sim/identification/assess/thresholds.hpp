@@ -1,0 +1,41 @@
+// Every number that decides something while a model is assessed.
+#pragma once
+
+#include <cstddef>
+
+namespace host_sim::identification::thresholds {
+
+/// Odds below which two models count as not told apart: verdict `ambiguous`. A simpler effect that is a limit of its
+/// rival wins by the penalty of one parameter, odds of e⁵ = 148. Half: 5 % of a wrong name becomes 9 %. Twice: 2.4 %,
+/// and more verdicts are ambiguous. Derived.
+inline constexpr double close_odds = 20.0;
+/// Alternatives of an effect that are listed at most.
+inline constexpr std::size_t most_alternatives = 5;
+/// [1] The confidence that is never exceeded: nobody has counted wrong names among more than a thousand. 54 of 57 names
+/// with 0.9 … 1 were right where effects are weak (rigtwin_confusion --weak, 200 recordings).
+inline constexpr double highest_confidence = 0.999;
+/// [ln] Odds are capped at e³⁰⁰, so that they stay finite numbers.
+inline constexpr double most_logarithmic_odds = 300.0;
+/// [1] Of rigs that have something to find, so many have something that is not in the catalogue; and the share q of its
+/// power by which a law outside the catalogue differs from the nearest effect is at least this. Both are priors, chosen
+/// and not measured: half of `outside_share` halves the doubt about weak effects, twice doubles it.
+inline constexpr double outside_share = 0.2, closest_outside = 1e-3;
+/// [standard deviations] of a 95 % interval: 1.96 for noise that is known. What carries the noise through the rig is
+/// itself known to some per cent only, which over the recordings of tests/confusion takes 1.2 times as much. Tuned on
+/// our own generator: half of the excess (1.1) holds 93 %, twice (1.4) 97 % (normal distribution).
+inline constexpr double interval_deviations = 1.2 * 1.96;
+/// [1] Least confidence of a name beside an unexplained residual: this times the share of the pooled error that goes
+/// away.
+inline constexpr double worth_of_shrinking = 0.5;
+/// [1] A channel with less of the excess is no place of the disagreement.
+inline constexpr double least_located_share = 0.005;
+
+// Experiments ---------------------------------------------------------------------------------------------------------
+
+/// [1] Noise of a sensor that the rig does not have yet, relative to the rms of its channel.
+inline constexpr double new_sensor_noise = 0.01;
+/// [times the displacement that was recorded] that an experiment may ask for; [times] how much better than the
+/// recordings it must separate to be named. Half of the latter: an equal experiment is recommended.
+inline constexpr double most_travel = 3.0, separates_better = 2.0;
+
+}  // namespace host_sim::identification::thresholds

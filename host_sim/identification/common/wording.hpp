@@ -1,0 +1,17 @@
+// Names of effects and lists of them, in words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/description/effects_by_name.hpp"
+
+namespace host_sim::identification {
+
+/// "sensor_lag of F", "coulomb_friction"
+[[nodiscard]] std::string words(const firmware::PlacedEffect& effect);
+
+/// "a, b and c"
+[[nodiscard]] std::string joined(const std::vector<std::string>& list);
+
+}  // namespace host_sim::identification

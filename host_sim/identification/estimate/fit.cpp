@@ -1,0 +1,167 @@
+#include "host_sim/identification/estimate/fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/least_squares/gauss_newton.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+Hypothesis moved(const Hypothesis& from, const FreeParameter& parameter, double u) {
+  Hypothesis hypothesis = from;
+  parameter.put(hypothesis, u);
+  return hypothesis;
+}
+
+bool is_rig(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  return !firmware::find_rig_fault(hypothesis.rig, problem.sample_period());
+}
+
+/// What the differences of a Jacobian start from: with corners a prediction with half of the steps.
+struct Base {
+  const Prediction& prediction;
+  const Eigen::VectorXd& residual;
+};
+
+/// Column of J by a one-sided difference, towards the inside of the bounds.
+Eigen::VectorXd jacobian_column(const IdentificationProblem& problem, const Fit& at, const Base& base,
+                                const FreeParameter& parameter) {
+  const double u = parameter.get(at.hypothesis);
+  double step = u + parameter.difference > parameter.upper ? -parameter.difference : parameter.difference;
+  Hypothesis other = moved(at.hypothesis, parameter, u + step);
+  if (!is_rig(problem, other)) {  // a delay as long as its line
+    step = -step;
+    other = moved(at.hypothesis, parameter, u + step);
+  }
+  if (parameter.sensor) {
+    return (residuals(problem, predict_sensor(problem, other, at.prediction, *parameter.sensor)) - at.residual) / step;
+  }
+  if (parameter.role == FreeParameter::Role::start) {  // moves its own recording only
+    Prediction prediction = base.prediction;
+    predict_recording(problem, other, parameter.recording, true, prediction);
+    return (residuals(problem, prediction) - base.residual) / step;
+  }
+  return (residuals(problem, predict(problem, other, true)) - base.residual) / step;
+}
+
+/// Columns of J from `first` on.
+void find_columns(const IdentificationProblem& problem, Fit& at, Eigen::Index first) {
+  const bool simulates = std::any_of(at.parameters.begin() + first, at.parameters.end(),
+                                     [](const FreeParameter& parameter) { return !parameter.sensor; });
+  const bool halved = simulates && has_corners(at.hypothesis.rig);
+  Prediction half_prediction;
+  Eigen::VectorXd half_residual;
+  if (halved) {
+    half_prediction = predict(problem, at.hypothesis, true);
+    half_residual = residuals(problem, half_prediction);
+    ++at.simulations;
+  }
+  const Base base{halved ? half_prediction : at.prediction, halved ? half_residual : at.residual};
+  for_all(at.parameters.size() - static_cast<std::size_t>(first), [&](std::size_t i) {
+    const std::size_t column = i + static_cast<std::size_t>(first);
+    at.jacobian.col(static_cast<Eigen::Index>(column)) = jacobian_column(problem, at, base, at.parameters[column]);
+  });
+  for (auto i = static_cast<std::size_t>(first); i < at.parameters.size(); ++i) {
+    at.simulations += at.parameters[i].sensor ? 0 : 1;
+  }
+}
+
+/// A fit as gauss_newton() sees it.
+class FitProblem {
+ public:
+  FitProblem(const IdentificationProblem& problem, Fit& fit, Eigen::Index known_columns)
+      : problem_(problem), fit_(fit), known_columns_(known_columns) {}
+
+  bool find_jacobian() {
+    find_columns(problem_, fit_, known_columns_);
+    return fit_.jacobian.allFinite();
+  }
+  [[nodiscard]] NormalEquations normal_equations() const {
+    return {fit_.jacobian.transpose() * fit_.jacobian, fit_.jacobian.transpose() * fit_.residual};
+  }
+  [[nodiscard]] StepBox box(double trust) const { return step_box(fit_.parameters, fit_.hypothesis, trust); }
+  [[nodiscard]] double chi_squared() const { return fit_.chi_squared; }
+
+  std::optional<double> try_step(const Eigen::VectorXd& d) {
+    tried_ = fit_.hypothesis;
+    for (std::size_t i = 0; i < fit_.parameters.size(); ++i) {
+      const FreeParameter& parameter = fit_.parameters[i];
+      parameter.put(tried_, parameter.get(fit_.hypothesis) + d(static_cast<Eigen::Index>(i)));
+    }
+    if (!is_rig(problem_, tried_)) return std::nullopt;
+    tried_prediction_ = predict(problem_, tried_);
+    tried_residual_ = residuals(problem_, tried_prediction_);
+    ++fit_.simulations;
+    return tried_residual_.squaredNorm();
+  }
+  void accept() {
+    fit_.hypothesis = std::move(tried_);
+    fit_.prediction = std::move(tried_prediction_);
+    fit_.residual = std::move(tried_residual_);
+    fit_.chi_squared = fit_.residual.squaredNorm();
+  }
+
+ private:
+  const IdentificationProblem& problem_;
+  Fit& fit_;
+  Eigen::Index known_columns_;
+  Hypothesis tried_;
+  Prediction tried_prediction_;
+  Eigen::VectorXd tried_residual_;
+};
+
+}  // namespace
+
+StepBox step_box(const std::vector<FreeParameter>& parameters, const Hypothesis& hypothesis, double trust) {
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  StepBox box{Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
+    const FreeParameter::StepBounds bounds = parameter.step_bounds(parameter.get(hypothesis), trust);
+    box.lower(i) = bounds.lower;
+    box.upper(i) = bounds.upper;
+  }
+  return box;
+}
+
+void refresh_jacobian(const IdentificationProblem& problem, Fit& fit) {
+  fit.jacobian.resize(fit.residual.size(), static_cast<Eigen::Index>(fit.parameters.size()));
+  find_columns(problem, fit, 0);
+}
+
+Eigen::MatrixXd Fit::covariance() const {
+  Eigen::MatrixXd h = jacobian.transpose() * jacobian;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    h(k, k) += 1e-12 * h(k, k) + 1e-30;
+    const double width = parameters[i].upper - parameters[i].lower;
+    if (parameters[i].role == FreeParameter::Role::tolerated) h(k, k) += 12.0 / (width * width);
+    if (parameters[i].at_bound(hypothesis)) h(k, k) += 1e12 * (h(k, k) + 1.0);
+  }
+  return h.ldlt().solve(Eigen::MatrixXd::Identity(h.rows(), h.cols()));
+}
+
+Fit fit(const IdentificationProblem& problem, Hypothesis start, std::vector<FreeParameter> parameters, int most,
+        const Eigen::MatrixXd& known_jacobian) {
+  Fit result;
+  result.hypothesis = std::move(start);
+  result.parameters = std::move(parameters);
+  result.prediction = predict(problem, result.hypothesis);
+  result.residual = residuals(problem, result.prediction);
+  result.simulations = 1;
+  result.chi_squared = result.residual.squaredNorm();
+  if (!std::isfinite(result.chi_squared)) result.chi_squared = std::numeric_limits<double>::infinity();
+  result.jacobian.resize(result.residual.size(), static_cast<Eigen::Index>(result.parameters.size()));
+  const Eigen::Index known = known_jacobian.cols();
+  if (known > 0) result.jacobian.leftCols(known) = known_jacobian;
+  FitProblem fitted(problem, result, known);
+  if (!result.parameters.empty()) gauss_newton(fitted, {.most_steps = most});
+  return result;
+}
+
+}  // namespace host_sim::identification

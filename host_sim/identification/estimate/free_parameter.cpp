@@ -1,0 +1,136 @@
+#include "host_sim/identification/estimate/free_parameter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host_sim/identification/estimate/thresholds.hpp"
+
+namespace host_sim::identification {
+
+double FreeParameter::value(double u) const { return logarithmic ? scale * std::exp(u) : centre + scale * u; }
+
+double FreeParameter::coordinate(double v) const {
+  return logarithmic ? std::log(std::max(v, 1e-300) / scale) : (v - centre) / scale;
+}
+
+void FreeParameter::put(Hypothesis& hypothesis, double u) const {
+  if (role == Role::start) {
+    hypothesis.starts[recording](state) = value(u);
+  } else if (double* const parameter = firmware::find_parameter(hypothesis.rig, path)) {
+    *parameter = value(u);
+  }
+}
+
+double FreeParameter::get(const Hypothesis& hypothesis) const {
+  if (role == Role::start) return coordinate(hypothesis.starts[recording](state));
+  model::RigParameters<double> rig = hypothesis.rig;
+  const double* const parameter = firmware::find_parameter(rig, path);
+  return parameter != nullptr ? coordinate(*parameter) : 0.0;
+}
+
+bool FreeParameter::at_bound(const Hypothesis& hypothesis) const {
+  const double u = get(hypothesis);
+  return u <= lower + 1e-9 || u >= upper - 1e-9;
+}
+
+double FreeParameter::trust_radius(double u) const {
+  if (role == Role::start) return thresholds::start_trust_radius;
+  if (role == Role::tolerated || (sensor && !logarithmic)) return INFINITY;
+  return logarithmic ? thresholds::effect_trust_radius : std::max(thresholds::effect_trust_radius, std::abs(u));
+}
+
+FreeParameter::StepBounds FreeParameter::step_bounds(double u, double trust) const {
+  const double far = trust * trust_radius(u);
+  return {std::max(std::min(lower - u, 0.0), -far), std::min(std::max(upper - u, 0.0), far)};
+}
+
+std::vector<FreeParameter> tolerated_parameters(const firmware::RigDescription& description) {
+  std::vector<FreeParameter> parameters;
+  model::RigParameters<double> part = explained_part(description.rig);
+  for (const auto& [path, bound] : description.tolerance) {
+    const double* const value = firmware::find_parameter(part, path);
+    if (value == nullptr || !(bound > 0.0) || *value == 0.0) continue;
+    if (part.kind == model::RigKind::component_bench &&
+        (path.starts_with("body") || path.starts_with("wheel") || path.starts_with("tyre"))) {
+      continue;  // the virtual car is estimated on its own (virtual_car_estimate.hpp)
+    }
+    FreeParameter u{.role = FreeParameter::Role::tolerated,
+                    .path = path,
+                    .centre = *value,
+                    .scale = *value * bound,
+                    .lower = -1.0,
+                    .upper = 1.0,
+                    .difference = thresholds::tolerance_difference};
+    if (bound >= 1.0) u.lower = (thresholds::least_share_of_value - 1.0) / bound;
+    parameters.push_back(u);
+  }
+  return parameters;
+}
+
+std::vector<FreeParameter> start_parameters(const firmware::RigDescription& description,
+                                            const std::vector<PreparedRecording>& recordings) {
+  std::vector<FreeParameter> parameters;
+  const model::RigParameters<double> rig = explained_part(description.rig);
+  const bool has_car = rig.kind != model::RigKind::component_bench;
+  const bool has_piston = rig.has_fdva && rig.fdva.open_ducts > 0;
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    if (recordings[r].at_rest || recordings[r].fitted.size() == 0) continue;
+    double size = 0.0;
+    for (const auto& m : recordings[r].input.motion) size = std::max(size, std::abs(m.position));
+    size = std::max(size, 1e-6);
+    for (int state = 0; state < 6; ++state) {
+      if (!(state < 4 ? has_car : has_piston)) continue;
+      parameters.push_back({.role = FreeParameter::Role::start,
+                            .path = "",
+                            .recording = r,
+                            .state = state,
+                            .scale = size * (state % 2 == 1 ? thresholds::start_rate : 1.0),
+                            .lower = -thresholds::start_bound,
+                            .upper = thresholds::start_bound,
+                            .difference = thresholds::start_difference});
+    }
+  }
+  return parameters;
+}
+
+bool is_hold(const firmware::CatalogueEntry& entry) {
+  return std::any_of(entry.parameters.begin(), entry.parameters.end(), [](const model::EffectParameter& p) {
+    return p.starts.read == model::Reading::renewal_period && !p.fitted;
+  });
+}
+
+std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effect) {
+  std::vector<FreeParameter> parameters;
+  for (std::size_t i = 0; i < effect.values.size(); ++i) {
+    const model::EffectParameter& card = effect.entry->parameters[i];
+    if (!card.fitted) continue;
+    FreeParameter u{.role = FreeParameter::Role::effect,
+                    .path = firmware::effect_path(effect, i),
+                    .sensor = effect.channel,
+                    .difference = thresholds::effect_difference};
+    if (card.lower < 0.0) {
+      u.centre = card.neutral;
+      u.scale = std::max(std::abs(effect.values[i] - u.centre), 1e-12);
+      u.lower = std::max((card.lower - u.centre) / u.scale, -1e6);
+      u.upper = std::min((card.upper - u.centre) / u.scale, 1e6);
+    } else {
+      u.logarithmic = true;
+      u.scale = std::max(effect.values[i], 1e-12);
+      u.lower = card.lower > 0.0 ? std::log(card.lower / u.scale) : thresholds::lowest_logarithm;
+      u.upper = std::log(card.upper / u.scale);
+    }
+    parameters.push_back(u);
+  }
+  return parameters;
+}
+
+SearchSpace search_space(const firmware::RigDescription& description, const std::vector<PreparedRecording>& recordings,
+                         Hypothesis given) {
+  SearchSpace space{std::move(given), tolerated_parameters(description), {}};
+  space.common = space.tolerated;
+  for (FreeParameter& start : start_parameters(description, recordings)) space.common.push_back(std::move(start));
+  return space;
+}
+
+}  // namespace host_sim::identification

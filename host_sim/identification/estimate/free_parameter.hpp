@@ -1,0 +1,67 @@
+// A parameter that may move in a fit, as a coordinate with bounds and a trust radius.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/description/effects_by_name.hpp"
+#include "host_sim/identification/predict/hypothesis.hpp"
+
+namespace host_sim::identification {
+
+/// Whether an effect holds values: its period is read off the recording (hold_period()) and is not fitted.
+[[nodiscard]] bool is_hold(const firmware::CatalogueEntry& entry);
+
+/// A number to be found, by its coordinate u:
+///
+///   (1)  value = centre + scale · u      tolerated parameters, signed effect parameters, start states
+///   (2)  value = scale · e^u             effect parameters that are positive
+struct FreeParameter {
+  enum class Role : unsigned char { tolerated, effect, start } role;
+  std::string path;                        ///< of tolerated and effect parameters
+  std::size_t recording{};                 ///< of start states
+  int state{};                             ///< of start states: z_w, ż_w, z_b, ż_b, y, ẏ
+  std::optional<model::Channel> sensor{};  ///< of a sensor effect: only this channel's readings depend on it
+  double centre{}, scale{};
+  bool logarithmic = false;
+  double lower{}, upper{};  ///< bounds of u
+  double difference{};      ///< of u, for the Jacobian
+
+  [[nodiscard]] double value(double u) const;
+  [[nodiscard]] double coordinate(double value) const;
+  /// How far from u the Jacobian is trusted: a factor of e, twice the value, three times the motion for a start state;
+  /// without limit for what enters a channel linearly, or has narrow bounds.
+  [[nodiscard]] double trust_radius(double u) const;
+  /// Bounds of a step from u: those of u and a share `trust` of the trust radius. They always hold 0, also where
+  /// another fit, with bounds of its own, has left u outside.
+  struct StepBounds {
+    double lower, upper;
+  };
+  [[nodiscard]] StepBounds step_bounds(double u, double trust) const;
+  void put(Hypothesis& hypothesis, double u) const;
+  [[nodiscard]] double get(const Hypothesis& hypothesis) const;  ///< u
+  [[nodiscard]] bool at_bound(const Hypothesis& hypothesis) const;
+};
+
+/// The tolerated parameters of the explained part, within their bounds.
+[[nodiscard]] std::vector<FreeParameter> tolerated_parameters(const firmware::RigDescription& description);
+
+/// The states at the beginnings of fitted recordings that do not begin at rest.
+[[nodiscard]] std::vector<FreeParameter> start_parameters(const firmware::RigDescription& description,
+                                                          const std::vector<PreparedRecording>& recordings);
+
+/// The parameters of an effect that is in the hypothesis, those that are to be fitted.
+[[nodiscard]] std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effect);
+
+/// What all models of a search share: where they begin and what is free in each of them.
+struct SearchSpace {
+  Hypothesis given;                      ///< the rig as described
+  std::vector<FreeParameter> tolerated;  ///< first in every fit
+  std::vector<FreeParameter> common;     ///< tolerated parameters, then start states
+};
+[[nodiscard]] SearchSpace search_space(const firmware::RigDescription& description,
+                                       const std::vector<PreparedRecording>& recordings, Hypothesis given);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,34 @@
+// Predictions of a hypothesis for a whole problem, and their whitened residuals.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "host_sim/identification/noise/identification_problem.hpp"
+
+namespace host_sim::identification {
+
+/// By recording of the problem; empty for one that is not fitted.
+struct Prediction {
+  std::vector<std::shared_ptr<const Response>> truth;  ///< channels before their sensors
+  std::vector<Spectra> seen;                           ///< of the readings
+};
+[[nodiscard]] Prediction predict(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                 bool half_substeps = false);
+
+/// Predicts one recording again, in place.
+void predict_recording(const IdentificationProblem& problem, const Hypothesis& hypothesis, std::size_t recording,
+                       bool half_substeps, Prediction& prediction);
+
+/// The prediction of a hypothesis that differs from that of `base` in the sensor of one channel only: no simulation.
+[[nodiscard]] Prediction predict_sensor(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                        const Prediction& base, model::Channel channel);
+
+/// Whitened residuals of the fitted windows, recording after recording (noise/whitening.hpp).
+[[nodiscard]] Eigen::VectorXd residuals(const IdentificationProblem& problem, const Prediction& prediction);
+
+/// Readings of every recording in full.
+[[nodiscard]] std::vector<Response> read_all(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,52 @@
+// Every number that decides something while parameters are estimated.
+#pragma once
+
+namespace host_sim::identification::thresholds {
+
+// Free parameters -----------------------------------------------------------------------------------------------------
+
+/// [coordinate] Differences for the Jacobian: 1 % of a tolerance; 0.1 % of an effect's parameter or of the motion's
+/// size. Derivation: the truncation error, half of the step's share of the curvature, stays below a per cent. Half: not
+/// measured. Twice: 1 % error of the Jacobian where a stop closes (fit_test), which costs steps, not accuracy.
+inline constexpr double tolerance_difference = 1e-2, effect_difference = 1e-3, start_difference = 1e-3;
+/// [coordinate] Trust radius of a state at the start: three times the motion. And its bounds. Half and twice: not
+/// measured.
+inline constexpr double start_trust_radius = 3.0, start_bound = 10.0;
+/// [coordinate] Trust radius of an effect's parameter: a factor of e, or twice a signed value. Half and
+/// twice: not measured.
+inline constexpr double effect_trust_radius = 1.0;
+/// [1/s] Velocity at the start for one metre of motion: a mode of 3 Hz.
+inline constexpr double start_rate = 20.0;
+/// Lowest coordinate of a positive parameter without a lower bound of its own: e⁻¹² = 6e-6 of its start.
+inline constexpr double lowest_logarithm = -12.0;
+/// [1] A tolerance of 1 and more leaves a parameter this share of its value at least: it does not change its sign.
+inline constexpr double least_share_of_value = 1e-3;
+
+// What a fit leaves ---------------------------------------------------------------------------------------------------
+
+/// [standard deviations] of a channel's power in a band beyond its noise, on fitted and on held-out data, from which it
+/// counts as more than noise. Derivation: 13 bands × 7 channels, so noise reaches 4 in one of 300 recordings; 8 leaves
+/// room for noise that is known to some per cent. Half: the share below decides alone. Twice: an effect of 100 standard
+/// deviations that is spread over all bands (100/√91 each) still passes for noise. Derived, not measured.
+inline constexpr double significant_deviations = 8.0;
+/// [1] and by what share of the noise: the simulation's own error stays below it. Half and twice: not measured.
+inline constexpr double significant_share = 0.15;
+
+// The virtual car of a hil rig ----------------------------------------------------------------------------------------
+
+/// [1] A tyre law is listed where it takes away this share of the power that a linear tyre leaves. Derivation: the
+/// numbers are exact up to their differences, so a real law takes away nearly all. Half and twice: no difference
+/// where a cubic law takes away over 99 %, as in virtual_car_estimate_test and our own generator.
+inline constexpr double law_takes_away = 0.5;
+/// [1] and moves F_w by this share of its rms: five times what velocities by differences leave.
+inline constexpr double law_moves = 1e-3;
+/// Lowest values of F_w that are equal as written, from which a wheel flew; and the distance of that value from the
+/// bound of the law [1]. Two equal samples happen by rounding. Half and twice: not measured.
+inline constexpr int equal_lowest_loads = 4;
+inline constexpr double lift_off_distance = 0.05;
+/// Neighbouring samples of the tyre's residual are off alike (differences over five samples): one in so many counts.
+inline constexpr double correlated_samples = 10.0;
+/// [1] What velocities by differences of fourth order are off, relative to the values estimated from them.
+inline constexpr double difference_error = 3e-5, law_difference_error = 1e-4;
+
+}  // namespace host_sim::identification::thresholds

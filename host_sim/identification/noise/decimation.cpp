@@ -1,0 +1,60 @@
+#include "host_sim/identification/noise/decimation.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace host_sim::identification {
+namespace {
+
+/// Kaiser's rules for 100 dB: β, and the length for a transition of a given width [of the sample rate].
+constexpr double attenuation = 100.0;
+constexpr double beta = 0.1102 * (attenuation - 8.7);
+
+std::vector<double> half_band(double highest) {
+  const double width = 0.5 - 2.0 * highest;
+  auto half = static_cast<std::size_t>(std::ceil((attenuation - 7.95) / (14.36 * width) / 2.0));
+  half += half % 2 == 0 ? 1 : 0;  // the outermost factor at an odd place: those at even ones are zero
+  std::vector<double> factors;
+  double sum = 0.0;
+  for (std::size_t j = 1; j <= half; j += 2) {
+    const double x = static_cast<double>(j), place = x / static_cast<double>(half + 1);
+    const double window = std::cyl_bessel_i(0.0, beta * std::sqrt(1.0 - place * place)) / std::cyl_bessel_i(0.0, beta);
+    const double sign = j % 4 == 1 ? 1.0 : -1.0;
+    factors.push_back(window * sign / (std::numbers::pi * x));
+    sum += 2.0 * factors.back();
+  }
+  for (double& h : factors) h *= 0.5 / sum;  // a constant stays what it is
+  return factors;
+}
+
+}  // namespace
+
+Decimation::Decimation(double sample_rate, double highest) {
+  for (double rate = sample_rate; rate / 4.0 >= 1.25 * highest; rate /= 2.0)
+    stages_.push_back(half_band(highest / rate));
+}
+
+std::vector<double> Decimation::operator()(std::vector<double> signal) const {
+  std::vector<double> even, odd;
+  for (const std::vector<double>& factors : stages_) {
+    // x_{2k} and x_{2k+1} apart, with room for zeros around them, so that each factor is one pass over neighbours.
+    const std::size_t n = signal.size() / 2, room = factors.size();
+    even.assign(n, 0.0);
+    odd.assign(n + 2 * room, 0.0);
+    for (std::size_t k = 0; k < n; ++k) {
+      even[k] = 0.5 * signal[2 * k];
+      odd[room + k] = signal[2 * k + 1];
+    }
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+      const double h = factors[i];
+      const double* const after = odd.data() + room + i;       // x_{2k + (2i+1)}
+      const double* const before = odd.data() + room - i - 1;  // x_{2k − (2i+1)}
+      double* const sum = even.data();
+      for (std::size_t k = 0; k < n; ++k) sum[k] += h * (before[k] + after[k]);
+    }
+    signal.swap(even);
+  }
+  return signal;
+}
+
+}  // namespace host_sim::identification

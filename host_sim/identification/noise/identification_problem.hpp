@@ -1,0 +1,66 @@
+// The identification problem: recordings, what of them is fitted, and how residuals are weighted.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host_sim/identification/noise/input_noise_covariance.hpp"
+#include "host_sim/identification/noise/whitening.hpp"
+#include "host_sim/identification/predict/sensor_readings.hpp"
+
+namespace host_sim::identification {
+
+/// A recording as one problem uses it. The samples belong to all problems together.
+struct ProblemRecording {
+  const PreparedRecording* samples;
+  Window fitted, held_out;  ///< of the samples; empty: nothing
+  int substeps;             ///< model steps per sample where there are corners
+  InputNoiseCovariance input_noise;
+  std::optional<Whitening> fit_whitening, held_out_whitening;  ///< of the two windows
+
+  [[nodiscard]] bool is_fitted() const { return fit_whitening.has_value(); }
+  [[nodiscard]] bool is_held_out() const { return held_out_whitening.has_value(); }
+  [[nodiscard]] Resolution resolution() const { return {substeps}; }
+};
+
+/// Step 2: every residual of the later steps is whitened with what stands here, and nothing else owns a Whitening. A
+/// problem that is cut down to a part of the recordings shares their samples.
+class IdentificationProblem {
+ public:
+  /// Without the noise of the input, which depends on a hypothesis: update_input_noise().
+  explicit IdentificationProblem(std::vector<PreparedRecording> recordings);
+
+  /// With the noise of the input as this hypothesis passes it on.
+  IdentificationProblem(std::vector<PreparedRecording> recordings, const Hypothesis& hypothesis);
+
+  [[nodiscard]] const std::vector<ProblemRecording>& recordings() const { return recordings_; }
+  [[nodiscard]] const std::vector<PreparedRecording>& samples() const { return *samples_; }
+  [[nodiscard]] const std::vector<model::Channel>& channels() const { return samples_->front().channels; }
+  [[nodiscard]] double sample_period() const { return samples_->front().input.period; }
+  [[nodiscard]] std::size_t residual_count() const;  ///< of the fitted windows
+  [[nodiscard]] std::size_t fitted_count() const;    ///< recordings
+  [[nodiscard]] bool has_held_out() const;
+
+  /// Weights residuals anew for what a hypothesis makes of the input's noise. false: the input carries none.
+  bool update_input_noise(const Hypothesis& hypothesis);
+  /// The same noise as another problem on these samples.
+  void take_input_noise(const IdentificationProblem& other);
+  /// Allows for an error of the model, relative to the rms of each channel: ε_c of Whitening (2).
+  void allow_model_error(double relative);
+
+  /// The first `share` of each fitted window, nothing held out.
+  [[nodiscard]] IdentificationProblem truncated(double share) const;
+  /// The same with half of the steps where there are corners.
+  [[nodiscard]] IdentificationProblem truncated_and_coarse(double share) const;
+
+ private:
+  IdentificationProblem() = default;
+  void whiten();
+
+  std::shared_ptr<const std::vector<PreparedRecording>> samples_;
+  std::vector<ProblemRecording> recordings_;
+  double model_error_ = 0.0;
+};
+
+}  // namespace host_sim::identification

@@ -1,0 +1,35 @@
+// Every number that decides something while residuals are whitened.
+#pragma once
+
+#include <cstddef>
+
+namespace host_sim::identification::thresholds {
+
+/// [Hz] Residuals are compared from 0 up to here: roads, guides and dampers act below 30 Hz, a tyre's wheel hop is at
+/// 12 Hz, and lags and delays of sensors still show. Half: lags of 1 ms are hardly told from delays. Twice: twice the
+/// residuals, mostly noise. Neither was measured.
+inline constexpr double highest_frequency = 90.0;
+/// [1 / sample rate] and not above this share of the sample rate, where a recorder's own filter ends.
+inline constexpr double highest_share_of_rate = 0.45;
+/// [Hz] Width of the bands in which the covariance of the noise is one matrix. Derivation: the resonances that carry
+/// the input's noise are 2 Hz wide and more (20 % damping at 5 Hz). Half: half the lines for each estimate. Twice: not
+/// measured.
+inline constexpr double covariance_band = 1.0;
+/// [1] Error of the simulation itself, relative to each channel: velocities by differences of fourth order, (ωh)⁴/30 =
+/// 4e-5 at 30 Hz and 1 kHz, and linearly implicit parts. Measured against tests/support's reference: at most 2e-4
+/// (simulation_test). Half and twice: not measured; without it a recording without noise has an infinite χ².
+inline constexpr double simulation_error = 2e-4;
+/// [s] Cosine taper at each end of a window. Derivation: slow motion must not leak into fast bands where
+/// noise is small; a period of 4 Hz is short against the shortest window (2 s). Half and twice: not measured.
+inline constexpr double taper_length = 0.25;
+/// [1] Least share of a held channel's noise power where sinc² has its zeros: no renewal is exact. Half and twice: not
+/// measured.
+inline constexpr double least_held_noise = 0.05;
+/// Simulations with seeded input noise that one covariance is estimated from. Derivation: the coherent part is scaled
+/// to the known density of the input's noise, so only the incoherent part scatters, by 1/√(3 lines of a band). Half (2)
+/// and twice (6): not measured; the time of the noise step is proportional to it.
+inline constexpr int noise_realisations = 3;
+/// [samples] A shorter window has no covariance.
+inline constexpr std::size_t shortest_covariance_window = 16;
+
+}  // namespace host_sim::identification::thresholds

@@ -1,0 +1,210 @@
+#include "host_sim/identification/noise/whitening.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <numbers>
+
+#include "host_sim/signal/spectrum.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+/// h_c(f) of (4), with its zeros filled.
+double held_noise(const PreparedRecording& recording, model::Channel channel, double f) {
+  const auto& renewals = recording.renewals[index(channel)];
+  if (!renewals) return 1.0;
+  const double x = std::numbers::pi * f * renewals->period * recording.input.period;
+  const double sinc = x > 1e-6 ? std::sin(x) / x : 1.0;
+  return std::max(renewals->period * sinc * sinc, thresholds::least_held_noise);
+}
+
+/// A Fourier transform borrowed from a shared list: a plan costs more than a transform, and serves one thread at a
+/// time.
+class LentTransform {
+ public:
+  explicit LentTransform(std::size_t length) {
+    const std::lock_guard lock(guard());
+    auto& free = shelf();
+    const auto fits = std::find_if(free.begin(), free.end(), [&](const auto& t) { return t->length() == length; });
+    if (fits != free.end()) {
+      transform_ = std::move(*fits);
+      free.erase(fits);
+    } else {
+      transform_ = std::make_unique<RealTransform>(length);
+    }
+  }
+  ~LentTransform() {
+    const std::lock_guard lock(guard());
+    auto& free = shelf();
+    free.push_back(std::move(transform_));
+    constexpr std::size_t most = 16;
+    if (free.size() > most) free.erase(free.begin());
+  }
+  LentTransform(const LentTransform&) = delete;
+  LentTransform& operator=(const LentTransform&) = delete;
+
+  RealTransform& operator*() { return *transform_; }
+
+ private:
+  static std::mutex& guard() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  static std::vector<std::unique_ptr<RealTransform>>& shelf() {
+    static std::vector<std::unique_ptr<RealTransform>> free;
+    return free;
+  }
+  std::unique_ptr<RealTransform> transform_;
+};
+
+}  // namespace
+
+Whitening::Whitening(const PreparedRecording& recording, Window window,
+                     const std::vector<Eigen::MatrixXcd>& input_noise, double model_error)
+    : decimation_(1.0 / recording.input.period, thresholds::highest_frequency),
+      window_(window),
+      channels_(recording.channels.size()),
+      period_(recording.input.period) {
+  length_ = decimation_.factor() * good_fft_size_at_most(window.size() / decimation_.factor());
+  window_.to = window_.from + length_;
+  const double resolution = 1.0 / (period_ * static_cast<double>(length_));
+  const double top = std::min(thresholds::highest_frequency, thresholds::highest_share_of_rate / period_);
+  bins_ = static_cast<std::size_t>(top / resolution) + 1;
+  set_taper();
+  std::vector<double> mean_squares;
+  for (std::size_t c = 0; c < channels_; ++c) {
+    const auto& values = recording.recording[recording.channels[c]];
+    data_.push_back(spectrum(recording, c, values));
+    double sum = 0.0;
+    for (std::size_t k = window_.from; k < window_.to; ++k) sum += values[k] * values[k];
+    mean_squares.push_back(sum / static_cast<double>(length_));
+  }
+  const auto bands = static_cast<std::size_t>(top / thresholds::covariance_band) + 1;
+  const auto m = static_cast<Eigen::Index>(channels_);
+  for (std::size_t b = 0; b < bands; ++b) {
+    const Eigen::MatrixXcd sigma = covariance(recording, b, input_noise, model_error, mean_squares);
+    deviations_.push_back(sigma.diagonal().real().cwiseSqrt());
+    const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
+    factors_.push_back(cholesky.matrixL().solve(Eigen::MatrixXcd::Identity(m, m)));
+  }
+}
+
+void Whitening::set_taper() {
+  const auto ramp = std::min(length_ / 4, static_cast<std::size_t>(thresholds::taper_length / period_) + 1);
+  taper_.assign(length_, 1.0);
+  for (std::size_t k = 0; k < ramp; ++k) {
+    const double w =
+        0.5 - 0.5 * std::cos(std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(ramp));
+    taper_[k] = taper_[length_ - 1 - k] = w;
+  }
+  for (const double w : taper_) taper_power_ += w * w;
+  scale_ = std::sqrt(2.0 / taper_power_);
+}
+
+/// S_c of (2) in one band.
+double Whitening::power(std::size_t channel, std::size_t band) const {
+  const double resolution = 1.0 / (period_ * static_cast<double>(length_));
+  const auto first_bin = [&](std::size_t b) {
+    const double edge = static_cast<double>(b) * thresholds::covariance_band;
+    return std::min(bins_, static_cast<std::size_t>(std::ceil(edge / resolution)));
+  };
+  const std::size_t first = first_bin(band), last = first_bin(band + 1);
+  double sum = 0.0;
+  for (std::size_t k = first; k < last; ++k) sum += std::norm(data_[channel][k]);
+  return last > first ? sum / (static_cast<double>(last - first) * taper_power_) : sum;
+}
+
+/// (2)
+Eigen::MatrixXcd Whitening::covariance(const PreparedRecording& recording, std::size_t band,
+                                       const std::vector<Eigen::MatrixXcd>& input_noise, double model_error,
+                                       const std::vector<double>& mean_squares) const {
+  const auto m = static_cast<Eigen::Index>(channels_);
+  Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(m, m);
+  if (band < input_noise.size()) sigma = input_noise[band];
+  const double f = (static_cast<double>(band) + 0.5) * thresholds::covariance_band;
+  for (std::size_t c = 0; c < channels_; ++c) {
+    const model::Channel channel = recording.channels[c];
+    const double noise = recording.noise[index(channel)], channel_power = power(c, band);
+    const auto i = static_cast<Eigen::Index>(c);
+    constexpr double error = thresholds::simulation_error;
+    sigma(i, i) += noise * noise * held_noise(recording, channel, f) + error * error * channel_power + 1e-300;
+    sigma(i, i) += model_error * model_error * mean_squares[c];
+    // z_r alone says nothing of faster motion: the whole channel is uncertain.
+    const bool unknown = recording.acceleration_known > 0.0 && f > recording.acceleration_known;
+    if (unknown && channel == model::Channel::zdd_r) sigma(i, i) += channel_power;
+  }
+  return sigma;
+}
+
+double Whitening::frequency(std::size_t bin) const {
+  return static_cast<double>(bin) / (period_ * static_cast<double>(length_));
+}
+
+Spectrum Whitening::spectrum(const PreparedRecording& recording, std::size_t channel,
+                             const std::vector<double>& readings) const {
+  std::vector<double> tapered(length_);
+  const double* const values = readings.data() + window_.from;
+  for (std::size_t k = 0; k < length_; ++k) tapered[k] = taper_[k] * values[k];
+  const std::vector<bool>& clipped = recording.clipped[index(recording.channels[channel])];
+  if (!clipped.empty()) {
+    for (std::size_t k = 0; k < length_; ++k) {
+      if (clipped[window_.from + k]) tapered[k] = 0.0;
+    }
+  }
+  const std::vector<double> decimated = decimation_(std::move(tapered));
+  LentTransform transform(decimated.size());
+  const auto bins = (*transform)(decimated);
+  Spectrum spectrum(bins.begin(), bins.begin() + static_cast<std::ptrdiff_t>(bins_));
+  for (auto& value : spectrum) value *= static_cast<double>(decimation_.factor());
+  return spectrum;
+}
+
+Spectra Whitening::spectra(const PreparedRecording& recording, const Response& readings) const {
+  Spectra result;
+  for (std::size_t c = 0; c < channels_; ++c) {
+    result.push_back(spectrum(recording, c, readings[index(recording.channels[c])]));
+  }
+  return result;
+}
+
+void Whitening::whiten(const Spectra& simulated, double* out) const {
+  std::vector<std::complex<double>> difference(channels_);
+  for (std::size_t k = 0; k < bins_; ++k) {
+    const Eigen::MatrixXcd& factor = factors_[band_of(k)];
+    for (std::size_t j = 0; j < channels_; ++j) difference[j] = data_[j][k] - simulated[j][k];
+    for (std::size_t i = 0; i < channels_; ++i) {
+      double real = 0.0, imaginary = 0.0;
+      for (std::size_t j = 0; j <= i; ++j) {
+        const std::complex<double> f = factor(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+        const std::complex<double> d = difference[j];
+        real += f.real() * d.real() - f.imag() * d.imag();
+        imaginary += f.real() * d.imag() + f.imag() * d.real();
+      }
+      *out++ = scale_ * real;
+      *out++ = scale_ * imaginary;
+    }
+  }
+}
+
+std::size_t Whitening::band_of(std::size_t bin) const {
+  return std::min(factors_.size() - 1, static_cast<std::size_t>(frequency(bin) / thresholds::covariance_band));
+}
+
+std::vector<double> Whitening::by_channel(const Spectra& simulated) const {
+  std::vector<double> out;
+  out.reserve(count());
+  for (std::size_t k = 0; k < bins_; ++k) {
+    const Eigen::VectorXd& deviation = deviations_[band_of(k)];
+    for (std::size_t c = 0; c < channels_; ++c) {
+      const double scale = scale_ / deviation(static_cast<Eigen::Index>(c));
+      out.push_back(scale * (data_[c][k] - simulated[c][k]).real());
+      out.push_back(scale * (data_[c][k] - simulated[c][k]).imag());
+    }
+  }
+  return out;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,76 @@
+// Whitening: residuals in units of their standard deviation, frequency by frequency.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+#include "host_sim/comparison/simulation.hpp"
+#include "host_sim/identification/noise/decimation.hpp"
+#include "host_sim/identification/noise/thresholds.hpp"
+#include "host_sim/identification/prepare/prepared_recording.hpp"
+
+namespace host_sim::identification {
+
+/// Of one channel, 0 Hz first.
+using Spectrum = std::vector<std::complex<double>>;
+using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
+
+/// Turns the difference between measured and simulated channels over one window of one recording into numbers that are
+/// independent with variance 1 as long as they hold nothing but known noise.
+///
+///   (1)  R_c(f) = Σ_k w_k (measured − simulated)_k e^{−2πi fk},  w: taper, f up to thresholds::highest_frequency
+///   (2)  Σ(f) = diag(σ_c² h_c(f)) + N(f) + ε² diag(S_c(f)) + ε_c² diag(rms_c²)
+///   (3)  whitened = √(2/Σw²) L(f)⁻¹ R(f),   Σ = L Lᴴ (Cholesky)
+///   (4)  h_c(f) = P sinc²(f P h) of a channel that is held for P samples, whose noise is held too; else 1
+///
+/// N: covariance of what the input's noise makes of the channels (input_noise_covariance.hpp); S_c: power of the
+/// channel; ε: error of the simulation itself; ε_c: an allowed error of the model, alike at every frequency.
+///
+/// Σ |whitened|² is then −2 ln of the likelihood up to a constant. Source: P. Whittle, The analysis of multiple
+/// stationary time series, J. R. Stat. Soc. B 15, 1953; L. Ljung, System Identification, 1999, ch. 7.
+class Whitening {
+ public:
+  /// `input_noise`: N(f), a matrix for each thresholds::covariance_band; empty: none. `model_error`: ε_c.
+  Whitening(const PreparedRecording& recording, Window window, const std::vector<Eigen::MatrixXcd>& input_noise = {},
+            double model_error = 0.0);
+
+  [[nodiscard]] std::size_t count() const { return 2 * bins_ * channels_; }
+  [[nodiscard]] std::size_t bins() const { return bins_; }
+  [[nodiscard]] double frequency(std::size_t bin) const;
+
+  /// Σ_k w_k values_k e^{−2πi fk} of the readings of one channel, of which this window is part.
+  [[nodiscard]] Spectrum spectrum(const PreparedRecording& recording, std::size_t channel,
+                                  const std::vector<double>& readings) const;
+  [[nodiscard]] Spectra spectra(const PreparedRecording& recording, const Response& readings) const;
+
+  /// (3) of simulated channels: for each bin, for each channel, real and imaginary part; count() numbers.
+  void whiten(const Spectra& simulated, double* out) const;
+
+  /// The same with each channel by itself, in units of its own deviation: independent only within a channel.
+  [[nodiscard]] std::vector<double> by_channel(const Spectra& simulated) const;
+
+  [[nodiscard]] const Window& window() const { return window_; }
+
+ private:
+  void set_taper();
+  [[nodiscard]] Eigen::MatrixXcd covariance(const PreparedRecording& recording, std::size_t band,
+                                            const std::vector<Eigen::MatrixXcd>& input_noise, double model_error,
+                                            const std::vector<double>& mean_squares) const;
+  [[nodiscard]] double power(std::size_t channel, std::size_t band) const;
+  [[nodiscard]] std::size_t band_of(std::size_t bin) const;
+
+  Decimation decimation_;
+  Window window_;
+  std::size_t length_ = 0, bins_ = 0, channels_ = 0;
+  double period_ = 0.0;
+  double taper_power_ = 0.0;  ///< Σ w²
+  double scale_ = 0.0;        ///< √(2/Σ w²)
+  std::vector<double> taper_;
+  Spectra data_;
+  std::vector<Eigen::MatrixXcd> factors_;    ///< L⁻¹ by band
+  std::vector<Eigen::VectorXd> deviations_;  ///< √Σ_cc by band
+};
+
+}  // namespace host_sim::identification

@@ -1,0 +1,28 @@
+// A rig that might explain the recordings, with the state in which each begins.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+#include "host_sim/comparison/simulation.hpp"
+#include "host_sim/identification/prepare/prepared_recording.hpp"
+
+namespace host_sim::identification {
+
+struct Hypothesis {
+  model::RigParameters<double> rig;  ///< explained_part(), with effects
+  std::vector<InitialState> starts;  ///< by recording
+  /// Of a channel with a hold: at which of the instants that its renewals allow it takes its value.
+  std::array<HoldClock, model::channel_count> clocks{};
+};
+
+/// The rig as described; recordings that do not begin at rest start in the state that their first seconds show.
+[[nodiscard]] Hypothesis described_hypothesis(const firmware::RigDescription& description,
+                                              const std::vector<PreparedRecording>& recordings);
+
+/// The starts of recordings that are wholly held out, estimated with this hypothesis' rig: no fit has moved them.
+void estimate_held_out_starts(Hypothesis& hypothesis, const firmware::RigDescription& description,
+                              const std::vector<PreparedRecording>& recordings);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,117 @@
+#include "host_sim/identification/predict/sensor_readings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "model/sensors.hpp"
+
+namespace host_sim::identification {
+
+using model::Channel;
+using Rig = model::RigParameters<double>;
+
+bool has_corners(const Rig& rig) {
+  bool corners = false;
+  rig.effects.for_each([&corners](const auto& slot) {
+    corners = corners || (slot.active && slot.effect.card.corner != model::Corner::none);
+  });
+  return corners;
+}
+
+Response true_channels(const Rig& rig, const PreparedRecording& recording, const SimulationInput& input,
+                       const InitialState& start, std::size_t samples, Resolution resolution) {
+  Rig bare = rig;
+  bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
+  const bool finely = has_corners(bare) && !firmware::find_rig_fault(bare, input.period / resolution.substeps);
+  const int wanted = resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps;
+  Response response = simulate(bare, input, start, samples, finely ? wanted : 1);
+  if (recording.explains(Channel::zdd_r)) {
+    auto& acceleration = response[index(Channel::zdd_r)];
+    const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
+    acceleration.resize(count);
+    for (std::size_t k = 0; k < count; ++k) acceleration[k] = input.motion[k].acceleration;
+  }
+  return response;
+}
+
+bool has_sensor_effect(const Rig& rig, Channel channel) {
+  bool any = false;
+  rig.effects.for_each_sensor([&](const auto& slot, Channel of) { any = any || (of == channel && slot.active); });
+  return any;
+}
+
+namespace {
+
+/// The value at `place` [samples], on the cubic through the four samples around it.
+double at(const std::vector<double>& values, double place) {
+  const double last = static_cast<double>(values.size() - 1);
+  place = std::clamp(place, 0.0, last);
+  const auto i =
+      std::clamp<std::size_t>(static_cast<std::size_t>(place), 1, std::max<std::size_t>(values.size(), 4) - 3);
+  if (values.size() < 4) return values[static_cast<std::size_t>(place)];
+  const double r = place - static_cast<double>(i);
+  if (r == 0.0) return values[i];
+  const double a = r + 1.0, c = r - 1.0, d = r - 2.0;
+  return -r * c * d / 6.0 * values[i - 1] + a * c * d / 2.0 * values[i] - a * r * d / 2.0 * values[i + 1] +
+         a * r * c / 6.0 * values[i + 2];
+}
+
+/// What a held channel shows of `values`.
+std::vector<double> held_values(const std::vector<double>& values, const Renewals& renewals, const HoldClock& clock) {
+  std::vector<double> shown(values.size());
+  double now = values.front();
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (n < renewals.at.size() && renewals.at[n] == k) {
+      const double taken = renewals.first + clock.phase * renewals.slack + renewals.turn[n] * renewals.period;
+      now = clock.own && renewals.regular ? at(values, taken) : values[k];
+      ++n;
+    }
+    shown[k] = now;
+  }
+  return shown;
+}
+
+}  // namespace
+
+std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
+                                    const std::vector<double>& truth) {
+  const Rig& rig = hypothesis.rig;
+  if (!has_sensor_effect(rig, channel) || truth.empty()) return truth;
+  const auto c = index(channel);
+  std::array<model::SensorPath<double>, model::channel_count> paths{};
+  paths[c] = rig.effects.sensor_paths()[c];
+  const std::optional<Renewals>& renewals = recording.renewals[c];
+  const bool held = paths[c].hold > 0.0 && renewals;
+  if (held) paths[c].hold = 0.0;
+  std::vector<double> values = truth;
+  const model::Sensors<double> sensors(paths, recording.input.period);
+  if (sensors.any()) {
+    model::Sensors<double>::State state;
+    model::Signals<double> signals{};
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      signals[c] = truth[k];
+      if (k == 0) {
+        sensors.start(state, signals, nullptr);
+      } else {
+        sensors.step(state, signals, nullptr);
+      }
+      values[k] = sensors.reading(state, channel, truth[k]);
+    }
+  }
+  return held ? held_values(values, *renewals, hypothesis.clocks[c]) : values;
+}
+
+Response read_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,
+                       const InitialState& start, std::size_t samples, Resolution resolution) {
+  Response response = true_channels(hypothesis.rig, recording, input, start, samples, resolution);
+  for (const Channel channel : recording.channels) {
+    if (has_sensor_effect(hypothesis.rig, channel)) {
+      response[index(channel)] = sensor_readings(hypothesis, recording, channel, response[index(channel)]);
+    }
+  }
+  return response;
+}
+
+}  // namespace host_sim::identification

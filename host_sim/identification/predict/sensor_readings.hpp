@@ -1,0 +1,43 @@
+// What a hypothesis predicts for a recording: true channels by simulation, then the readings of their sensors.
+#pragma once
+
+#include <vector>
+
+#include "host_sim/identification/predict/hypothesis.hpp"
+
+namespace host_sim::identification {
+
+/// Whether a rig has an effect with a corner (model::Corner): dry friction, free play, a stop, a limit of velocity.
+[[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
+
+/// Model steps per sample of a rig with corners. The difference of two simulations may take half of them: what a step
+/// gets wrong is nearly the same in both.
+struct Resolution {
+  int substeps = 1;
+  bool half = false;
+};
+
+/// Channels before their sensors: the rig's own motion and forces at the recording's sample rate. `input`: that of the
+/// recording, or one that differs from it by noise. `samples`: how many, 0 for all. A channel without a simulation of
+/// its own (z̈_r) is taken from the input.
+[[nodiscard]] Response true_channels(const model::RigParameters<double>& rig, const PreparedRecording& recording,
+                                     const SimulationInput& input, const InitialState& start, std::size_t samples,
+                                     Resolution resolution);
+
+/// Whether a sensor effect acts between a channel and its readings.
+[[nodiscard]] bool has_sensor_effect(const model::RigParameters<double>& rig, model::Channel channel);
+
+/// Readings of one channel from its true values: the model's own sensors (model/sensors.hpp) are stepped over one
+/// channel, so a sensor effect costs no simulation. A held channel is renewed where the recording was
+/// (prepare/sample_hold.hpp), with the value of that sample or, by a clock of its own,
+///
+///   (1)  reading(t) = truth(t_0 + n P),   t_0 = first + phase · slack,   truth between samples on a cubic
+[[nodiscard]] std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording,
+                                                  model::Channel channel, const std::vector<double>& truth);
+
+/// true_channels(), then sensor_readings() of each explained channel.
+[[nodiscard]] Response read_channels(const Hypothesis& hypothesis, const PreparedRecording& recording,
+                                     const SimulationInput& input, const InitialState& start, std::size_t samples,
+                                     Resolution resolution);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,150 @@
+#include "host_sim/identification/prepare/input_fusion.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "host_sim/identification/common/frequency_bands.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
+#include "host_sim/signal/spectrum.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+/// M A at k, and whether it can be had.
+bool mean_acceleration(const std::vector<double>& a, std::size_t k, double& value) {
+  value = (a[k - 1] + 10.0 * a[k] + a[k + 1]) / 12.0;
+  return std::isfinite(value);
+}
+
+}  // namespace
+
+std::vector<double> fused_displacement(const std::vector<double>& displacement, const std::vector<double>& acceleration,
+                                       double displacement_noise, double acceleration_noise, double period) {
+  const std::size_t n = displacement.size();
+  if (n < 3) return displacement;
+  const double h2 = period * period;
+  const double weight = std::pow(displacement_noise / (h2 * acceleration_noise), 2);
+  // (I + κ GᵀG) z = Z + κ h² GᵀM A, five diagonals: main, first and second.
+  std::vector<double> main(n, 1.0), first(n, 0.0), second(n, 0.0), z = displacement;
+  constexpr std::array<double, 3> g{1.0, -2.0, 1.0};
+  for (std::size_t k = 1; k + 1 < n; ++k) {
+    double a = 0.0;
+    if (!mean_acceleration(acceleration, k, a)) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      main[k - 1 + i] += weight * g[i] * g[i];
+      if (i < 2) first[k - 1 + i] += weight * g[i] * g[i + 1];
+      z[k - 1 + i] += weight * h2 * g[i] * a;
+    }
+    second[k - 1] += weight * g[0] * g[2];
+  }
+  // L D Lᵀ
+  std::vector<double> l1(n, 0.0), l2(n, 0.0);
+  for (std::size_t k = 0; k < n; ++k) {
+    if (k >= 1) main[k] -= l1[k - 1] * l1[k - 1] * main[k - 1];
+    if (k >= 2) main[k] -= l2[k - 2] * l2[k - 2] * main[k - 2];
+    const double coupling = k >= 1 ? l2[k - 1] * l1[k - 1] * main[k - 1] : 0.0;
+    l1[k] = (first[k] - coupling) / main[k];
+    l2[k] = second[k] / main[k];
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    if (k >= 1) z[k] -= l1[k - 1] * z[k - 1];
+    if (k >= 2) z[k] -= l2[k - 2] * z[k - 2];
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    z[k] /= main[k];
+    if (k + 1 < n) z[k] -= l1[k] * z[k + 1];
+    if (k + 2 < n) z[k] -= l2[k] * z[k + 2];
+  }
+  return z;
+}
+
+bool disagree(const std::vector<double>& displacement, const std::vector<double>& acceleration,
+              double displacement_noise, double acceleration_noise, double period) {
+  const std::size_t n = displacement.size() >= 64 ? good_fft_size_at_most(displacement.size() - 2) : 0;
+  if (n < 32) return false;
+  std::vector<double> difference(n);
+  const std::vector<double> taper = hann_window(n);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    squares += taper[k] * taper[k];
+    double a = 0.0;
+    if (!mean_acceleration(acceleration, k + 1, a)) continue;
+    const double near = displacement[k + 2] - displacement[k + 1], far = displacement[k + 1] - displacement[k];
+    difference[k] = taper[k] * (a - (near - far) / (period * period));
+  }
+  RealTransform transform(n);
+  const auto bins = transform(difference);
+  const double resolution = 1.0 / (period * static_cast<double>(n));
+  std::array<double, noise_bands> power{}, count{};
+  for (std::size_t k = 1; k < bins.size(); ++k) {
+    const double f = resolution * static_cast<double>(k);
+    const std::size_t b = noise_band_of(f);
+    if (b >= noise_bands) break;
+    const double sine = std::pow(std::sin(std::numbers::pi * f * period), 2);
+    const double variance = std::pow(acceleration_noise * (1.0 - sine / 3.0), 2) +
+                            std::pow(displacement_noise * 4.0 * sine / (period * period), 2);
+    power[b] += std::norm(bins[k]) / (variance * squares);
+    count[b] += 1.0;
+  }
+  for (std::size_t b = 0; b < noise_bands; ++b) {
+    // Of a Hann window neighbouring bins share 35/18 of their power's variance.
+    const double deviation = std::sqrt(35.0 / 18.0 * std::max(count[b], 1.0));
+    if (power[b] - count[b] > thresholds::input_disagreement * deviation &&
+        power[b] > (1.0 + thresholds::input_disagreement_share) * count[b]) {
+      return true;
+    }
+  }
+  return false;
+}
+
+double known_up_to(const std::vector<double>& displacement, double noise, double period) {
+  const PowerSpectrum spectrum = welch(displacement, 1.0 / period, static_cast<std::size_t>(1.0 / period));
+  const double floor = 2.0 * noise * noise * period;
+  double known = thresholds::lowest_known_frequency;
+  for (std::size_t k = 0; k < spectrum.frequency.size() && spectrum.frequency[k] <= thresholds::highest_known_frequency;
+       ++k) {
+    if (spectrum.density[k] > thresholds::power_above_noise * floor) known = std::max(known, spectrum.frequency[k]);
+  }
+  return known;
+}
+
+void smooth_acceleration(firmware::FootPointMotion& motion, double highest, double period) {
+  const auto reach = static_cast<std::ptrdiff_t>(thresholds::acceleration_reach / period);
+  std::vector<double> weights;
+  double sum = 0.0;
+  for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
+    const double x = static_cast<double>(i), turn = 2.0 * std::numbers::pi * highest * period * x;
+    const double hann = 0.5 + 0.5 * std::cos(std::numbers::pi * x / static_cast<double>(reach + 1));
+    weights.push_back(hann * (i == 0 ? 1.0 : std::sin(turn) / turn));
+    sum += weights.back();
+  }
+  const auto n = static_cast<std::ptrdiff_t>(motion.size());
+  std::vector<double> smooth(motion.size());
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    double value = 0.0;
+    for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
+      value += weights[static_cast<std::size_t>(i + reach)] *
+               motion[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k + i, 0, n - 1))].acceleration;
+    }
+    smooth[static_cast<std::size_t>(k)] = value / sum;
+  }
+  for (std::size_t k = 0; k < motion.size(); ++k) motion[k].acceleration = smooth[k];
+}
+
+double variance_above(double highest, const std::vector<double>& acceleration, Window window, double noise,
+                      double period) {
+  if (window.size() == 0) return 0.0;
+  firmware::FootPointMotion motion(acceleration.size());
+  for (std::size_t k = 0; k < motion.size(); ++k) motion[k].acceleration = acceleration[k];
+  smooth_acceleration(motion, highest, period);
+  double sum = 0.0;
+  for (std::size_t k = window.from; k < window.to; ++k) {
+    sum += std::pow(acceleration[k] - motion[k].acceleration, 2);
+  }
+  const double share_above = std::max(1.0 - 2.0 * highest * period, 0.0);  // of white noise
+  return std::max(sum / static_cast<double>(window.size()) - noise * noise * share_above, 0.0);
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,106 @@
+#include "host_sim/identification/prepare/prepare.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "firmware/description/input_error.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
+#include "host_sim/identification/prepare/validation.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using model::Channel;
+
+/// Of a long recording the beginning stays fitted and the end becomes a held-out recording of its own: minutes say what
+/// hours would, and fit into memory. Returns a remark on each.
+std::vector<std::string> leave_out_the_middle(std::vector<Record>& records) {
+  std::vector<std::string> remarks;
+  std::vector<Record> ends;
+  for (Record& record : records) {
+    firmware::Recording& r = record.recording;
+    const bool held_out = record.use == Use::held_out;
+    const std::size_t n = r.size();
+    const auto samples = [&](double seconds) { return static_cast<std::size_t>(seconds / r.sample_period); };
+    const std::size_t kept = samples(held_out ? thresholds::longest_held_out : thresholds::longest_fitted);
+    const std::size_t end = record.use == Use::shared ? samples(thresholds::longest_held_out) : 0;
+    if (n <= kept + end) continue;
+    char text[128];
+    std::snprintf(text, sizeof text, ": of %.0f s the first %.0f s are %s", static_cast<double>(n) * r.sample_period,
+                  static_cast<double>(kept) * r.sample_period, held_out ? "held out" : "fitted");
+    remarks.push_back(r.source + text);
+    if (end > 0) {
+      ends.push_back({cut(r, {n - end, n}), Use::held_out});
+      std::snprintf(text, sizeof text, ", the last %.0f s held out", static_cast<double>(end) * r.sample_period);
+      remarks.back() += text;
+      record.use = Use::fitted;
+    }
+    record.recording = cut(r, {0, kept});
+  }
+  for (Record& record : ends) records.push_back(std::move(record));
+  return remarks;
+}
+
+/// What a reader of the verdict must know of a recording.
+void add_remarks(const PreparedRecording& r, const firmware::RigDescription& description,
+                 std::vector<std::string>& remarks) {
+  const std::string& source = r.recording.source;
+  for (const Channel channel : r.channels) {
+    const auto c = index(channel);
+    const auto count =
+        std::count(r.clipped[c].begin(), r.clipped[c].end(), true) -
+        (r.clipped[c].empty() ? 0 : std::count(r.recording.filled.begin(), r.recording.filled.end(), true));
+    if (count > 0) {
+      remarks.push_back(source + ": " + std::to_string(count) + " clipped samples of " +
+                        std::string(model::name(channel)) + " are left out");
+    }
+    if (description.noise[c]) continue;
+    char text[160];
+    std::snprintf(text, sizeof text, "%s: noise of %s not given, estimated as %.3g %s rms", source.c_str(),
+                  std::string(model::name(channel)).c_str(), r.noise[c], std::string(model::unit(channel)).c_str());
+    remarks.emplace_back(text);
+  }
+  if (r.inputs_disagree) {
+    remarks.push_back(source + ": z_r and zdd_r are inconsistent; the foot point follows z_r alone");
+  }
+}
+
+void check_channels(const std::vector<PreparedRecording>& recordings) {
+  const PreparedRecording& first = recordings.front();
+  for (const PreparedRecording& r : recordings) {
+    if (r.channels == first.channels) continue;
+    throw firmware::InputError(r.recording.source, 0, "measures other channels than " + first.recording.source,
+                               "recordings of the same channels");
+  }
+}
+
+}  // namespace
+
+PreparedData prepare(const firmware::RigDescription& description, std::vector<Record> records) {
+  PreparedData data;
+  const std::vector<std::string> shortened = leave_out_the_middle(records);
+  std::vector<firmware::Recording*> recordings;
+  for (Record& record : records) recordings.push_back(&record.recording);
+  data.remarks = validate(description, recordings);
+  data.remarks.insert(data.remarks.end(), shortened.begin(), shortened.end());
+  // What one recording shows of the sensors holds for all: they are explained with the same channels.
+  const bool disagree = std::any_of(records.begin(), records.end(), [&](const Record& record) {
+    return inputs_disagree(description, record.recording);
+  });
+  for (Record& record : records) {
+    data.recordings.push_back(prepare_recording(description, std::move(record.recording), record.use, disagree));
+    add_remarks(data.recordings.back(), description, data.remarks);
+  }
+  check_channels(data.recordings);
+  if (std::all_of(data.recordings.begin(), data.recordings.end(), [](const auto& r) { return r.fitted.size() == 0; })) {
+    throw firmware::InputError(description.source, 0, "every recording is held out", "one to be explained");
+  }
+  if (description.rig.kind == model::RigKind::hil) {
+    data.remarks.emplace_back(
+        "hil: machine and component are compared on the recorded x_cmd; the virtual car is computed, hence exact");
+  }
+  return data;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,78 @@
+// A recording, ready to be compared with simulations.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/comparison/simulation.hpp"
+#include "host_sim/identification/prepare/recording_window.hpp"
+#include "host_sim/identification/prepare/sample_hold.hpp"
+
+namespace host_sim::identification {
+
+/// rms of the noise of the measured input [SI]; 0: none, or not known.
+struct InputNoise {
+  double position = 0.0, acceleration = 0.0;
+};
+
+/// A recording with its input prepared, split into what is fitted and what is held out.
+///
+/// A hil rig is identified block by block: its test machine and component are driven by the recorded x_cmd, which the
+/// real-time program computed and which carries no noise, as on a component_bench. Sensor noise that went round the
+/// loop is contained in x_cmd, so only the sensors' own noise remains.
+struct PreparedRecording {
+  firmware::Recording recording;
+  SimulationInput input;
+  bool at_rest = false;                              ///< begins at rest; else the state at the first sample is unknown
+  std::vector<model::Channel> channels;              ///< measured, to be explained
+  std::array<double, model::channel_count> noise{};  ///< rms [SI], declared or estimated
+  std::array<std::vector<bool>, model::channel_count> clipped{};         ///< samples not to be used; empty: none
+  std::array<std::optional<Renewals>, model::channel_count> renewals{};  ///< of held channels
+  Window fitted, held_out;
+  InputNoise input_noise;
+  /// z_r and zdd_r contradict each other: the foot point moves on z_r alone and zdd_r is one of the channels. Where
+  /// they agree the foot point moves on the fusion of both.
+  bool inputs_disagree = false;
+  /// Where z_r alone gives z̈_r: the frequency [Hz] up to which z_r is above its noise. 0: not needed.
+  double acceleration_known = 0.0;
+  /// Model steps per sample where friction, free play or stops act (thresholds::step_with_corners).
+  int substeps = 1;
+
+  /// The part of a window where a channel can be compared: not z̈_r at the ends of a recording, where its filter lacks
+  /// samples.
+  [[nodiscard]] Window comparable(model::Channel channel, Window window) const;
+  [[nodiscard]] bool explains(model::Channel channel) const {
+    return std::find(channels.begin(), channels.end(), channel) != channels.end();
+  }
+  [[nodiscard]] std::size_t size() const { return recording.size(); }
+};
+
+/// The part of a rig that recordings of its kind are explained with: a hil rig without its virtual car, which is the
+/// component_bench that its test machine makes.
+[[nodiscard]] model::RigParameters<double> explained_part(const model::RigParameters<double>& rig);
+
+/// `held_out`: the whole recording is held out; `shared`: its last quarter is; `fitted`: nothing is.
+enum class Use { fitted, shared, held_out };
+
+/// Whether a recording holds z_r and zdd_r and they contradict each other (input_fusion.hpp).
+[[nodiscard]] bool inputs_disagree(const firmware::RigDescription& description, const firmware::Recording& recording);
+
+/// InputError where the recording does not hold what is needed: the input, a measured channel, 5 s. `disagree`: whether
+/// z_r and zdd_r are treated as contradicting each other.
+[[nodiscard]] PreparedRecording prepare_recording(const firmware::RigDescription& description,
+                                                  firmware::Recording recording, Use use, bool disagree);
+
+/// The time from renewal to renewal of a held channel, and the half width of what its instants, rounded to samples,
+/// allow [s]. nullopt: it is not held.
+struct HoldPeriod {
+  double value, half_width;
+};
+[[nodiscard]] std::optional<HoldPeriod> hold_period(const std::vector<PreparedRecording>& recordings,
+                                                    model::Channel channel);
+
+}  // namespace host_sim::identification

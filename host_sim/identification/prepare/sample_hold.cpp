@@ -1,0 +1,104 @@
+#include "host_sim/identification/prepare/sample_hold.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host_sim/identification/common/golden_section.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+/// The mean time between renewals, without those that are two turns or more: of gaps of 2 and 3 samples neither is the
+/// period.
+double mean_single_gap(const std::vector<std::size_t>& renewed) {
+  std::vector<std::size_t> gaps;
+  for (std::size_t i = 1; i < renewed.size(); ++i) gaps.push_back(renewed[i] - renewed[i - 1]);
+  std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+  const std::size_t longest_single = gaps[gaps.size() / 2] * 3 / 2;
+  double sum = 0.0, count = 0.0;
+  for (const std::size_t gap : gaps) {
+    if (gap > longest_single) continue;
+    sum += static_cast<double>(gap);
+    count += 1.0;
+  }
+  return sum / count;
+}
+
+/// Numbers the renewals, and finds the period that these numbers give: two rounds agree.
+void count_turns(Renewals& r) {
+  const auto span = static_cast<double>(r.at.back() - r.at.front());
+  for (int round = 0; round < 2; ++round) {
+    r.turn.assign(1, 0.0);
+    for (std::size_t i = 1; i < r.at.size(); ++i) {
+      r.turn.push_back(r.turn.back() +
+                       std::max(1.0, std::round(static_cast<double>(r.at[i] - r.at[i - 1]) / r.period)));
+    }
+    r.period = span / r.turn.back();
+  }
+}
+
+/// The range of t_0 that (1) leaves at a period; its width is concave in the period, negative: none.
+struct StartRange {
+  double lowest = -INFINITY, highest = INFINITY;
+  [[nodiscard]] double width() const { return highest - lowest; }
+};
+StartRange start_range(const Renewals& r, double period) {
+  StartRange range;
+  for (std::size_t i = 0; i < r.at.size(); ++i) {
+    const double start = static_cast<double>(r.at[i]) - r.turn[i] * period;
+    range.lowest = std::max(range.lowest, start - 1.0);
+    range.highest = std::min(range.highest, start);
+  }
+  return range;
+}
+
+/// The middle of the periods for which (1) can be met, and half their range.
+void find_period(Renewals& r) {
+  const auto width = [&r](double period) { return start_range(r, period).width(); };
+  constexpr int rounds = 60;  // of halving: to the last bit
+  const double reach = 1.5 / r.turn.back();
+  const double widest =
+      golden_section([&](double period) { return -width(period); }, r.period - reach, r.period + reach, rounds).at;
+  r.regular = width(widest) > 0.0;
+  if (!r.regular) {
+    r.period_slack = 1.0 / r.turn.back();
+    return;
+  }
+  const auto border = [&](double outside) {
+    double inside = widest;
+    for (int i = 0; i < rounds; ++i) {
+      const double middle = 0.5 * (inside + outside);
+      (width(middle) > 0.0 ? inside : outside) = middle;
+    }
+    return inside;
+  };
+  const double low = border(widest - 2.0 * reach), high = border(widest + 2.0 * reach);
+  r.period = 0.5 * (low + high);
+  r.period_slack = 0.5 * (high - low);
+}
+
+}  // namespace
+
+std::optional<Renewals> renewals_of(const std::vector<double>& samples) {
+  Renewals r;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    if (samples[k] != samples[k - 1]) r.at.push_back(k);
+  }
+  const double held = thresholds::held_samples_per_value;
+  if (r.at.size() < 3 || static_cast<double>(samples.size()) < held * static_cast<double>(r.at.size())) {
+    return std::nullopt;
+  }
+  r.period = mean_single_gap(r.at);
+  count_turns(r);
+  // A limit stays at one value now and then, but is renewed with each sample in between.
+  if (r.period < 0.95 * held) return std::nullopt;
+  find_period(r);
+  const StartRange range = start_range(r, r.period);
+  r.first = 0.5 * (range.lowest + range.highest);
+  r.slack = std::max(0.5 * range.width(), 0.0);
+  return r;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,38 @@
+// Channels that are held: when they were renewed, read off the recording.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace host_sim::identification {
+
+/// When a held channel takes its value: with the sample at which it shows, or by a clock of its own, at a phase inside
+/// what the renewals allow: −1 the earliest, 1 the latest.
+struct HoldClock {
+  bool own = false;
+  double phase = 0.0;
+};
+
+/// The renewals of a held channel.
+///
+/// A sensor with a clock of its own, t_n = t_0 + n P, shows what it took at t_n from the next sample k_n on:
+///
+///   (1)  k_n − 1 < t_0 + n P ≤ k_n    [samples]
+///
+/// (1) for all n leaves t_0 and P a narrow range: t_0 = first ± slack, P = period ± period_slack. Whether the sensor
+/// took its value at t_n or at the sample k_n (a sensor that the recorder triggers) shows in the values only
+/// (HoldClock).
+struct Renewals {
+  std::vector<std::size_t> at;      ///< k_n
+  std::vector<double> turn;         ///< n; turns that brought the same value again are skipped
+  double period = 0.0;              ///< P [samples]
+  double period_slack = 0.0;        ///< half width of what (1) allows
+  double first = 0.0, slack = 0.0;  ///< t_0, and half width of what (1) allows, at this P
+  bool regular = false;             ///< (1) can be met
+};
+
+/// nullopt: the samples do not repeat themselves, or do so without a period (a limit).
+[[nodiscard]] std::optional<Renewals> renewals_of(const std::vector<double>& samples);
+
+}  // namespace host_sim::identification

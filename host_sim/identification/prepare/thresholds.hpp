@@ -1,0 +1,79 @@
+// Every number that decides something while recordings are prepared.
+//
+// Each line of comment: unit; what it decides; where it comes from; what half and twice of it do.
+#pragma once
+
+#include <cstddef>
+
+namespace host_sim::identification::thresholds {
+
+// Length of recordings ----------------------------------------------------------------------------------------------
+
+/// [s] A shorter recording is refused. Derivation: the held-out quarter must hold two periods of a body mode of 1.5 Hz.
+/// Half: one period is held out, so nothing is confirmed. Twice: refuses usable bench recordings.
+inline constexpr double shortest_recording = 5.0;
+/// [s] Fitted at most, of each recording. Derivation: standard errors fall with √T, and memory grows with T (the
+/// Jacobian of 300 s at 1 kHz with 7 channels and 10 parameters takes 30 MB). Half: half the memory, errors 1.4 times
+/// as large. Twice: twice the time. Verdicts at half and twice: not measured.
+inline constexpr double longest_fitted = 300.0;
+/// [s] Held out at most, of each recording. Same reason, without a Jacobian. Half and twice: not measured.
+inline constexpr double longest_held_out = 100.0;
+/// One part in so many of a recording is held out at its end, as contract.md says.
+inline constexpr std::size_t held_out_part = 4;
+
+// Simulation --------------------------------------------------------------------------------------------------------
+
+/// [s] Step of the simulation where friction, free play or stops act: inside a step their instant is known only at the
+/// step's end, an error ∝ step. Experiment: a rig of tests/truth with 50 N of friction; at 1 ms the friction is found
+/// 0.1 % too large, so 0.025 % at this step. Half: half of that, at half the speed. Twice: twice of that.
+inline constexpr double step_with_corners = 0.25e-3;
+
+// Sample and hold ---------------------------------------------------------------------------------------------------
+
+/// [samples per value] A channel that keeps each value for longer is held. Derivation: noise makes a chance repetition
+/// of 16-bit values rarer than 1 in 1000, so 1 is a free-running channel; the fastest hold that shows is 2 samples or,
+/// in turns of 1 and 2, 1.5. Half: every channel is held. Twice: holds of 2 samples pass for noise.
+inline constexpr double held_samples_per_value = 1.5;
+
+// Two sensors of the foot point ---------------------------------------------------------------------------------------
+
+/// [standard deviations] of a band's power by which z_r and zdd_r contradict each other. Derivation: 13 bands, a normal
+/// distribution: a chance of 1e-8 under noise. Half: 2 % of good recordings lose the fusion. Twice: an error of a
+/// sensor must be √2 times as large to be noticed, since its power is compared. Both are derived, not measured.
+inline constexpr double input_disagreement = 6.0;
+/// [1] and by what share of the noise, since the declared noise is itself known to some per cent only. Half, twice: not
+/// measured.
+inline constexpr double input_disagreement_share = 0.1;
+/// [1] z_r says something of its motion up to the highest frequency whose power is so many times that of its noise.
+/// Derivation: a Welch estimate of 20 s scatters by 0.2, so 3 is not reached by noise. Half: noise passes for motion.
+/// Twice: not measured.
+inline constexpr double power_above_noise = 3.0;
+/// [Hz] the bounds of that frequency: below, no rig is described by its foot point; above, nothing is whitened.
+inline constexpr double lowest_known_frequency = 10.0, highest_known_frequency = 90.0;
+/// [1] z̈_r from z_r alone is cut off at so many times that frequency, so that the filter's edge lies where the noise
+/// covers it. Half: the edge lies in the signal. Twice: twice the frequency brings 4 times the noise of z̈_r.
+inline constexpr double acceleration_edge = 1.5;
+/// [s] length of that filter to either side of a sample: an edge of ± 10 Hz. Half: ± 20 Hz. Twice: twice as much of the
+/// recording's ends is not compared.
+inline constexpr double acceleration_reach = 0.1;
+
+// Units and signs -----------------------------------------------------------------------------------------------------
+
+/// [s] of the middle of a recording that are simulated to check units, the first of them left out while the simulated
+/// start decays (four periods of a body mode of 1.5 Hz leave e⁻⁶ at 20 % damping). Half and twice: not measured.
+inline constexpr double unit_check_length = 12.0, unit_check_settling = 4.0;
+/// [1] squared correlation from which a channel follows its simulation. Experiment: of 185 recordings of our own
+/// generator (all groups, seed 1) none is refused, and each wrong unit is found (validation_test). Half and twice: not
+/// measured.
+inline constexpr double unit_check_correlation = 0.5;
+/// [ln] distance from a unit's factor within which a factor is taken for it: e^0.35 = 1.4. Derivation: less than half
+/// the distance between any two units (a factor of 9.8 at least). Half: a gain error of 20 % hides a unit. Twice: a
+/// factor of 2, still no two units overlap.
+inline constexpr double unit_factor_distance = 0.35;
+/// [1] factors between which a channel counts as right, or as right with the sign swapped: no effect of the catalogue
+/// within its bounds makes more of it. Tuned on our own generator.
+inline constexpr double lowest_right_factor = 0.4, highest_right_factor = 2.5;
+/// [s] Of a shorter recording nothing is checked, since it will be refused for its length with a better message.
+inline constexpr double shortest_validated = 1.0;
+
+}  // namespace host_sim::identification::thresholds

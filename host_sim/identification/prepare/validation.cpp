@@ -1,0 +1,120 @@
+#include "host_sim/identification/prepare/validation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "firmware/description/input_error.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
+#include "host_sim/identification/prepare/unit_check.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using model::Channel;
+using model::RigKind;
+
+void check_tolerances(const firmware::RigDescription& description) {
+  for (const auto& [path, bound] : description.tolerance) {
+    const bool may_vanish = path.ends_with("damping");
+    if (bound < 1.0 || (may_vanish && bound == 1.0)) continue;
+    char wrong[128];
+    std::snprintf(wrong, sizeof wrong, "a tolerance of %g lets %s be %s", bound, path.c_str(),
+                  bound > 1.0 ? "negative" : "0");
+    throw firmware::InputError(description.source, 0, wrong, "a relative bound below 1, such as 0.03 for ±3 %");
+  }
+}
+
+/// The kind of rig that a recording's channels speak of.
+RigKind kind_of(const firmware::Recording& recording) {
+  const bool machine = recording.has(Channel::x_cmd) || recording.has(Channel::x_act) || recording.has(Channel::F);
+  if (!recording.has(Channel::z_r)) return machine ? RigKind::component_bench : RigKind::quarter_car;
+  return machine ? RigKind::hil : RigKind::quarter_car;
+}
+
+std::string_view name_of(RigKind kind) {
+  if (kind == RigKind::quarter_car) return "quarter_car";
+  return kind == RigKind::hil ? "hil" : "component_bench";
+}
+
+void check_kind(const firmware::RigDescription& description, const firmware::Recording& recording) {
+  const RigKind kind = kind_of(recording);
+  if (kind == description.rig.kind) return;
+  std::string channels;
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    if (recording.channels[c].empty()) continue;
+    channels += (channels.empty() ? "" : ", ") + std::string(model::channel_names[c].name);
+  }
+  throw firmware::InputError(
+      recording.source, 0, "looks like a recording of a " + std::string(name_of(kind)) + " (" + channels + ")",
+      "one of a " + std::string(name_of(description.rig.kind)) + ", as the rig description says");
+}
+
+bool never_moves(const std::vector<double>& values) {
+  return !values.empty() && std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
+}
+
+/// Channels of which one is enough for what they tell, in the order in which a remark names them.
+using Alternatives = std::vector<Channel>;
+std::vector<Alternatives> usual(RigKind kind) {
+  if (kind == RigKind::quarter_car) {
+    return {{Channel::zdd_r},
+            {Channel::zdd_w},
+            {Channel::zdd_b},
+            {Channel::F_w},
+            {Channel::dz_w, Channel::z_w},
+            {Channel::dz_b, Channel::z_b}};
+  }
+  if (kind == RigKind::component_bench) return {{Channel::x_act}, {Channel::F}};
+  return {{Channel::x_cmd}, {Channel::x_act}, {Channel::F}};
+}
+
+}  // namespace
+
+std::vector<std::string> validate(const firmware::RigDescription& description,
+                                  const std::vector<firmware::Recording*>& recordings) {
+  check_tolerances(description);
+  std::vector<std::string> remarks;
+  std::array<bool, model::channel_count> dead{};
+  for (const firmware::Recording* recording : recordings) {
+    check_kind(description, *recording);
+    if (!recording->remark.empty()) remarks.push_back(recording->remark);
+    for (std::size_t c = 0; c < dead.size(); ++c) {
+      const Channel channel = model::channel_at(c);
+      if (channel == Channel::F_act || !never_moves(recording->channels[c])) continue;
+      if (channel == Channel::z_r) {
+        throw firmware::InputError(recording->source, 0, "z_r never moves", "a recording in which the rig is excited");
+      }
+      char text[160];
+      std::snprintf(text, sizeof text, "%s: %s is %.6g %s throughout, a dead sensor or an unused column: left out",
+                    recording->source.c_str(), std::string(model::name(channel)).c_str(),
+                    recording->channels[c].front(), std::string(model::unit(channel)).c_str());
+      remarks.emplace_back(text);
+      dead[c] = true;
+    }
+  }
+  for (firmware::Recording* recording : recordings) {
+    if (static_cast<double>(recording->size()) * recording->sample_period < thresholds::shortest_validated) continue;
+    for (std::size_t c = 0; c < dead.size(); ++c) {
+      if (dead[c]) recording->channels[c].clear();
+    }
+    if (description.rig.kind != RigKind::quarter_car && !recording->has(Channel::x_cmd) &&
+        !recording->has(Channel::x_act)) {
+      throw firmware::InputError(recording->source, 0, "neither x_cmd nor x_act is there and moves",
+                                 "a recording in which the machine moves the component");
+    }
+    std::string missing;
+    for (const Alternatives& alternatives : usual(description.rig.kind)) {
+      const auto there = [&](Channel channel) { return recording->has(channel) || dead[index(channel)]; };
+      if (std::any_of(alternatives.begin(), alternatives.end(), there)) continue;
+      missing += (missing.empty() ? "" : ", ") + std::string(model::name(alternatives.front()));
+    }
+    if (!missing.empty()) {
+      remarks.push_back(recording->source + ": without " + missing + "; what only shows there cannot be judged");
+    }
+    refuse_unit_errors(description, *recording);
+  }
+  return remarks;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,276 @@
+#include "host_sim/identification/report/diagnosis_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/rig_writer.hpp"
+#include "host_sim/report/report.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using report::Axis;
+using report::Curve;
+using report::Dash;
+using report::Figure;
+using report::figure_text;
+using report::Panel;
+using report::Report;
+using report::Table;
+
+std::string with_interval(const Interval& v, const std::string& unit) {
+  return figure_text(v.value, 5) + (unit.empty() ? "" : " " + unit) + " (" + figure_text(v.lower, 5) + " … " +
+         figure_text(v.upper, 5) + ")";
+}
+
+/// The channel whose error shrinks most.
+const std::pair<const model::Channel, PredictionError>* most_improved(const Diagnosis& diagnosis) {
+  const std::pair<const model::Channel, PredictionError>* best = nullptr;
+  double most = 1.0;
+  for (const auto& entry : diagnosis.prediction_errors) {
+    const double ratio = entry.second.refit / std::max(entry.second.after, 1e-12);
+    if (ratio > most) {
+      most = ratio;
+      best = &entry;
+    }
+  }
+  return best;
+}
+
+void add_gaps(Report& page, const Diagnosis& diagnosis) {
+  if (diagnosis.prediction_errors.empty()) return;
+  Figure figure;
+  figure.title = "Gap between rig and model, on data that was not used for fitting";
+  figure.note = "rms of the error ÷ rms of the channel. A model that is right ends at the noise floor.";
+  figure.x = {"error ÷ rms", "%"};
+  Panel panel;
+  panel.y.quantity = "channel";
+  panel.y.of_names = true;
+  report::Bars before{"before", {}, {}, 6}, refit{"tolerances refitted", {}, {}, 4}, after{"after", {}, {}, 0},
+      floor{"noise floor", {}, {}, 2};
+  for (auto entry = diagnosis.prediction_errors.rbegin(); entry != diagnosis.prediction_errors.rend(); ++entry) {
+    const std::string channel(model::name(entry->first));
+    for (auto [bars, value] : {std::pair(&floor, entry->second.noise_floor), std::pair(&after, entry->second.after),
+                               std::pair(&refit, entry->second.refit), std::pair(&before, entry->second.before)}) {
+      bars->names.push_back(channel);
+      bars->values.push_back(100.0 * value);
+    }
+  }
+  panel.bars = {floor, after, refit, before};
+  figure.panels.push_back(panel);
+  figure.height = 140 + 80 * static_cast<int>(diagnosis.prediction_errors.size());
+  page.add_figure(figure);
+}
+
+void add_effects(Report& page, const Diagnosis& diagnosis) {
+  if (diagnosis.effects.empty()) return;
+  page.add_section("What is missing, and how sure that is");
+  Table found{"Effects", {"effect", "parameter", "confidence"}, {}, 2};
+  Table rivals{"Rivals: what else was tried in an effect's place, everything fitted again",
+               {"effect", "rival", "odds against it"},
+               {},
+               2};
+  for (const NamedEffect& named : diagnosis.effects) {
+    std::string values;
+    for (std::size_t p = 0; p < named.parameters.size(); ++p) {
+      const auto& card = named.effect.entry->parameters[p];
+      values += (p > 0 ? "; " : "") + std::string(card.name) + " " +
+                with_interval(named.parameters[p], unit_of(named.effect, p));
+    }
+    found.rows.push_back({words(named.effect), values, figure_text(named.confidence, 3)});
+    for (const Alternative& other : named.alternatives) {
+      std::string rival = words(other.effect);
+      if (!other.separate_by.empty()) rival += " – told apart by " + other.separate_by;
+      rivals.rows.push_back({words(named.effect), rival, odds_text(other.odds_against)});
+    }
+  }
+  page.add_table(found);
+  for (const NamedEffect& named : diagnosis.effects) {
+    page.add_text(words(named.effect) + ": " + std::string(named.effect.entry->equation) + ". It shows as " +
+                  std::string(named.effect.entry->shows) + ".");
+  }
+  if (!rivals.rows.empty()) page.add_table(rivals);
+}
+
+/// What is left of each channel over the frequency, with its bounds.
+Panel left_over(const std::string& when, const std::vector<BandPower>& powers, bool first) {
+  Panel panel;
+  panel.y = {when + ": power ÷ noise", "1", true};
+  for (const BandPower& p : powers) {
+    const std::string channel(model::name(p.channel));
+    if (panel.curves.empty() || panel.curves.back().name != channel) {
+      report::Curve curve;
+      curve.name = channel;
+      curve.colour = static_cast<int>(panel.curves.size());
+      curve.dash = Dash::solid;
+      curve.marker = report::Marker::circle;
+      curve.in_legend = first;
+      panel.curves.push_back(std::move(curve));
+    }
+    report::Curve& curve = panel.curves.back();
+    curve.x.push_back(std::sqrt(std::max(p.lowest, 0.25 * p.highest) * p.highest));
+    curve.y.push_back(p.power.ratio());
+    curve.lower_error.push_back(p.power.ratio() - p.lower);
+    curve.upper_error.push_back(p.upper - p.power.ratio());
+  }
+  panel.guides.push_back({report::Guide::Along::y, 1.0, "noise"});
+  return panel;
+}
+
+void add_where(Report& page, const Diagnosis& diagnosis) {
+  if (diagnosis.locations.empty()) return;
+  page.add_section("Where");
+  page.add_text("Power beyond noise that refitted tolerances do not explain, by channel.");
+  Table table{"", {"channel", "subsystem", "from [Hz]", "to [Hz]", "share [%]"}, {}, 2};
+  for (const RecordingLocation& place : diagnosis.locations) {
+    table.rows.push_back({std::string(model::name(place.channel)), place.subsystem, figure_text(place.lowest, 3),
+                          figure_text(place.highest, 3), figure_text(100.0 * place.share, 3)});
+  }
+  page.add_table(table);
+  Figure map;
+  map.title = "What is left, by channel and band";
+  map.note = "Power ÷ power of noise with 95 % bounds. A channel whose bounds hold 1 in a band shows nothing there.";
+  map.x = {"frequency", "Hz", true};
+  map.panels = {left_over("refitted", diagnosis.left_by_refit, true), left_over("after", diagnosis.left_after, false)};
+  map.height = 560;
+  page.add_figure(map);
+  if (diagnosis.relations.empty()) return;
+  Table relations{"What the rig's own redundancy says, before anything is fitted but tolerances",
+                  {"relation", "holds", "power ÷ noise", "from [Hz]", "to [Hz]", "what is left"},
+                  {},
+                  2};
+  for (const ParityResidual& r : diagnosis.relations) {
+    const bool failed = r.significant();
+    relations.rows.push_back({r.relation, failed ? "no" : "yes", failed ? figure_text(r.ratio, 3) : "",
+                              failed ? figure_text(r.lowest, 3) : "", failed ? figure_text(r.highest, 3) : "",
+                              r.description});
+  }
+  page.add_table(relations);
+}
+
+void add_overlays(Report& page, const Diagnosis& diagnosis) {
+  page.add_section("Measured and simulated");
+  for (const Overlay& overlay : diagnosis.overlays) {
+    const std::string channel(model::name(overlay.channel)), unit(model::unit(overlay.channel));
+    Figure spectrum;
+    spectrum.title = "Error of " + channel + " by frequency";
+    spectrum.x = {"frequency", "Hz", true};
+    Panel densities;
+    densities.y = {"spectral density", "(" + unit + ")²/Hz", true};
+    densities.curves = {{"measured " + channel, overlay.frequency, overlay.data, 6, Dash::dotted},
+                        {"error before", overlay.frequency, overlay.error_before, 1, Dash::dashed},
+                        {"error, tolerances refitted", overlay.frequency, overlay.error_refit, 5, Dash::dash_dotted},
+                        {"error after", overlay.frequency, overlay.error_after, 0, Dash::solid}};
+    if (overlay.noise > 0.0) {
+      densities.guides.push_back({report::Guide::Along::y, overlay.noise, "sensor noise"});
+    }
+    spectrum.panels.push_back(densities);
+    page.add_figure(spectrum);
+    Figure time;
+    time.title = channel + " over time";
+    time.x = {"time", "s"};
+    Panel signals;
+    signals.y = {channel, unit};
+    signals.curves = {{"measured", overlay.time, overlay.measured, 6, Dash::solid},
+                      {"tolerances refitted", overlay.time, overlay.refit, 1, Dash::dashed},
+                      {"after", overlay.time, overlay.after, 0, Dash::dotted}};
+    time.panels.push_back(signals);
+    page.add_figure(time);
+  }
+}
+
+}  // namespace
+
+std::string odds_text(double odds) { return odds > 1e6 ? "over a million to 1" : figure_text(odds, 3) + " to 1"; }
+
+std::string unit_of(const firmware::PlacedEffect& effect, std::size_t parameter) {
+  const std::string_view unit = effect.entry->parameters[parameter].unit;
+  if (unit == "of the channel" && effect.channel) return std::string(model::unit(*effect.channel));
+  return unit == "1" ? std::string() : std::string(unit);
+}
+
+std::string sentence(const Diagnosis& diagnosis) {
+  std::vector<std::string> names;
+  for (const NamedEffect& named : diagnosis.effects) {
+    std::string text = words(named.effect);
+    if (!named.parameters.empty()) {
+      const std::string unit = unit_of(named.effect, 0);
+      text += " (" + figure_text(named.parameters.front().value, 4) + (unit.empty() ? "" : " " + unit) + ")";
+    }
+    names.push_back(text);
+  }
+  std::string text;
+  switch (diagnosis.verdict) {
+    case Verdict::no_discrepancy:
+      return "Rig and model agree: what is left over is noise, with every parameter within its tolerance.";
+    case Verdict::unexplained:
+      text = "Rig and model disagree, and no effect of the catalogue explains it";
+      if (!names.empty())
+        text = "Rig and model disagree by more than the catalogue explains; " + joined(names) + " would help";
+      break;
+    case Verdict::ambiguous:
+      text = "The model lacks " + joined(names) + ", or a rival that these recordings cannot tell apart from it";
+      break;
+    case Verdict::named:
+      text = "The model lacks " + joined(names);
+      break;
+  }
+  if (const auto* best = most_improved(diagnosis); best != nullptr && !names.empty()) {
+    text += ": with it the error of " + std::string(model::name(best->first)) + " falls from " +
+            figure_text(100.0 * best->second.refit, 3) + " to " + figure_text(100.0 * best->second.after, 3) + " %";
+  }
+  text += ".";
+  if (!diagnosis.residual.empty()) text += " Left over: " + diagnosis.residual + ".";
+  return text;
+}
+
+std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescription& given) {
+  Report page("Diagnosis of " + given.source,
+              "Measured recordings held against the model of a " + std::string(model::name(given.rig.kind)) + " rig.");
+  page.add_verdict(diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::ambiguous
+                       ? report::Verdict::bad
+                       : report::Verdict::good,
+                   sentence(diagnosis));
+  add_gaps(page, diagnosis);
+  add_effects(page, diagnosis);
+  add_where(page, diagnosis);
+  if (!diagnosis.parameters.empty()) {
+    page.add_section("Tolerated parameters, refitted");
+    Table table{"", {"parameter", "given", "refitted", "95 % from", "to"}, {}, 1};
+    model::RigParameters<double> rig = given.rig;
+    for (const auto& [path, value] : diagnosis.parameters) {
+      const double* const before = firmware::find_parameter(rig, path);
+      table.rows.push_back({path, before != nullptr ? figure_text(*before, 5) : "–", figure_text(value.value, 5),
+                            figure_text(value.lower, 5), figure_text(value.upper, 5)});
+    }
+    page.add_table(table);
+  }
+  for (const std::string& remark : diagnosis.remarks) page.add_text(remark + ".");
+  add_overlays(page, diagnosis);
+  page.add_appendix("Rig description with what was found", firmware::format_rig(diagnosis.rig));
+  return page.html();
+}
+
+std::string result_rig(const firmware::RigDescription& found, std::string_view given) {
+  return std::string(result_rig_mark) + ": " + firmware::one_line(given) + " with what was found\n" +
+         firmware::format_rig(found);
+}
+
+std::string explanation(const firmware::CatalogueEntry& entry) {
+  std::string text = std::string(entry.name) + "\n  acts on    " + std::string(model::name(entry.subsystem)) +
+                     "\n  equation   " + std::string(entry.equation) + "\n  shows as   " + std::string(entry.shows) +
+                     "\n";
+  for (const model::EffectParameter& p : entry.parameters) {
+    text += "  " + std::string(p.name) + " [" + std::string(p.unit) + "], " + figure_text(p.lower, 3) + " to " +
+            figure_text(p.upper, 3) + "\n";
+  }
+  text += "  rigs      ";
+  for (std::size_t kind = 0; kind < model::rig_kind_names.size(); ++kind) {
+    if (entry.rigs.contains(static_cast<model::RigKind>(kind))) text += " " + std::string(model::rig_kind_names[kind]);
+  }
+  if (entry.needs_fdva) text += ", with an FDVA";
+  return text + "\n";
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,35 @@
+// A diagnosis as a page, a sentence and a rig description.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "host_sim/identification/assess/diagnosis_result.hpp"
+#include "host_sim/identification/common/wording.hpp"
+
+namespace host_sim::identification {
+
+/// The verdict in one sentence.
+[[nodiscard]] std::string sentence(const Diagnosis& diagnosis);
+
+/// "34.5 to 1", "over a million to 1": larger odds are not known, since they assume that the noise is exactly as
+/// estimated.
+[[nodiscard]] std::string odds_text(double odds);
+
+/// The unit of an effect's parameter, that of its channel filled in; nothing for a pure number.
+[[nodiscard]] std::string unit_of(const firmware::PlacedEffect& effect, std::size_t parameter);
+
+/// report.html: verdict, prediction errors, effects and rivals, locations, parameters, curves, the rig description.
+[[nodiscard]] std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescription& given);
+
+/// What an effect is, its equation, how it shows: for --explain.
+[[nodiscard]] std::string explanation(const firmware::CatalogueEntry& entry);
+
+/// How the first line of rig.toml begins: a file that begins otherwise is not ours to replace.
+inline constexpr std::string_view result_rig_mark = "# rigtwin diagnose";
+
+/// rig.toml: the description with the effects that were found and the refitted parameters, for every other command.
+/// `given`: the file name of the description that was given.
+[[nodiscard]] std::string result_rig(const firmware::RigDescription& found, std::string_view given);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,94 @@
+#include "host_sim/identification/report/verdict_json.hpp"
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace host_sim::identification {
+namespace {
+
+using nlohmann::ordered_json;
+
+void put_channel(ordered_json& json, const firmware::PlacedEffect& effect) {
+  if (effect.channel) json["channel"] = model::name(*effect.channel);
+}
+
+ordered_json to_json(const Interval& interval) {
+  return {{"value", interval.value}, {"ci95", {interval.lower, interval.upper}}};
+}
+
+ordered_json to_json(const NamedEffect& named) {
+  ordered_json json{{"name", named.effect.entry->name}};
+  put_channel(json, named.effect);
+  json["parameters"] = ordered_json::object();
+  for (std::size_t p = 0; p < named.parameters.size(); ++p) {
+    json["parameters"][named.effect.entry->parameters[p].name] = to_json(named.parameters[p]);
+  }
+  json["confidence"] = named.confidence;
+  json["alternatives"] = ordered_json::array();
+  for (const Alternative& alternative : named.alternatives) {
+    ordered_json other{{"name", alternative.effect.entry->name}};
+    put_channel(other, alternative.effect);
+    other["odds_against"] = alternative.odds_against;
+    if (!alternative.separate_by.empty()) other["separate_by"] = alternative.separate_by;
+    json["alternatives"].push_back(std::move(other));
+  }
+  return json;
+}
+
+}  // namespace
+
+namespace {
+
+/// JSON has no infinity: a number that is not finite (the error of a simulation that diverged) becomes the largest one.
+void make_finite(ordered_json& json) {
+  if (json.is_number_float()) {
+    const double value = json.get<double>();
+    constexpr double largest = std::numeric_limits<double>::max();
+    if (!std::isfinite(value)) json = value < 0.0 ? -largest : largest;
+  } else if (json.is_structured()) {
+    for (ordered_json& item : json) make_finite(item);
+  }
+}
+
+}  // namespace
+
+ordered_json to_json(const Diagnosis& diagnosis) {
+  ordered_json json{{"verdict", name(diagnosis.verdict)}};
+  json["where"] = ordered_json::array();
+  for (const RecordingLocation& place : diagnosis.locations) {
+    json["where"].push_back({{"channel", model::name(place.channel)},
+                             {"band_hz", {place.lowest, place.highest}},
+                             {"subsystem", place.subsystem},
+                             {"share", place.share}});
+  }
+  json["relations"] = ordered_json::array();
+  for (const ParityResidual& r : diagnosis.relations) {
+    json["relations"].push_back({{"relation", r.relation}, {"holds", !r.significant()}, {"power_over_noise", r.ratio}});
+    if (!r.significant()) continue;
+    json["relations"].back()["band_hz"] = {r.lowest, r.highest};
+    if (!r.description.empty()) json["relations"].back()["looks"] = r.description;
+  }
+  json["effects"] = ordered_json::array();
+  for (const NamedEffect& effect : diagnosis.effects) json["effects"].push_back(to_json(effect));
+  json["gap"] = ordered_json::object();
+  for (const auto& [channel, gap] : diagnosis.prediction_errors) {
+    json["gap"][model::name(channel)] = {
+        {"before", gap.before}, {"refit", gap.refit}, {"after", gap.after}, {"noise_floor", gap.noise_floor}};
+  }
+  json["parameters"] = ordered_json::object();
+  for (const auto& [path, value] : diagnosis.parameters) json["parameters"][path] = to_json(value);
+  json["unexplained"] = diagnosis.unexplained;
+  if (!diagnosis.residual.empty()) json["rest"] = diagnosis.residual;
+  json["residual_power"] = {{"given", diagnosis.residual_power.given},
+                            {"refit", diagnosis.residual_power.refit},
+                            {"after", diagnosis.residual_power.after}};
+  json["effort"] = {{"candidates", diagnosis.candidates}, {"simulations", diagnosis.simulations}};
+  json["remarks"] = diagnosis.remarks;
+  // Always present, as contract.md says; not searched for yet.
+  for (const char* key : {"parameters_off", "recording", "laws", "undetermined"}) json[key] = ordered_json::array();
+  make_finite(json);
+  return json;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,172 @@
+#include "host_sim/identification/select/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace host_sim::identification {
+namespace {
+
+using model::Channel;
+using Starts = std::vector<Start>;
+
+struct Size {
+  double rms = 0.0, peak = 0.0;
+};
+
+Size size_of(const std::vector<double>& values) {
+  Size size;
+  double mean = 0.0;
+  for (const double v : values) mean += v;
+  mean /= static_cast<double>(std::max<std::size_t>(values.size(), 1));
+  for (const double v : values) {
+    size.rms += (v - mean) * (v - mean);
+    size.peak = std::max(size.peak, std::abs(v));
+  }
+  size.rms = std::sqrt(size.rms / static_cast<double>(std::max<std::size_t>(values.size(), 1)));
+  return size;
+}
+
+/// The value at which a channel is cut off: its extreme, where that is repeated exactly.
+std::optional<double> repeated_extreme(const std::vector<double>& data) {
+  double highest = 0.0;
+  for (const double v : data) highest = std::max(highest, std::abs(v));
+  const auto count =
+      std::count_if(data.begin(), data.end(), [&](double v) { return std::abs(v) >= highest * (1.0 - 1e-9); });
+  if (count < 4 || highest == 0.0) return std::nullopt;
+  return highest;
+}
+
+/// The largest |value| of a channel, of each recording in which it is repeated.
+Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Channel channel) {
+  Starts starts;
+  for (const PreparedRecording& e : recordings) {
+    if (!e.recording.has(channel)) continue;
+    if (const auto limit = repeated_extreme(e.recording[channel])) starts.push_back({{*limit}});
+  }
+  return starts;
+}
+
+/// The period of a channel that holds its values; where its renewals are regular, also renewed by a clock of its own:
+/// where between two samples its values are taken the search finds.
+Starts renewal_periods(const std::vector<PreparedRecording>& recordings, Channel channel) {
+  Starts starts;
+  if (const auto held = hold_period(recordings, channel)) {
+    starts.push_back({{held->value}});
+    const bool regular = std::all_of(recordings.begin(), recordings.end(), [channel](const PreparedRecording& e) {
+      const auto& renewals = e.renewals[index(channel)];
+      return !renewals || renewals->regular;
+    });
+    if (regular) starts.push_back({{held->value}, {true, 0.0}});
+  }
+  return starts;
+}
+
+/// As the card of the effect says. None: the recordings do not show the parameter.
+Starts starts_of(const model::EffectParameter& parameter, const std::vector<PreparedRecording>& recordings,
+                 std::optional<Channel> channel, const model::MotionScales& scales) {
+  Starts starts;
+  switch (parameter.starts.read) {
+    case model::Reading::nothing: {
+      const double unit = parameter.starts.scale(scales);
+      for (const double factor : parameter.starts.factors) starts.push_back({{factor * unit}});
+      break;
+    }
+    case model::Reading::repeated_extreme:
+      if (channel) starts = repeated_extremes(recordings, *channel);
+      break;
+    case model::Reading::renewal_period:
+      if (channel) starts = renewal_periods(recordings, *channel);
+      break;
+  }
+  return starts;
+}
+
+/// Of an effect: every combination of the starts of its parameters.
+Starts starts_of(const firmware::CatalogueEntry& entry, const std::vector<PreparedRecording>& recordings,
+                 std::optional<Channel> channel, const Scales& scales) {
+  model::MotionScales sizes = scales.motion;
+  if (channel) sizes.channel = scales.rms[index(*channel)];
+  Starts starts(1);  // of no parameter: one, without values
+  for (const model::EffectParameter& parameter : entry.parameters) {
+    Starts longer;
+    const Starts own = starts_of(parameter, recordings, channel, sizes);
+    for (const Start& first : starts) {
+      for (const Start& next : own) {
+        Start both{first.values, next.clock};
+        both.values.insert(both.values.end(), next.values.begin(), next.values.end());
+        longer.push_back(std::move(both));
+      }
+    }
+    starts = std::move(longer);
+  }
+  return starts;
+}
+
+}  // namespace
+
+Scales scales_of(const std::vector<PreparedRecording>& recordings, const Hypothesis& hypothesis,
+                 const std::vector<Response>& responses) {
+  Scales s;
+  const auto enlarge = [](double& to, double value) { to = std::max(to, value); };
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const PreparedRecording& e = recordings[r];
+    for (const Channel channel : e.channels) {
+      const Size size = size_of(e.recording[channel]);
+      enlarge(s.rms[index(channel)], size.rms);
+      enlarge(s.peak[index(channel)], size.peak);
+    }
+    const bool bench = hypothesis.rig.kind == model::RigKind::component_bench;
+    std::vector<double> deflection;
+    if (bench) {
+      for (const auto& m : e.input.motion) deflection.push_back(m.position);
+    } else {
+      deflection = responses[r][index(Channel::dz_b)];
+      enlarge(s.motion.tyre_force, size_of(responses[r][index(Channel::F_w)]).rms);
+      enlarge(s.motion.tyre_deflection, size_of(responses[r][index(Channel::dz_w)]).rms);
+      double squares = 0.0;
+      for (const auto& m : e.input.motion) squares += m.acceleration * m.acceleration;
+      enlarge(s.motion.foot_acceleration, std::sqrt(squares / static_cast<double>(e.input.size())));
+    }
+    std::vector<double> velocity(deflection.size());
+    for (std::size_t k = 1; k < deflection.size(); ++k)
+      velocity[k] = (deflection[k] - deflection[k - 1]) / e.input.period;
+    const Size d = size_of(deflection), v = size_of(velocity);
+    enlarge(s.motion.deflection, d.rms);
+    enlarge(s.motion.deflection_peak, d.peak);
+    enlarge(s.motion.velocity, v.rms);
+    enlarge(s.motion.velocity_peak, v.peak);
+    if (bench) {
+      enlarge(s.motion.force, size_of(responses[r][index(Channel::F)]).rms);
+    } else {
+      enlarge(s.motion.force, hypothesis.rig.body.mass * size_of(responses[r][index(Channel::zdd_b)]).rms);
+    }
+  }
+  return s;
+}
+
+std::vector<Candidate> candidates(const std::vector<PreparedRecording>& recordings, const Hypothesis& hypothesis,
+                                  const Scales& scales) {
+  const auto present = firmware::effects_of(hypothesis.rig);
+  const auto is_present = [&](const firmware::CatalogueEntry& entry, std::optional<Channel> channel) {
+    return std::any_of(present.begin(), present.end(),
+                       [&](const firmware::PlacedEffect& p) { return p.entry == &entry && p.channel == channel; });
+  };
+  const PreparedRecording& first = recordings.front();
+  std::vector<Candidate> list;
+  for (const firmware::CatalogueEntry& entry : firmware::catalogue()) {
+    if (entry.of_channel) {
+      for (const Channel channel : first.channels) {
+        if (!firmware::has_place(hypothesis.rig, entry, channel) || is_present(entry, channel)) continue;
+        Starts starts = starts_of(entry, recordings, channel, scales);
+        if (!starts.empty()) list.push_back({&entry, channel, std::move(starts)});
+      }
+      continue;
+    }
+    if (!firmware::has_place(hypothesis.rig, entry, std::nullopt) || is_present(entry, std::nullopt)) continue;
+    if (entry.subsystem == model::Subsystem::machine && first.input.deflection_reached) continue;
+    list.push_back({&entry, std::nullopt, starts_of(entry, recordings, std::nullopt, scales)});
+  }
+  return list;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,269 @@
+#include "host_sim/identification/select/model_fitter.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "host_sim/identification/common/frequency_bands.hpp"
+#include "host_sim/identification/common/golden_section.hpp"
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
+
+namespace host_sim::identification {
+
+using model::Channel;
+
+namespace {
+
+/// The parameters that are fitted already, refitted linearly beside a candidate.
+class LinearRefit {
+ public:
+  explicit LinearRefit(const Fit& base) : base_(base) {
+    Eigen::MatrixXd h = base.jacobian.transpose() * base.jacobian;
+    for (Eigen::Index i = 0; i < h.rows(); ++i) {
+      // What lies at a bound cannot make way for another.
+      const bool free = !base.parameters[static_cast<std::size_t>(i)].at_bound(base.hypothesis);
+      h(i, i) += (free ? 1e-10 : 1e12) * h(i, i) + 1e-30;
+    }
+    factor_.compute(h);
+    residual_ = base.jacobian.transpose() * base.residual;
+  }
+
+  /// (1)
+  [[nodiscard]] double gain(const Eigen::VectorXd& d) const {
+    double square = d.squaredNorm(), along = base_.residual.dot(d);
+    if (base_.jacobian.cols() > 0) {
+      const Eigen::VectorXd projection = base_.jacobian.transpose() * d;
+      const Eigen::VectorXd solved = factor_.solve(projection);
+      square -= projection.dot(solved);
+      along -= residual_.dot(solved);
+    }
+    if (!(square > 1e-9)) return 0.0;
+    const double factor = std::clamp(-along / square, 0.0, 2.0);
+    return -2.0 * factor * along - factor * factor * square;
+  }
+
+ private:
+  const Fit& base_;
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd residual_;
+};
+
+firmware::PlacedEffect placed(const Candidate& candidate, const Start& start) {
+  return {candidate.entry, candidate.channel, start.values};
+}
+
+Hypothesis with(const Hypothesis& hypothesis, const firmware::PlacedEffect& effect, const HoldClock& clock) {
+  Hypothesis other = hypothesis;
+  firmware::put_effect(other.rig, effect);
+  if (is_hold(*effect.entry)) other.clocks[index(*effect.channel)] = clock;
+  return other;
+}
+
+/// The effects with their parameters as they are in a hypothesis.
+std::vector<firmware::PlacedEffect> read_back(const Hypothesis& hypothesis,
+                                              std::vector<firmware::PlacedEffect> effects) {
+  for (firmware::PlacedEffect& effect : effects) {
+    for (const firmware::PlacedEffect& now : firmware::effects_of(hypothesis.rig)) {
+      if (now.entry == effect.entry && now.channel == effect.channel) effect.values = now.values;
+    }
+  }
+  return effects;
+}
+
+}  // namespace
+
+void drop_jacobian(Fit& fit) {
+  fit.prediction = {};
+  fit.jacobian.resize(0, 0);
+}
+
+struct ModelFitter::Scanned {
+  Candidate candidate;
+  std::vector<std::pair<double, Start>> starts;  ///< gain; best first
+};
+
+std::vector<FreeParameter> ModelFitter::parameters(const std::vector<firmware::PlacedEffect>& effects) const {
+  std::vector<FreeParameter> list = common_;
+  for (const firmware::PlacedEffect& effect : effects) {
+    const auto own = effect_parameters(effect);
+    list.insert(list.end(), own.begin(), own.end());
+  }
+  return list;
+}
+
+CandidateModel ModelFitter::fitted(const Hypothesis& start, std::vector<firmware::PlacedEffect> effects, int most,
+                                   const Eigen::MatrixXd& known_jacobian) const {
+  CandidateModel result;
+  result.fit = fit(problem_, start, parameters(effects), most, known_jacobian);
+  effort_.simulations += result.fit.simulations;
+  result.effects = read_back(result.fit.hypothesis, std::move(effects));
+  return result;
+}
+
+CandidateModel ModelFitter::refitted(const Hypothesis& start, std::vector<firmware::PlacedEffect> effects,
+                                     int most) const {
+  CandidateModel result = fitted(start, std::move(effects), most);
+  const std::size_t before = result.fit.simulations;
+  refresh_jacobian(problem_, result.fit);
+  effort_.simulations += result.fit.simulations - before;
+  return result;
+}
+
+void ModelFitter::refit(CandidateModel& model, int most) const {
+  model = refitted(model.fit.hypothesis, model.effects, most);
+}
+
+std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, const Scales& scales) const {
+  auto list = candidates(problem_.samples(), base.fit.hypothesis, scales);
+  if (!criterion_.sensors) std::erase_if(list, [](const Candidate& c) { return c.channel.has_value(); });
+  std::vector<Scanned> scanned(list.size());
+  const LinearRefit others(base.fit);
+  for_all(list.size(), [&](std::size_t i) {
+    scanned[i].candidate = list[i];
+    for (const Start& start : list[i].starts) {
+      const Hypothesis other = with(base.fit.hypothesis, placed(list[i], start), start.clock);
+      if (firmware::find_rig_fault(other.rig, problem_.sample_period())) continue;
+      const bool sensor_alone = list[i].channel.has_value();
+      const Prediction prediction = sensor_alone
+                                        ? predict_sensor(problem_, other, base.fit.prediction, *list[i].channel)
+                                        : predict(problem_, other);
+      const Eigen::VectorXd change = residuals(problem_, prediction) - base.fit.residual;
+      effort_.simulations += sensor_alone ? 0 : 1;
+      if (change.allFinite()) scanned[i].starts.emplace_back(others.gain(change), start);
+    }
+    std::sort(scanned[i].starts.begin(), scanned[i].starts.end(),
+              [](const auto& a, const auto& b) { return a.first > b.first; });
+  });
+  std::erase_if(scanned, [](const Scanned& s) { return s.starts.empty(); });
+  std::sort(scanned.begin(), scanned.end(),
+            [](const Scanned& a, const Scanned& b) { return a.starts.front().first > b.starts.front().first; });
+  return scanned;
+}
+
+void ModelFitter::set_clock(CandidateModel& model, Channel channel) const {
+  const auto c = index(channel);
+  const Fit& now = model.fit;
+  if (!now.hypothesis.clocks[c].own) return;
+  const Eigen::MatrixXd h = now.jacobian.transpose() * now.jacobian;
+  const StepBox box = step_box(now.parameters, now.hypothesis, 1.0);
+  const auto with_phase = [&](double phase) {
+    Hypothesis other = now.hypothesis;
+    other.clocks[c].phase = phase;
+    return other;
+  };
+  const auto power = [&](double phase) {
+    const Eigen::VectorXd r = residuals(problem_, predict_sensor(problem_, with_phase(phase), now.prediction, channel));
+    const Eigen::VectorXd g = now.jacobian.transpose() * r;
+    const Eigen::VectorXd d = bounded_step(h, g, box);
+    return r.squaredNorm() + 2.0 * g.dot(d) + d.dot(h * d);
+  };
+  const LowestPoint best = golden_section(power, -1.0, 1.0, thresholds::clock_rounds);
+  if (best.value >= now.chi_squared) return;
+  model = fitted(with_phase(best.at), model.effects, 6);
+}
+
+CandidateModel ModelFitter::fitted_beside(const CandidateModel& base, const Scanned& scanned) const {
+  CandidateModel best;
+  best.fit.chi_squared = INFINITY;
+  for (std::size_t s = 0; s < std::min<std::size_t>(2, scanned.starts.size()); ++s) {
+    if (s > 0 && scanned.starts[s].first < thresholds::second_start * scanned.starts[0].first) break;
+    std::vector<firmware::PlacedEffect> effects = base.effects;
+    effects.push_back(placed(scanned.candidate, scanned.starts[s].second));
+    CandidateModel other = fitted(with(base.fit.hypothesis, effects.back(), scanned.starts[s].second.clock), effects, 8,
+                                  base.fit.jacobian);
+    if (is_hold(*scanned.candidate.entry)) set_clock(other, *scanned.candidate.channel);
+    if (other.fit.chi_squared < best.fit.chi_squared) best = std::move(other);
+  }
+  return best;
+}
+
+std::vector<CandidateModel> ModelFitter::extended(const CandidateModel& base, const Scales& scales, std::size_t most,
+                                                  double least) const {
+  auto scanned = scan(base, scales);
+  effort_.candidates += scanned.size();
+  if (scanned.empty()) return {};
+  const double good = thresholds::promising_beside_best * scanned.front().starts.front().first;
+  const auto promises = [](const Scanned& s) { return s.starts.front().first; };
+  while (!scanned.empty() && (scanned.size() > most || promises(scanned.back()) < least ||
+                              (scanned.size() > thresholds::always_fitted && promises(scanned.back()) < good))) {
+    scanned.pop_back();
+  }
+  std::vector<CandidateModel> list(scanned.size());
+  for_all(scanned.size(), [&](std::size_t i) {
+    list[i] = fitted_beside(base, scanned[i]);
+    drop_jacobian(list[i].fit);
+  });
+  // A candidate whose simulations diverge from all of its starts is none.
+  std::erase_if(list, [](const CandidateModel& model) { return !std::isfinite(model.fit.chi_squared); });
+  std::sort(list.begin(), list.end(),
+            [this](const CandidateModel& a, const CandidateModel& b) { return criterion_.prefers(a, b); });
+  return list;
+}
+
+bool ModelFitter::is_seen(const firmware::PlacedEffect& effect) const {
+  return is_hold(*effect.entry) && repeats_regularly(*effect.channel);
+}
+
+std::optional<CandidateModel> ModelFitter::held(const CandidateModel& base, const Scales& scales,
+                                                Channel channel) const {
+  if (!repeats_regularly(channel)) return std::nullopt;
+  for (Scanned& scanned : scan(base, scales)) {
+    if (scanned.candidate.channel == channel && is_hold(*scanned.candidate.entry)) {
+      const CandidateModel found = fitted_beside(base, scanned);
+      return refitted(found.fit.hypothesis, found.effects, 6);
+    }
+  }
+  return std::nullopt;
+}
+
+CandidateModel ModelFitter::without(const CandidateModel& whole, std::size_t leave_out) const {
+  Hypothesis hypothesis = whole.fit.hypothesis;
+  std::vector<firmware::PlacedEffect> effects = whole.effects;
+  firmware::remove_effect(hypothesis.rig, *effects[leave_out].entry, effects[leave_out].channel);
+  effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(leave_out));
+  return refitted(hypothesis, std::move(effects), 6);
+}
+
+void ModelFitter::refit_by_continuation(CandidateModel& model) const {
+  Hypothesis hypothesis = model.fit.hypothesis;
+  for (const double share : thresholds::continuation_shares) {
+    const Fit part = fit(problem_.truncated(share), hypothesis, parameters(model.effects), 10);
+    effort_.simulations += part.simulations;
+    hypothesis = part.hypothesis;
+  }
+  CandidateModel grown = refitted(hypothesis, model.effects, 8);
+  if (grown.fit.chi_squared < model.fit.chi_squared) model = std::move(grown);
+}
+
+bool ModelFitter::leaves_noise(const CandidateModel& model) const {
+  const std::size_t channels = problem_.channels().size();
+  Eigen::Index at = 0;
+  for (const ProblemRecording& r : problem_.recordings()) {
+    if (!r.is_fitted()) continue;
+    std::vector<std::array<Power, noise_bands + 1>> powers(channels);
+    for (std::size_t k = 0; k < r.fit_whitening->bins(); ++k) {
+      const std::size_t b = noise_band_of(r.fit_whitening->frequency(k));
+      for (std::size_t c = 0; c < channels; ++c) {
+        powers[c][b].squares += model.fit.residual.segment<2>(at).squaredNorm();
+        powers[c][b].count += 2.0;
+        at += 2;
+      }
+    }
+    for (const auto& of_channel : powers) {
+      for (const Power& power : of_channel) {
+        if (power.significance() > thresholds::leaves_noise) return false;
+      }
+    }
+  }
+  const Power whole{model.fit.chi_squared, static_cast<double>(model.fit.residual.size())};
+  return whole.significance() < thresholds::leaves_noise;
+}
+
+bool ModelFitter::repeats_regularly(Channel channel) const {
+  const auto& renewals = problem_.samples().front().renewals[index(channel)];
+  return renewals && renewals->regular;
+}
+
+}  // namespace host_sim::identification

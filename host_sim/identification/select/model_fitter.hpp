@@ -1,0 +1,98 @@
+// Fits candidate models to one problem: a set of effects, and one effect more beside it.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "host_sim/identification/select/candidates.hpp"
+#include "host_sim/identification/select/selection_criterion.hpp"
+
+namespace host_sim::identification {
+
+/// Work done so far, counted from several threads.
+struct Effort {
+  std::atomic<std::size_t> simulations{0};
+  std::atomic<std::size_t> candidates{0};
+};
+
+/// Leaves of a fit its result, not the Jacobian and prediction that only a next step would need: megabytes for minutes.
+void drop_jacobian(Fit& fit);
+
+/// The only holder of the problem that a search works on: fits use it as it is, update_input_noise() weights it anew.
+///
+/// A candidate is first scanned: with r the residuals of a model, J its Jacobian and d the change of r that the
+/// candidate's start makes, all else refitted linearly,
+///
+///   (1)  gain = max over 0 ≤ s ≤ 2 of  |r|² − min_θ |r + s d + J θ|²
+///
+/// so one start costs one simulation, and a sensor effect none. Parameters at a bound cannot make way. Source: the
+/// Lagrange multiplier (score) test, C. R. Rao, Proc. Camb. Phil. Soc. 44, 1948.
+class ModelFitter {
+ public:
+  /// `common`: parameters that are free in every model. Problem, criterion and effort outlive the fitter.
+  ModelFitter(IdentificationProblem& problem, std::vector<FreeParameter> common, const SelectionCriterion& criterion,
+              Effort& effort)
+      : problem_(problem), common_(std::move(common)), criterion_(criterion), effort_(effort) {}
+
+  [[nodiscard]] const IdentificationProblem& problem() const { return problem_; }
+  /// Weights residuals anew for a hypothesis; what was fitted must be refitted. false: nothing changed.
+  bool update_input_noise(const Hypothesis& hypothesis) { return problem_.update_input_noise(hypothesis); }
+
+  [[nodiscard]] CandidateModel fitted(const Hypothesis& start, std::vector<firmware::PlacedEffect> effects,
+                                      int most = 12, const Eigen::MatrixXd& known_jacobian = {}) const;
+
+  /// The same with the whole Jacobian found at the minimum.
+  [[nodiscard]] CandidateModel refitted(const Hypothesis& start, std::vector<firmware::PlacedEffect> effects,
+                                        int most = 12) const;
+  void refit(CandidateModel& model, int most) const;
+
+  /// Refitted without one of its effects.
+  [[nodiscard]] CandidateModel without(const CandidateModel& whole, std::size_t leave_out) const;
+
+  /// One more effect: the candidates with the largest gain (1), fitted, best first. At most `most`; no more than
+  /// thresholds::always_fitted of those far behind the best, and none that gains less than `least`.
+  [[nodiscard]] std::vector<CandidateModel> extended(const CandidateModel& base, const Scales& scales, std::size_t most,
+                                                     double least = 0.0) const;
+
+  /// With the hold of a channel whose renewals are regular, where it is not there yet.
+  [[nodiscard]] std::optional<CandidateModel> held(const CandidateModel& base, const Scales& scales,
+                                                   model::Channel channel) const;
+
+  /// Whether an effect is a hold that the values themselves show by regular repetition: nothing else repeats them, so
+  /// it has no rivals, however alike they are below 90 Hz.
+  [[nodiscard]] bool is_seen(const firmware::PlacedEffect& effect) const;
+
+  /// Refitted in growing shares of the windows: with free play, stops or friction a long recording has many minima, a
+  /// short one few. As it was where that is no better. Source: numerical continuation, E. Allgower and K. Georg, 1990.
+  void refit_by_continuation(CandidateModel& model) const;
+
+  /// Whether a model leaves nothing but noise, in each band and altogether (thresholds::leaves_noise).
+  [[nodiscard]] bool leaves_noise(const CandidateModel& model) const;
+
+ private:
+  struct Scanned;
+
+  /// Everything that may move in a model with these effects: common parameters first.
+  [[nodiscard]] std::vector<FreeParameter> parameters(const std::vector<firmware::PlacedEffect>& effects) const;
+
+  /// Candidates beside a model, with the gain (1) of their starts; best first.
+  [[nodiscard]] std::vector<Scanned> scan(const CandidateModel& base, const Scales& scales) const;
+
+  /// A candidate beside a model, fitted from its best start or two; columns of the Jacobian of the model are kept.
+  [[nodiscard]] CandidateModel fitted_beside(const CandidateModel& base, const Scanned& scanned) const;
+
+  /// A hold with a clock of its own: the phase at which its values are taken, by golden section over what the renewals
+  /// allow. All else moves linearly inside its bounds, since a little damping looks like a little time.
+  void set_clock(CandidateModel& model, model::Channel channel) const;
+
+  [[nodiscard]] bool repeats_regularly(model::Channel channel) const;
+
+  IdentificationProblem& problem_;
+  std::vector<FreeParameter> common_;
+  const SelectionCriterion& criterion_;
+  Effort& effort_;
+};
+
+}  // namespace host_sim::identification

@@ -1,0 +1,298 @@
+#include "host_sim/identification/select/search.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
+
+namespace host_sim::identification {
+
+using model::Channel;
+
+double share_with(const IdentificationProblem& problem, double seconds) {
+  double longest = 0.0;
+  for (const ProblemRecording& r : problem.recordings()) {
+    longest = std::max(longest, static_cast<double>(r.fitted.size()) * r.samples->input.period);
+  }
+  return longest > 0.0 && seconds / longest < thresholds::most_of_window ? seconds / longest : 1.0;
+}
+
+namespace {
+
+bool is_far_above_noise(const CandidateModel& model) {
+  return model.fit.chi_squared > thresholds::far_above_noise * static_cast<double>(model.fit.residual.size());
+}
+
+bool same_effect(const firmware::PlacedEffect& a, const firmware::PlacedEffect& b) {
+  return a.entry == b.entry && a.channel == b.channel;
+}
+
+/// One search: the fitter that holds its problem, its criterion and its reports.
+class Search {
+ public:
+  Search(IdentificationProblem& problem, const SearchSpace& space, const SearchOptions& options)
+      : space_(space),
+        options_(options),
+        criterion_(options.criterion),
+        fitter_(problem, space.common, criterion_, effort_),
+        first_share_(options.truncates ? share_with(problem, thresholds::seconds_far_above_noise) : 1.0) {}
+
+  void forward(SearchResult& found);
+  void backward(SearchResult& found);
+
+ private:
+  // Forward.
+  void begin(SearchResult& found);
+  [[nodiscard]] std::vector<CandidateModel> one_effect_more(const std::vector<CandidateModel>& beam,
+                                                            SearchResult& found) const;
+  void update_noise(std::vector<CandidateModel>& beam, SearchResult& found);
+
+  // Backward.
+  bool improve(std::size_t effect, SearchResult& found);
+  [[nodiscard]] CandidateModel without(std::size_t effect, const SearchResult& found) const;
+  [[nodiscard]] std::vector<Rival> rivals_of(const CandidateModel& best, const CandidateModel& reduced,
+                                             std::size_t effect, const std::vector<CandidateModel>& others) const;
+
+  /// One more effect beside a model, best first. `all`: those, too, that will hardly be accepted.
+  [[nodiscard]] std::vector<CandidateModel> extended(const CandidateModel& base, const Scales& scales, bool all) const;
+  [[nodiscard]] std::vector<CandidateModel> extended_on_part(const CandidateModel& base, const Scales& scales,
+                                                             bool all) const;
+  [[nodiscard]] std::size_t most(bool all) const { return all ? criterion_.most_rivals : criterion_.most_candidates; }
+  [[nodiscard]] double least_gain(const CandidateModel& base, bool all) const;
+  void sort(std::vector<CandidateModel>& models) const {
+    std::sort(models.begin(), models.end(),
+              [this](const CandidateModel& a, const CandidateModel& b) { return criterion_.prefers(a, b); });
+  }
+
+  void report(double share, const std::string& what) const {
+    if (options_.progress) options_.progress(share, what, effort_.simulations, effort_.candidates);
+  }
+  void count(SearchResult& found) const {
+    found.simulations = effort_.simulations;
+    found.candidates = effort_.candidates;
+  }
+
+  const SearchSpace& space_;
+  const SearchOptions& options_;
+  const SelectionCriterion& criterion_;
+  mutable Effort effort_;
+  ModelFitter fitter_;
+  double first_share_;  ///< of the windows, where candidates far above noise are told apart
+};
+
+void Search::forward(SearchResult& found) {
+  begin(found);
+  std::vector<CandidateModel> beam{found.best};
+  for (std::size_t depth = 0; depth < thresholds::most_effects; ++depth) {
+    if (depth > 0 && fitter_.leaves_noise(found.best)) break;
+    report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
+    std::vector<CandidateModel> next = one_effect_more(beam, found);
+    if (next.empty() || !criterion_.prefers(next.front(), found.best)) break;
+    found.best = next.front();
+    beam = std::move(next);
+    update_noise(beam, found);
+    const bool has_minima = has_corners(found.best.fit.hypothesis.rig);
+    if (options_.truncates && has_minima && !fitter_.leaves_noise(found.best)) {
+      fitter_.refit_by_continuation(found.best);
+      beam.front() = found.best;
+    }
+  }
+  count(found);
+}
+
+/// The tolerated parameters alone, then holds: no fit could say these better than the values do.
+void Search::begin(SearchResult& found) {
+  report(0.05, "tolerated parameters");
+  found.nothing = fitter_.refitted(space_.given, {});
+  const Hypothesis& hypothesis = found.nothing.fit.hypothesis;
+  found.scales = scales_of(fitter_.problem().samples(), hypothesis, read_all(fitter_.problem(), hypothesis));
+  found.best = found.nothing;
+  for (const Channel channel : fitter_.problem().channels()) {
+    auto held = fitter_.held(found.best, found.scales, channel);
+    if (held && criterion_.accepts(*held, found.best, 0.0)) found.best = std::move(*held);
+  }
+  if (found.best.effects.empty() || !fitter_.update_input_noise(found.best.fit.hypothesis)) return;
+  fitter_.refit(found.nothing, 4);
+  fitter_.refit(found.best, 4);
+}
+
+/// The next beam, refitted; empty: no effect is accepted.
+std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateModel>& beam,
+                                                    SearchResult& found) const {
+  std::vector<CandidateModel> next;
+  for (const CandidateModel& base : beam) {
+    auto list = extended(base, found.scales, false);
+    if (base.effects.empty()) found.alone = list;
+    for (std::size_t i = 0; i < std::min(criterion_.beam, list.size()); ++i) {
+      if (criterion_.accepts(list[i], base, criterion_.share(base))) next.push_back(std::move(list[i]));
+    }
+  }
+  sort(next);
+  if (next.size() > criterion_.beam) next.resize(criterion_.beam);
+  for (CandidateModel& model : next) fitter_.refit(model, 6);
+  sort(next);
+  return next;
+}
+
+/// The noise of the input passes through what was found.
+void Search::update_noise(std::vector<CandidateModel>& beam, SearchResult& found) {
+  if (!fitter_.update_input_noise(found.best.fit.hypothesis)) return;
+  fitter_.refit(found.nothing, 4);
+  for (CandidateModel& model : beam) fitter_.refit(model, 4);
+  sort(beam);
+  found.best = beam.front();
+  for_all(found.alone.size(), [&](std::size_t i) {
+    CandidateModel& model = found.alone[i];
+    model = fitter_.fitted(model.fit.hypothesis, model.effects, 0);
+    drop_jacobian(model.fit);
+  });
+}
+
+void Search::backward(SearchResult& found) {
+  effort_.simulations = found.simulations;
+  effort_.candidates = found.candidates;
+  for (int round = 0; round < thresholds::most_rounds && !found.best.effects.empty(); ++round) {
+    found.rivals.assign(found.best.effects.size(), {});
+    found.gains.assign(found.best.effects.size(), 0.0);
+    bool changed = false;
+    for (std::size_t i = 0; i < found.best.effects.size() && !changed; ++i) changed = improve(i, found);
+    if (!changed) break;
+    if (fitter_.update_input_noise(found.best.fit.hypothesis)) {
+      fitter_.refit(found.nothing, 4);
+      fitter_.refit(found.best, 6);
+      found.alone.clear();
+    }
+  }
+  found.alone.clear();
+  count(found);
+}
+
+/// Tries the model without one effect and with each other in its place. true: it became better; false: the others are
+/// its rivals.
+bool Search::improve(std::size_t effect, SearchResult& found) {
+  CandidateModel& best = found.best;
+  if (fitter_.is_seen(best.effects[effect])) return false;
+  report(0.6 + 0.3 * static_cast<double>(effect) / static_cast<double>(best.effects.size()),
+         "rivals of " + std::string(best.effects[effect].entry->name));
+  CandidateModel reduced = without(effect, found);
+  if (!criterion_.prefers(best, reduced)) {
+    best = std::move(reduced);
+    return true;
+  }
+  const bool known = best.effects.size() == 1 && !found.alone.empty();
+  const std::vector<CandidateModel> others = known ? found.alone : extended(reduced, found.scales, true);
+  const double to_beat = best.penalised_chi_squared(criterion_) - thresholds::replaces;
+  for (const CandidateModel& other : others) {
+    if (same_effect(other.effects.back(), best.effects[effect])) continue;
+    if (other.penalised_chi_squared(criterion_) >= to_beat) continue;
+    CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 6);
+    if (full.penalised_chi_squared(criterion_) >= to_beat) continue;
+    best = std::move(full);
+    return true;
+  }
+  found.rivals[effect] = rivals_of(best, reduced, effect, others);
+  found.gains[effect] = reduced.fit.chi_squared - best.fit.chi_squared;
+  return false;
+}
+
+CandidateModel Search::without(std::size_t effect, const SearchResult& found) const {
+  if (found.best.effects.size() == 1) return found.nothing;
+  CandidateModel reduced = fitter_.without(found.best, effect);
+  // With corners the fit without may only be in a worse one of many minima.
+  if (options_.truncates && has_corners(reduced.fit.hypothesis.rig)) fitter_.refit_by_continuation(reduced);
+  return reduced;
+}
+
+/// Rivals of an effect, the nearest first; the nearest are fitted again beside the other effects as they are now.
+/// `reduced`: the model without the effect.
+std::vector<Rival> Search::rivals_of(const CandidateModel& best, const CandidateModel& reduced, std::size_t effect,
+                                     const std::vector<CandidateModel>& others) const {
+  const auto rival_of = [this](const CandidateModel& model) {
+    return Rival{model.effects.back(), model.penalised_chi_squared(criterion_), model.fit.hypothesis};
+  };
+  const auto sort_rivals = [](std::vector<Rival>& rivals) {
+    std::sort(rivals.begin(), rivals.end(),
+              [](const Rival& a, const Rival& b) { return a.penalised_chi_squared < b.penalised_chi_squared; });
+  };
+  std::vector<Rival> rivals;
+  for (const CandidateModel& other : others) {
+    if (!same_effect(other.effects.back(), best.effects[effect])) rivals.push_back(rival_of(other));
+  }
+  sort_rivals(rivals);
+  const double without = reduced.penalised_chi_squared(criterion_), with = best.penalised_chi_squared(criterion_);
+  const double far = without - thresholds::rival_explains * (without - with);
+  for_all(std::min(thresholds::near_rivals, rivals.size()), [&](std::size_t r) {
+    if (rivals[r].penalised_chi_squared > far) return;
+    std::vector<firmware::PlacedEffect> effects = best.effects;
+    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
+    effects.push_back(rivals[r].effect);
+    rivals[r] = rival_of(fitter_.fitted(rivals[r].hypothesis, std::move(effects), 6));
+  });
+  sort_rivals(rivals);
+  return rivals;
+}
+
+double Search::least_gain(const CandidateModel& base, bool all) const {
+  if (all) return 0.0;
+  return thresholds::promising * std::max(criterion_.effect, criterion_.share(base) * beyond_noise(base.fit));
+}
+
+std::vector<CandidateModel> Search::extended(const CandidateModel& base, const Scales& scales, bool all) const {
+  if (first_share_ < 1.0 && is_far_above_noise(base)) {
+    auto list = extended_on_part(base, scales, all);
+    // An effect that shows seldom may not be in the part.
+    if (!list.empty() && criterion_.accepts(list.front(), base, criterion_.share(base))) return list;
+  }
+  return fitter_.extended(base, scales, most(all), least_gain(base, all));
+}
+
+/// Candidates are told apart on a part of the windows, then refitted on the whole.
+std::vector<CandidateModel> Search::extended_on_part(const CandidateModel& base, const Scales& scales, bool all) const {
+  IdentificationProblem part = fitter_.problem().truncated(first_share_);
+  const ModelFitter on_part(part, space_.common, criterion_, effort_);
+  const CandidateModel start = on_part.refitted(base.fit.hypothesis, base.effects, 2);
+  auto list = on_part.extended(start, scales, most(all), least_gain(start, all));
+  for_all(list.size(), [&](std::size_t i) {
+    const int steps = i < criterion_.beam ? 6 : 0;
+    list[i] = fitter_.fitted(list[i].fit.hypothesis, list[i].effects, steps, base.fit.jacobian);
+    drop_jacobian(list[i].fit);
+  });
+  sort(list);
+  return list;
+}
+
+}  // namespace
+
+SearchResult search(IdentificationProblem& problem, const SearchSpace& space, const SearchOptions& options) {
+  SearchResult found;
+  Search(problem, space, options).forward(found);
+  return found;
+}
+
+void compare(IdentificationProblem& problem, const SearchSpace& space, const SearchOptions& options,
+             SearchResult& found) {
+  Search(problem, space, options).backward(found);
+}
+
+void refit_on(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
+              SearchResult& found) {
+  Effort effort;
+  const ModelFitter fitter(problem, space.common, criterion, effort);
+  const double before = found.best.penalised_chi_squared(criterion);
+  const auto part = static_cast<double>(found.best.fit.residual.size());
+  fitter.refit(found.nothing, 8);
+  fitter.refit(found.best, 8);
+  found.simulations += effort.simulations;
+  const double larger = static_cast<double>(found.best.fit.residual.size()) / part;
+  const double after = found.best.penalised_chi_squared(criterion);
+  for (auto& rivals : found.rivals) {
+    for (Rival& rival : rivals) {
+      rival.penalised_chi_squared = after + larger * (rival.penalised_chi_squared - before);
+    }
+  }
+  for (double& gain : found.gains) gain *= larger;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,63 @@
+// Forward selection, then elimination and swaps: which effects, alone or together, explain the recordings.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host_sim/identification/select/model_fitter.hpp"
+
+namespace host_sim::identification {
+
+/// An effect that could stand in the place of one that was found.
+struct Rival {
+  firmware::PlacedEffect effect;
+  double penalised_chi_squared;  ///< of the model with it
+  Hypothesis hypothesis;         ///< that model
+};
+
+struct SearchResult {
+  CandidateModel nothing;  ///< only the tolerated parameters refitted
+  CandidateModel best;
+  std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
+  std::vector<double> gains;  ///< of each effect in `best`: how much larger χ² is without it, all else refitted
+  std::vector<CandidateModel> alone;  ///< single effects that were tried, best first; until they are compared
+  Scales scales{};                    ///< from `nothing` before any effect was tried
+  std::size_t simulations = 0;
+  std::size_t candidates = 0;        ///< tried
+  std::vector<std::string> remarks;  ///< rivals that only effects of sensors make
+};
+
+/// Called during a search: share of the whole, what is done, simulations and candidates so far.
+using ProgressCallback =
+    std::function<void(double share, const std::string& what, std::size_t simulations, std::size_t candidates)>;
+
+struct SearchOptions {
+  SelectionCriterion criterion;
+  bool truncates = true;  ///< may fit shares of the windows first; false where the problem is such a share already
+  ProgressCallback progress;
+};
+
+/// Forward selection with a beam:
+///
+///   1  holds that the values themselves show
+///   2  each model of the beam with one effect more, the best candidates fitted, as long as SelectionCriterion accepts
+///   3  after each effect the noise of the input is passed through what was found, and all is refitted
+///   4  where more than noise is left and there are corners: refit by continuation
+[[nodiscard]] SearchResult search(IdentificationProblem& problem, const SearchSpace& space,
+                                  const SearchOptions& options);
+
+/// Backward elimination, then swaps: the model without each effect, then with each other candidate in its place. What
+/// is better replaces it; the others become its rivals.
+void compare(IdentificationProblem& problem, const SearchSpace& space, const SearchOptions& options,
+             SearchResult& found);
+
+/// The share of the fitted windows that holds `seconds` of the longest; 1 where that would save nothing.
+[[nodiscard]] double share_with(const IdentificationProblem& problem, double seconds);
+
+/// Refits on a whole problem what was found on a part of it; rivals keep their distance, in proportion to the number of
+/// residuals.
+void refit_on(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
+              SearchResult& found);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,21 @@
+// Step 5: the model that the recordings support.
+#pragma once
+
+#include "host_sim/identification/select/search.hpp"
+
+namespace host_sim::identification {
+
+/// χ² per residual beyond noise: the share that effects explain of what refitted tolerances leave.
+///
+///   (1)  1 − max(χ²/n − 1, 0) / max(χ²_refit/n − 1, 1/n)
+[[nodiscard]] double explained_share(double refit_per_residual, double after_per_residual, double count);
+
+/// A model is the whole of it where (1) ≥ thresholds::explains_all, or only noise is left:
+///
+///   1  forward selection
+///   2  elimination and swaps, unless the model explains too little to become the whole (thresholds::explains_most)
+///   3  where it is not the whole: the search under model error
+[[nodiscard]] SearchResult select_model(IdentificationProblem& problem, const SearchSpace& space,
+                                        const ProgressCallback& progress);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,34 @@
+// Recordings in all formats that rigtwin reads and writes.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "firmware/description/channel_map.hpp"
+#include "firmware/recording/recording.hpp"
+
+namespace host_sim {
+
+/// Reads a CSV or MATLAB (5 or 7.3) file; the content decides the format. InputError unless:
+///
+///   values     each used value is finite; ducts are 0 or 1; rows are complete
+///   time       increases; each step is T ± (q + 10⁻³ T), their mean T ± 10⁻⁴ T, where T = 1/expected_rate and q is
+///              the rounding of the stamps as printed (0 where T is a multiple of it). 10⁻³ T of jitter is an error of
+///              2π f · 10⁻³ T ≈ 1.6·10⁻⁴ in a signal of f = 25 Hz at 1 kHz, as large as that of a simulation; 10⁻⁴
+///              is the tolerance of a quartz clock; a missing sample is a step of 2 T.
+///   units      a unit in a header is the SI unit, unless the map has an entry for the column
+///
+/// Without expected_rate T is the mean step of the recording. A file written by rigtwin is marked in its first comment
+/// (recording_mark); the map is not applied to it. A file written by rig_controller has a column `late`: late periods
+/// that it explains are not gaps (firmware/recording/recording_gaps.hpp), and an incomplete last row (loss of power) is
+/// left out.
+[[nodiscard]] firmware::Recording read_recording(const std::filesystem::path& file,
+                                                 const firmware::ChannelMap& map = {},
+                                                 std::optional<double> expected_rate = std::nullopt);
+
+/// Writes all columns present, `t` first: MATLAB 5 if the name ends in .mat, else CSV with the shortest decimals that
+/// read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).
+/// OutputError if it cannot be written.
+void write_recording(const std::filesystem::path& file, const firmware::Recording& recording);
+
+}  // namespace host_sim

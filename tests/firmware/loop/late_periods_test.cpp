@@ -1,0 +1,78 @@
+// Periods that begin late: counted, not made up for, and too many of them in a row end the run.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/firmware/loop/rig_under_test.hpp"
+
+namespace {
+
+using namespace rig_under_test;
+using firmware::Mode;
+using firmware::Reason;
+using hal::simulated::LateWake;
+using model::RigKind;
+
+// Late periods: counted each, never made up for. Three wakes of 0.4 ms too late shift everything after by 1.2 ms; the
+// number of periods per time falls, none is run twice.
+TEST(LatePeriods, AreCountedAndNeverMadeUpFor) {
+  const std::array<LateWake, 3> late{{{{ms * 100, ms * 101}, hal::microseconds(400)},
+                                      {{ms * 150, ms * 151}, hal::microseconds(400)},
+                                      {{ms * 200, ms * 201}, hal::microseconds(400)}}};
+  Scene scene(RigKind::component_bench, 400);
+  scene.faults.late_wakes = late;
+  Journey run{scene};
+  run.whole();
+  EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended);
+  EXPECT_EQ(run.loop.counters().late_periods, 3U);
+  const auto rows = run.rows(Mode::running);
+  ASSERT_EQ(rows.size(), 400U);
+  EXPECT_EQ(rows[99].time, ms * 99);
+  EXPECT_EQ(rows[100].time, ms * 100 + hal::microseconds(400));
+  EXPECT_EQ(rows[100].counters.late_periods, 1U);
+  EXPECT_EQ(rows[100].late, hal::microseconds(400));
+  EXPECT_EQ(rows[101].late, hal::Time{});
+  EXPECT_EQ(rows[399].time, ms * 399 + hal::microseconds(1200));
+}
+
+// Jitter below a quarter of a period is no lateness, and does not shift the periods that follow.
+TEST(LatePeriods, AreToldFromJitter) {
+  const std::array<LateWake, 2> late{
+      {{{ms * 100, ms * 101}, hal::microseconds(250)}, {{ms * 200, ms * 201}, hal::microseconds(251)}}};
+  Scene scene(RigKind::component_bench, 400);
+  scene.faults.late_wakes = late;
+  Journey run{scene};
+  run.whole();
+  EXPECT_EQ(run.loop.counters().late_periods, 1U);
+  const auto rows = run.rows(Mode::running);
+  EXPECT_EQ(rows[100].time, ms * 100 + hal::microseconds(250));
+  EXPECT_EQ(rows[101].time, ms * 101);
+  EXPECT_EQ(rows[201].time, ms * 201 + hal::microseconds(251));
+}
+
+// Five in a row: the machine that runs the program is too slow for its rig, and a hil loop with more delay than it was
+// designed for is about to become unstable.
+TEST(LatePeriods, TripWhenTheyDoNotEnd) {
+  const LateWake late{{ms * 300}, ms};
+  Scene scene(RigKind::hil, 1000);
+  scene.faults.late_wakes = {&late, 1};
+  Journey run{scene};
+  run.whole();
+  EXPECT_EQ(run.loop.trip().reason, Reason::late);
+  EXPECT_EQ(run.loop.trip().value, 5.0);
+  EXPECT_EQ(run.rows(Mode::running).back().sample, 304U);
+  expect_safe_end(run);
+}
+
+// Four late ones, one in time, four late ones: a bad moment, no bad machine.
+TEST(LatePeriods, BeginAnewAfterOneInTime) {
+  const std::array<LateWake, 2> late{{{{ms * 100, ms * 108}, ms}, {{ms * 109, ms * 116}, ms}}};
+  Scene scene(RigKind::component_bench, 400);
+  scene.faults.late_wakes = late;
+  Journey run{scene};
+  run.whole();
+  EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended);
+  EXPECT_EQ(run.loop.counters().late_periods, 8U) << "every second millisecond from 100 to 106 and from 109 to 115";
+}
+
+}  // namespace

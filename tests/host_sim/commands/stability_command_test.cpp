@@ -1,0 +1,151 @@
+// rigtwin stability as a user calls it.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "firmware/description/input_error.hpp"
+#include "host_sim/commands/command_line.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace {
+
+const std::string rigs = RIGTWIN_SOURCE_DIR "/host_sim/rigs/";
+
+struct Outcome {
+  int status{};
+  std::string out, err;
+};
+
+Outcome rigtwin(const std::vector<std::string>& arguments) {
+  std::vector<const char*> argv{"rigtwin"};
+  for (const auto& argument : arguments) argv.push_back(argument.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.status = host_sim::run_command_line(static_cast<int>(argv.size()), argv.data());
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+std::string linear_with(const std::string& more) {
+  return support::TemporaryFolder::read(rigs + "paper_linear.toml") + "\n" + more + "\n";
+}
+
+// Journey. The contract's example: numbers and keys, for the paper's equations with 10 ms.
+TEST(StabilityCommand, GivesTheNumbersOfTheContract) {
+  const support::TemporaryFolder folder;
+  const std::string file = (folder / "result.json").string();
+  const Outcome outcome = rigtwin({"stability", "--rig", rigs + "paper_linear.toml", "--json", file, "--responses",
+                                   "--sweep", "tau=0:0.02:5", "--map", "tau=0:0.03:20,virtual_damping=0:2000:10"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("paper_linear.toml: stable, 5.254 ms of delay left\n"), std::string::npos) << outcome.out;
+  const auto json = nlohmann::json::parse(support::TemporaryFolder::read(file));
+  EXPECT_EQ(json["stable"], true);
+  EXPECT_NEAR(json["rightmost"]["re"].get<double>(), -1.0753, 0.5e-4);
+  EXPECT_NEAR(json["rightmost"]["im"].get<double>(), 9.7797, 0.5e-4);
+  EXPECT_EQ(json["roots"].size(), 2U);
+  EXPECT_NEAR(json["roots"][1]["re"].get<double>(), -9.3847, 0.5e-4);
+  EXPECT_NEAR(json["critical_delay"].get<double>(), 0.0152536, 0.5e-7);
+  EXPECT_TRUE(json["critical_virtual_damping"].is_null());  // no damping from 0 to 10 000 N s/m is on the border
+  EXPECT_NEAR(json["critical_frequency_hz"].get<double>(), 14.01, 0.005);
+  EXPECT_EQ(json["sampled"]["stable"], true);
+  EXPECT_LT(json["sampled"]["spectral_radius"].get<double>(), 1.0);
+  EXPECT_EQ(json["pade"][0]["order"], 1);
+  EXPECT_NEAR(json["pade"][0]["critical_delay"].get<double>(), 0.01805, 0.5e-5);
+  EXPECT_EQ(json["roots_right_of"], -60.0);
+  EXPECT_EQ(json["delay"], 0.010);
+  EXPECT_EQ(json["map"]["rightmost_re"].size(), 10U);
+  EXPECT_EQ(json["map"]["rightmost_re"][0].size(), 20U);
+  EXPECT_FALSE(json["map"]["boundary"].empty());
+  EXPECT_EQ(json["sweeps"][0]["values"].size(), 5U);
+  EXPECT_EQ(json["bode"]["outputs"].size(), 10U);
+  EXPECT_EQ(json["bode"]["frequency_hz"].size(), json["bode"]["outputs"]["F_w"]["phase_rad"].size());
+  EXPECT_EQ(json["nyquist"]["closed_loop_unstable"], 0);
+}
+
+// Journey. The verdict stands first; an unstable rig is a result, not a failure.
+TEST(StabilityCommand, SaysFirstWhatTheUserWantsToKnow) {
+  const support::TemporaryFolder folder;
+  std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml");
+  text.replace(text.find("virtual_damping = 1140.0"), 24, "virtual_damping = 700.0 ");
+  const Outcome outcome = rigtwin({"stability", "--rig", folder.write("unstable.toml", text).string()});
+  EXPECT_EQ(outcome.status, 0);
+  const std::string first = outcome.out.substr(0, outcome.out.find('\n'));
+  EXPECT_NE(first.find("unstable at 13.43 Hz"), std::string::npos) << first;
+  EXPECT_NE(first.find("stable with 2.246 ms less delay"), std::string::npos) << first;
+  for (const char* part :
+       {"proven by the argument principle", "critical virtual damping  908.04", "spectral radius", "order 1",
+        "half a step of hold", "not in the linear analysis (no linear part): fdva.minor_loss"}) {
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part;
+  }
+}
+
+// Point. A budget adds to the loop delay, part by part.
+TEST(StabilityCommand, TakesTheDelayBudget) {
+  const support::TemporaryFolder folder;
+  const auto file = folder.write("rig.toml", linear_with("[delay_budget]\nsensor_age = 0.001\ntransport = 0.002\n"
+                                                         "computation = 0.0015"));
+  const Outcome outcome = rigtwin({"stability", "--rig", file.string(), "--json", "-"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_NEAR(json["delay"].get<double>(), 0.0145, 1e-15);
+  EXPECT_EQ(json["stable"], true);
+  EXPECT_EQ(json["sampled"]["stable"], true);
+  EXPECT_NEAR(json["delay_budget"]["total"].get<double>(), 0.015, 1e-15);
+  EXPECT_NEAR(json["delay_budget"]["left"].get<double>(), 0.0152536 - 0.015, 1e-7);
+}
+
+// Fault. One line, the right exit status, no result left behind.
+TEST(StabilityCommand, RefusesInOneLine) {
+  const support::TemporaryFolder folder;
+  const std::string linear = rigs + "paper_linear.toml";
+  struct Case {
+    std::vector<std::string> arguments;
+    firmware::ExitStatus status;
+    std::string says;
+  };
+  using firmware::ExitStatus;
+  const auto file = [&](const std::string& name, const std::string& text) { return folder.write(name, text).string(); };
+  const std::vector<Case> cases{
+      {{"--rig", rigs + "paper_rig_fdva.toml"}, ExitStatus::unfit_input, "expected kind = \"hil\""},
+      {{"--rig", rigs + "paper_bench_fdva.toml"}, ExitStatus::unfit_input, "this is a component_bench"},
+      {{"--rig", linear, "--map", "tau=0.03:0:9,virtual_damping=0:1:9"}, ExitStatus::wrong_usage, "runs backwards"},
+      {{"--rig", linear, "--map", "bogus=0:1:9,virtual_damping=0:1:9"}, ExitStatus::wrong_usage, "no variable 'bogus'"},
+      {{"--rig", linear, "--sweep", "tau"}, ExitStatus::wrong_usage, "is not a range"},
+      {{"--rig", linear, "--right-of", "1"}, ExitStatus::wrong_usage, "--right-of"},
+      {{"--rig", linear, "--right-of", "nan"}, ExitStatus::wrong_usage, "--right-of"},
+      {{"--json", "-"}, ExitStatus::wrong_usage, "--rig is required"},
+      {{"--rig", (folder / "absent.toml").string()}, ExitStatus::unfit_input, "cannot be opened"},
+      {{"--rig", linear, "--json", (folder / "no/such/folder.json").string()}, ExitStatus::cannot_write, "folder.json"},
+      {{"--rig", file("neutral.toml", linear_with("[effects.force_sensor_inertia]\nmass = 5.0"))},
+       ExitStatus::unfit_input,
+       "force_sensor_inertia"},
+      {{"--rig", file("negative.toml", linear_with("[delay_budget]\ntransport = -0.001"))},
+       ExitStatus::unfit_input,
+       "delay_budget.transport"},
+      {{"--rig", file("unknown.toml", linear_with("[delay_budget]\ntransprt = 0.001"))},
+       ExitStatus::unfit_input,
+       "did you mean 'delay_budget.transport'"},
+      {{"--rig", file("bench.toml", support::TemporaryFolder::read(rigs + "paper_bench_fdva.toml") +
+                                        "\n[delay_budget]\ntransport = 0.001\n")},
+       ExitStatus::unfit_input,
+       "[delay_budget]"},
+  };
+  const std::size_t files = folder.count();
+  for (const Case& c : cases) {
+    std::vector<std::string> arguments{"stability"};
+    arguments.insert(arguments.end(), c.arguments.begin(), c.arguments.end());
+    const Outcome outcome = rigtwin(arguments);
+    EXPECT_EQ(outcome.status, static_cast<int>(c.status)) << outcome.err;
+    EXPECT_NE(outcome.err.find(c.says), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+  EXPECT_EQ(folder.count(), files);
+}
+
+}  // namespace

@@ -1,0 +1,155 @@
+// From the selected model to a verdict.
+#include "host_sim/identification/assess/assess.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host_sim/identification/assess/diagnosis_result.hpp"
+#include "host_sim/identification/assess/localisation.hpp"
+#include "host_sim/identification/assess/named_effect.hpp"
+#include "host_sim/identification/assess/overlay.hpp"
+#include "host_sim/identification/assess/prediction_error.hpp"
+#include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/identification/report/verdict_json.hpp"
+#include "host_sim/identification/select/select_model.hpp"
+#include "tests/host_sim/identification/sample_problem.hpp"
+
+namespace {
+
+using namespace host_sim::identification;
+using model::Channel;
+
+// Point. Without rivals and with a gain beside which nothing could hide, the confidence is the highest there is; even
+// odds halve it; a gain that a law outside the catalogue could hide beside takes a fifth; a residual takes its share.
+TEST(Confidence, FollowsItsEquation) {
+  const Certainty certain{1.0, 1.0, 200.0};
+  EXPECT_DOUBLE_EQ(confidence({}, 1e9, certain), thresholds::highest_confidence);
+  EXPECT_DOUBLE_EQ(confidence({1.0}, 1e9, certain), 0.5 * thresholds::highest_confidence);
+  EXPECT_DOUBLE_EQ(confidence({}, 200.0, certain), (1.0 - thresholds::outside_share) * thresholds::highest_confidence);
+  // q = 0.1 of a gain of 2000 is seen: ln(100)/ln(1000) = 2/3 of the fifth.
+  EXPECT_NEAR(confidence({}, 2000.0, certain),
+              (1.0 - thresholds::outside_share * 2.0 / 3.0) * thresholds::highest_confidence, 1e-12);
+  EXPECT_DOUBLE_EQ(confidence({}, 1e9, {0.4, 1.0, 200.0}), 0.4 * thresholds::highest_confidence);
+  EXPECT_LT(confidence({}, 2000.0, {1.0, 5.0, 200.0}), confidence({}, 2000.0, certain)) << "χ² is worth a fifth";
+}
+
+// Point. Of 2600 residuals in 13 bands of 2 channels 200 are in two bands: 8 √400 = 160 against 15 % = 30.
+TEST(Confidence, KnowsWhatWouldBeSeen) { EXPECT_DOUBLE_EQ(seen_from(2600.0, 2), 160.0); }
+
+TEST(Confidence, CallsARivalCloseBelowOddsOfTwenty) {
+  NamedEffect named{{}, {}, 0.9, {{{}, 19.0, ""}}};
+  EXPECT_TRUE(has_close_rival(named));
+  named.alternatives[0].odds_against = 21.0;
+  EXPECT_FALSE(has_close_rival(named));
+}
+
+// Point. Two channels with 900 and 100 too much, of 100 residuals each: shares of 90 and 10 %, the larger first, each
+// in the band of its excess. Where an effect of a sensor was found its channel is that sensor's; else the likely place
+// counts.
+TEST(Localisation, SharesTheExcessAmongChannels) {
+  const auto band = [](Channel channel, double lowest, double highest, double squares) {
+    return BandPower{channel, lowest, highest, {squares, 100.0}, 0.0, 0.0};
+  };
+  const std::vector<BandPower> left{band(Channel::x_act, 0.5, 1.0, 200.0), band(Channel::x_act, 1.0, 2.0, 100.0),
+                                    band(Channel::F, 0.5, 1.0, 100.0), band(Channel::F, 1.0, 2.0, 1000.0)};
+  SearchResult found;
+  found.best.fit.hypothesis.rig = sample::bench().rig;
+  auto locations = localise(left, found, "");
+  ASSERT_EQ(locations.size(), 1U) << "100 of 100 residuals are 7 standard deviations";
+  EXPECT_EQ(locations[0].channel, Channel::F);
+  EXPECT_NEAR(locations[0].share, 0.9, 1e-12);
+  EXPECT_EQ(locations[0].lowest, 1.0);
+  EXPECT_EQ(locations[0].highest, 2.0);
+  EXPECT_EQ(locations[0].subsystem, "suspension");
+  EXPECT_EQ(localise(left, found, "machine")[0].subsystem, "machine");
+  found.best.effects.push_back({firmware::find_effect("sensor_lag"), Channel::F, {1e-3}});
+  EXPECT_EQ(localise(left, found, "machine")[0].subsystem, "sensor F");
+}
+
+Diagnosis diagnosis_of(const firmware::RigDescription& truth) {
+  const firmware::RigDescription bench = sample::bench();
+  auto recordings = sample::prepared(bench, truth, Use::shared, 12.0);
+  const Hypothesis given = described_hypothesis(bench, recordings);
+  IdentificationProblem problem(std::move(recordings), given);
+  const SearchSpace space = search_space(bench, problem.samples(), given);
+  std::vector<ParityResidual> relations = parity_residuals(bench, problem.samples());
+  SearchResult found = select_model(problem, space, {});
+  return assess(bench, problem, space, std::move(relations), std::move(found));
+}
+
+bool all_finite(const nlohmann::ordered_json& json) {
+  if (json.is_number()) return std::isfinite(json.get<double>());
+  if (json.is_null()) return false;
+  for (const auto& [key, value] : json.items()) {
+    if ((value.is_structured() || value.is_number() || value.is_null()) && !all_finite(value)) return false;
+  }
+  return true;
+}
+
+// Journey. Friction of a component: named, placed, its error down to the noise on data that was not fitted, in the rig
+// that is left; and all of it in verdict.json with every key of the contract and finite numbers.
+TEST(Assess, SaysWhatIsMissingAndHowSureThatIs) {
+  const Diagnosis found = diagnosis_of(sample::with_effect(sample::bench(), "coulomb_friction", {40.0}));
+  EXPECT_EQ(found.verdict, Verdict::named);
+  EXPECT_EQ(name(found.verdict), "named");
+  ASSERT_EQ(found.effects.size(), 1U);
+  const Interval& force = found.effects[0].parameters[0];
+  EXPECT_LT(force.lower, 40.0);
+  EXPECT_GT(force.upper, 40.0);
+  EXPECT_GT(found.effects[0].confidence, 0.9);
+  ASSERT_FALSE(found.locations.empty());
+  EXPECT_EQ(found.locations[0].channel, Channel::F);
+  EXPECT_EQ(found.locations[0].subsystem, "suspension");
+  const PredictionError& error = found.prediction_errors.at(Channel::F);
+  EXPECT_GT(error.refit, 2.0 * error.after);
+  EXPECT_NEAR(error.after / error.noise_floor, 1.0, 0.05);
+  EXPECT_EQ(firmware::effects_of(found.rig.rig).size(), 1U);
+  EXPECT_GT(found.residual_power.refit, 2.0);
+  EXPECT_NEAR(found.residual_power.after, 1.0, 0.1);
+  ASSERT_EQ(found.overlays.size(), 2U);
+  EXPECT_EQ(found.overlays[1].frequency.size(), found.overlays[1].error_after.size());
+  EXPECT_GT(found.overlays[1].frequency.front(), 0.0);
+  EXPECT_LE(found.overlays[1].frequency.back(), 90.0);
+  EXPECT_EQ(found.overlays[1].time.size(), 1500U);
+
+  const auto json = to_json(found);
+  for (const char* key : {"verdict", "where", "relations", "effects", "gap", "parameters", "unexplained",
+                          "parameters_off", "recording", "laws", "undetermined"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_TRUE(json.at("laws").is_array());
+  EXPECT_TRUE(all_finite(json)) << json.dump(2);
+  EXPECT_EQ(json.at("effects").at(0).at("name"), "coulomb_friction");
+  EXPECT_TRUE(sentence(found).starts_with("The model lacks coulomb_friction")) << sentence(found);
+  EXPECT_TRUE(result_rig(found.rig, "given.toml").starts_with(result_rig_mark));
+  EXPECT_NE(report_html(found, sample::bench()).find("coulomb_friction"), std::string::npos);
+}
+
+// Journey. Nothing but noise and a tolerated stiffness: no effect, no location, a relation for each pair of channels.
+TEST(Assess, FindsNothingInARigAsDescribed) {
+  firmware::RigDescription truth = sample::bench();
+  truth.rig.suspension.stiffness *= 1.02;
+  const Diagnosis found = diagnosis_of(truth);
+  EXPECT_EQ(found.verdict, Verdict::no_discrepancy);
+  EXPECT_TRUE(found.effects.empty());
+  EXPECT_TRUE(found.locations.empty());
+  EXPECT_EQ(found.relations.size(), 2U);
+  EXPECT_NEAR(found.parameters.at("suspension.stiffness").value, 30600.0, 60.0);
+  const std::string card = explanation(*firmware::find_effect("bump_stop"));
+  EXPECT_NE(card.find("clearance"), std::string::npos);
+  EXPECT_EQ(odds_text(34.52), "34.5 to 1");
+  EXPECT_EQ(unit_of({firmware::find_effect("sensor_offset"), Channel::F, {1.0}}, 0), "N");
+}
+
+// Fault. What is not a number never leaves in verdict.json.
+TEST(VerdictJson, HoldsFiniteNumbersOnly) {
+  Diagnosis broken;
+  broken.prediction_errors[Channel::F] = {std::nan(""), INFINITY, 0.1, 0.1};
+  broken.parameters["suspension.stiffness"] = {1.0, -INFINITY, INFINITY};
+  EXPECT_TRUE(all_finite(to_json(broken))) << to_json(broken).dump();
+}
+
+}  // namespace

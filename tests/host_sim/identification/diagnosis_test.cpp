@@ -1,0 +1,308 @@
+// Whole diagnoses. The recordings come from tests/support/reference_rig, which shares no code with the model.
+#include "host_sim/identification/diagnosis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_csv.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
+#include "tests/support/reference_rig.hpp"
+#include "tests/support/reference_road.hpp"
+#include "tests/support/report_page.hpp"
+#include "tests/support/rig_texts.hpp"
+#include "tests/truth/truth.hpp"
+
+namespace {
+
+using namespace firmware;  // NOLINT
+using namespace host_sim;
+using identification::Diagnosis;
+using identification::Use;
+using identification::Verdict;
+using model::Channel;
+using support::ReferenceRig;
+
+constexpr double period = 1e-3, duration = 16.0;
+
+/// A recording of a reference rig on a class B road with the noise of the paper's sensors.
+Recording recorded(const ReferenceRig& rig, const RigDescription& description, std::uint64_t seed,
+                   double mass_beyond_sensor = 0.0) {
+  std::vector<support::ReferenceInput> input;
+  for (const auto& m : support::random_road(64e-6, period, duration, seed)) {
+    input.push_back({m.position, m.velocity, m.acceleration, 0.0});
+  }
+  const auto samples = support::run_reference(rig, period, input, 40);
+  support::NormalNoise noise(seed + 1000);
+  Recording r;
+  r.sample_period = period;
+  r.time = sample_times(samples.size(), 1.0 / period);
+  r.source = "reference, seed " + std::to_string(seed);
+  const auto put = [&](Channel channel, double value) {
+    r[channel].push_back(value + description.noise[index(channel)].value_or(0.0) * noise());
+  };
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto& s = samples[k];
+    put(Channel::z_r, input[k].position);
+    if (rig.kind == ReferenceRig::Kind::quarter_car) put(Channel::zdd_r, input[k].acceleration);
+    put(Channel::zdd_w, s.zdd_w);
+    put(Channel::zdd_b, s.zdd_b);
+    put(Channel::F_w, s.F_w + mass_beyond_sensor * input[k].acceleration);
+    if (rig.kind == ReferenceRig::Kind::quarter_car) {
+      put(Channel::dz_w, s.dz_w);
+      put(Channel::dz_b, s.dz_b);
+    } else {
+      put(Channel::z_w, s.z_w);
+      put(Channel::z_b, s.z_b);
+      put(Channel::x_cmd, s.x_cmd);
+      put(Channel::x_act, s.x_act);
+      put(Channel::F, s.F);
+    }
+  }
+  return r;
+}
+
+RigDescription car_description() {
+  RigDescription d = support::rig("paper_rig_fdva");
+  remove_effect(d.rig, *find_effect("force_sensor_inertia"), std::nullopt);
+  d.tolerance = {{"body.mass", 0.01}, {"tyre.stiffness", 0.03}, {"suspension.stiffness", 0.03}};
+  for (const auto& [channel, rms] :
+       {std::pair(Channel::z_r, 2e-5), std::pair(Channel::zdd_r, 0.05), std::pair(Channel::zdd_w, 0.05),
+        std::pair(Channel::zdd_b, 0.05), std::pair(Channel::F_w, 10.0), std::pair(Channel::dz_w, 5e-5),
+        std::pair(Channel::dz_b, 5e-5)}) {
+    d.noise[index(channel)] = rms;
+  }
+  return d;
+}
+
+ReferenceRig reference_of(const RigDescription& d) {
+  ReferenceRig rig;
+  rig.kind = d.rig.kind == model::RigKind::hil ? ReferenceRig::Kind::hil : ReferenceRig::Kind::quarter_car;
+  rig.m_b = d.rig.body.mass;
+  rig.m_w = d.rig.wheel.mass;
+  rig.k_t = d.rig.tyre.stiffness;
+  rig.b_t = d.rig.tyre.damping;
+  rig.k_b = d.rig.suspension.stiffness;
+  rig.b_b = d.rig.suspension.damping;
+  rig.virtual_damping = d.rig.machine.virtual_damping;
+  return rig;
+}
+
+/// Paper's first story: a hil rig whose machine is 10 ms late.
+TEST(Diagnosis, NamesTheDelayOfThePapersFirstRig) {
+  RigDescription d = support::rig("paper_hil_fdva");
+  remove_effect(d.rig, *find_effect("actuator_delay"), std::nullopt);
+  d.noise[index(Channel::F)] = 10.0;
+  d.noise[index(Channel::x_act)] = 2e-5;
+  d.tolerance = {{"suspension.stiffness", 0.03}, {"fdva.coupling_stiffness", 0.03}};
+  ReferenceRig truth = reference_of(d);
+  truth.delay = 0.010;
+  const Diagnosis found = identification::diagnose(d, {{recorded(truth, d, 21), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::named) << identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].effect.entry->name, "actuator_delay");
+  EXPECT_NEAR(found.effects[0].parameters[0].value, 0.010, 0.2e-3);  // the figure; noise alone leaves 1e-6
+  EXPECT_GT(found.effects[0].confidence, 0.9);
+  ASSERT_FALSE(found.locations.empty());
+  EXPECT_EQ(found.locations[0].subsystem, "machine");
+  const auto& gap = found.prediction_errors.at(Channel::x_act);
+  EXPECT_GT(gap.before, 10.0 * gap.after);
+  EXPECT_LT(gap.after, 1.15 * gap.noise_floor);
+  EXPECT_LT(found.prediction_errors.at(Channel::F).after, 1.15 * found.prediction_errors.at(Channel::F).noise_floor);
+  // What was found is a rig again, and its delay is what stability warns of.
+  EXPECT_NEAR(*find_parameter(const_cast<Diagnosis&>(found).rig.rig, "effects.actuator_delay.delay"), 0.010, 0.2e-3);
+}
+
+/// Paper's second story: a mass between force sensor and wheel spring.
+TEST(Diagnosis, NamesTheMassBeyondTheForceSensorOfThePapersSecondRig) {
+  const RigDescription d = car_description();
+  ReferenceRig truth = reference_of(d);
+  truth.k_b *= 1.02;
+  truth.k_t *= 0.99;
+  const Diagnosis found = identification::diagnose(d, {{recorded(truth, d, 22, 5.0), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::named) << identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].effect.entry->name, "force_sensor_inertia");
+  EXPECT_NEAR(found.effects[0].parameters[0].value / 5.0, 1.0, 0.03);
+  EXPECT_LT(found.prediction_errors.at(Channel::F_w).after,
+            1.15 * found.prediction_errors.at(Channel::F_w).noise_floor);
+  // Deviations inside the tolerances are no effects.
+  EXPECT_NEAR(found.parameters.at("suspension.stiffness").value / truth.k_b, 1.0, 2e-3);
+  EXPECT_NEAR(found.parameters.at("tyre.stiffness").value / truth.k_t, 1.0, 2e-3);
+
+  const std::string page = identification::report_html(found, d);
+  support::expect_sound(page, 2 + 2 * found.overlays.size());
+  EXPECT_NE(page.find("force_sensor_inertia"), std::string::npos);
+}
+
+// Nothing is there but deviations inside the tolerances and noise: no effect is dressed up.
+TEST(Diagnosis, FindsNothingWhereNothingIs) {
+  const RigDescription d = car_description();
+  ReferenceRig truth = reference_of(d);
+  truth.m_b *= 0.993;
+  truth.k_b *= 0.98;
+  const Diagnosis found = identification::diagnose(d, {{recorded(truth, d, 23), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << identification::sentence(found);
+  EXPECT_TRUE(found.effects.empty());
+  EXPECT_FALSE(found.unexplained);
+}
+
+// Sensors that read too little: signed parameters are found on either side.
+TEST(Diagnosis, FindsANegativeOffsetAndAGainBelowOne) {
+  RigDescription d = support::rig("paper_hil_fdva");
+  remove_effect(d.rig, *find_effect("actuator_delay"), std::nullopt);
+  d.noise[index(Channel::F)] = 10.0;
+  d.noise[index(Channel::x_act)] = 2e-5;
+  Recording r = recorded(reference_of(d), d, 24);
+  for (double& F : r[Channel::F]) F -= 120.0;
+  for (double& x : r[Channel::x_act]) x *= 0.97;
+  const Diagnosis found = identification::diagnose(d, {{std::move(r), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::named) << identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), 2U);
+  for (const auto& named : found.effects) {
+    const auto& value = named.parameters[0];
+    if (named.effect.channel == Channel::F) {
+      EXPECT_EQ(named.effect.entry->name, "sensor_offset");
+      EXPECT_NEAR(value.value, -120.0, 1.0);  // 10 N of noise over 12 000 samples: 0.1 N
+    } else {
+      EXPECT_EQ(named.effect.entry->name, "sensor_gain");
+      EXPECT_NEAR(value.value, 0.97, 5e-4);
+    }
+  }
+}
+
+// Law. The less an effect gains, the more a law that is not in the catalogue could differ from it without being seen,
+// so the less sure is its name: an offset of 3 N in 10 N of noise is less sure than one of 8 N, and that less than one
+// of 120 N, beside which nothing could hide that is worth a name. The right name stays the likelier one throughout.
+TEST(Diagnosis, IsLessSureOfWhatIsWeak) {
+  RigDescription d = support::rig("paper_hil_fdva");
+  remove_effect(d.rig, *find_effect("actuator_delay"), std::nullopt);
+  d.noise[index(Channel::F)] = 10.0;
+  d.noise[index(Channel::x_act)] = 2e-5;
+  const auto confidence = [&](double offset) {
+    Recording r = recorded(reference_of(d), d, 24);
+    for (double& F : r[Channel::F]) F += offset;
+    const Diagnosis found = identification::diagnose(d, {{std::move(r), Use::shared}});
+    EXPECT_EQ(found.effects.size(), 1U) << offset;
+    if (found.effects.size() != 1) return 0.0;
+    EXPECT_EQ(found.effects[0].effect.entry->name, "sensor_offset") << offset;
+    return found.effects[0].confidence;
+  };
+  const double weak = confidence(3.0), middle = confidence(8.0), strong = confidence(-120.0);
+  EXPECT_GT(weak, 0.5);
+  EXPECT_LT(weak, middle - 0.02);
+  EXPECT_LT(middle, strong - 0.01);
+  EXPECT_GT(strong, 0.99);
+}
+
+// The virtual tyre of a hil rig is computed by the real-time program, so its effects are read off F_w and not searched
+// for. Their confidence and their error are worked out all the same: on the quarter that was not fitted a tyre with the
+// right cubic term is exact up to differences and the digits of the file, and the linear tyre refitted there stays as
+// far off as the cubic term makes it.
+TEST(Diagnosis, JudgesTheVirtualTyreOnDataThatWasNotFitted) {
+  truth::Truth truth = truth::draw("single:hil:progressive_tyre", 1);
+  truth.records.resize(1);
+  truth.records[0].duration = 12.0;
+  const RigDescription d = parse_rig(truth::rig_toml(truth), "rig.toml");
+  const auto diagnosis_of = [&](Recording recording) {
+    return identification::diagnose(d, {{std::move(recording), Use::shared}});
+  };
+  const Recording recording = parse_recording_csv(truth::csv(truth, truth::simulate(truth)[0]), "rec.csv");
+  const Diagnosis found = diagnosis_of(recording);
+  ASSERT_EQ(found.effects.size(), 1U) << identification::sentence(found);
+  EXPECT_EQ(found.effects[0].effect.entry->name, "progressive_tyre");
+  EXPECT_GT(found.effects[0].confidence, 0.9);
+  const auto& error = found.prediction_errors.at(Channel::F_w);
+  EXPECT_GE(error.before, 0.999 * error.refit);
+  EXPECT_GT(error.refit, 20.0 * error.after);
+  EXPECT_EQ(error.noise_floor, 0.0) << "no sensor is between";
+
+  // The held-out quarter of F_w replaced by that of a linear tyre: the cubic term that the fitted part shows makes it
+  // worse there, which must be said and takes the name away.
+  Recording other = recording;
+  for (std::size_t k = other.size() - other.size() / 4; k < other.size(); ++k) {
+    const auto motion = [&](std::size_t i) { return other[Channel::z_r][i] - other[Channel::z_w][i]; };
+    const double rate = k + 1 < other.size() ? (motion(k + 1) - motion(k - 1)) / (2.0 * other.sample_period) : 0.0;
+    other[Channel::F_w][k] = d.rig.tyre.stiffness * motion(k) + d.rig.tyre.damping * rate;
+  }
+  const Diagnosis spoilt = diagnosis_of(std::move(other));
+  EXPECT_GT(spoilt.prediction_errors.at(Channel::F_w).after, 5.0 * error.after);
+  for (const auto& named : spoilt.effects) {
+    if (named.effect.entry->name == "progressive_tyre") {
+      EXPECT_LT(named.confidence, found.effects[0].confidence);
+    }
+  }
+}
+
+// The samples that lie beside the project: verdict and effects.
+TEST(Diagnosis, NamesWhatIsHiddenInTheSamples) {
+  if (!std::filesystem::exists(support::shared / "samples")) GTEST_SKIP() << "../shared/samples is missing";
+  struct Answer {
+    const char* folder;
+    Verdict verdict;
+    std::vector<std::string> effects;
+  };
+  for (const Answer& answer :
+       {Answer{"sample_a", Verdict::named, {"wheel_guide_friction"}},
+        Answer{"sample_b", Verdict::named, {"sensor_lag"}},
+        Answer{"sample_c", Verdict::named, {"sensor_delay", "viscous_damping"}},
+        Answer{"sample_d", Verdict::no_discrepancy, {}}, Answer{"sample_e", Verdict::unexplained, {}},
+        Answer{"sample_f", Verdict::named, {"actuator_delay"}}}) {
+    SCOPED_TRACE(answer.folder);
+    const auto folder = support::shared / "samples" / answer.folder;
+    const RigDescription d = read_rig(folder / "rig.toml");
+    const Diagnosis found =
+        identification::diagnose(d, {{read_recording(folder / "rec1.csv", d.channels, d.sample_rate), Use::shared}});
+    EXPECT_EQ(found.verdict, answer.verdict) << identification::sentence(found);
+    if (answer.verdict == Verdict::unexplained) {
+      for (const identification::NamedEffect& named : found.effects) EXPECT_LE(named.confidence, 0.5);
+      continue;
+    }
+    std::vector<std::string> names;
+    for (const identification::NamedEffect& named : found.effects) names.emplace_back(named.effect.entry->name);
+    EXPECT_EQ(names, answer.effects);
+  }
+}
+
+bool lists(const Diagnosis& diagnosis, std::string_view name) {
+  return std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                     [&](const identification::NamedEffect& named) { return named.effect.entry->name == name; });
+}
+
+double pooled(const Diagnosis& diagnosis, double identification::PredictionError::*which) {
+  double sum = 0.0;
+  for (const auto& [channel, gap] : diagnosis.prediction_errors) sum += gap.*which * (gap.*which);
+  return std::sqrt(sum / static_cast<double>(diagnosis.prediction_errors.size()));
+}
+
+// Real rigs beside the project: a bench with dry guides, fitted on one record and judged on another, and a damper with
+// dry friction. Nobody knows all that is in them: friction must be listed, and the gap on the record held out shrink by
+// 30 %.
+TEST(Diagnosis, NamesFrictionOfRealRigs) {
+  const auto folder = support::shared / "real";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "../shared/real is missing";
+  const RigDescription bench = read_rig(folder / "quanser.toml");
+  const Diagnosis found = identification::diagnose(
+      bench, {{read_recording(folder / "quanser_1.csv", bench.channels, bench.sample_rate), Use::fitted},
+              {read_recording(folder / "quanser_3.csv", bench.channels, bench.sample_rate), Use::held_out}});
+  EXPECT_TRUE(lists(found, "wheel_guide_friction")) << identification::sentence(found);
+  EXPECT_LT(pooled(found, &identification::PredictionError::after),
+            0.7 * pooled(found, &identification::PredictionError::refit));
+  for (const auto& [channel, gap] : found.prediction_errors) EXPECT_LT(gap.after, gap.refit) << model::name(channel);
+  const RigDescription damper = read_rig(folder / "mr_damper.toml");
+  for (const char* record : {"mr_damper_A1.csv", "mr_damper_A2.csv", "mr_damper_A3.csv"}) {
+    const Diagnosis one = identification::diagnose(
+        damper, {{read_recording(folder / record, damper.channels, damper.sample_rate), Use::shared}});
+    EXPECT_TRUE(lists(one, "coulomb_friction")) << record << ": " << identification::sentence(one);
+  }
+}
+
+// Point. Odds are said as far as anybody can know them.
+TEST(DiagnosisReport, SaysOddsAsFarAsTheyAreKnown) {
+  EXPECT_EQ(identification::odds_text(34.52), "34.5 to 1");
+  EXPECT_EQ(identification::odds_text(1e130), "over a million to 1");
+}
+
+}  // namespace

@@ -1,0 +1,105 @@
+// What of the recordings is fitted, how its residuals are weighted, and what the input's noise makes of them.
+#include "host_sim/identification/noise/identification_problem.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host_sim/identification/noise/input_noise_covariance.hpp"
+#include "tests/host_sim/identification/sample_problem.hpp"
+
+namespace {
+
+using namespace host_sim::identification;
+using model::Channel;
+
+/// A bench that is driven by a measured x_act with noise: F = k x alone.
+firmware::RigDescription spring() {
+  return firmware::parse_rig(
+      "kind = 'component_bench'\nsample_rate = 1000.0\n[suspension]\nstiffness = 30000.0\ndamping = 0.0\n"
+      "[noise]\nF = 10.0\nx_act = 2e-5\n",
+      "spring.toml");
+}
+std::vector<PreparedRecording> spring_recordings() {
+  firmware::Recording recording = sample::recorded(spring());
+  recording[Channel::x_cmd].clear();
+  std::vector<PreparedRecording> list;
+  list.push_back(prepare_recording(spring(), std::move(recording), Use::shared, false));
+  return list;
+}
+
+// Point. Through a spring of k noise σ_x of the deflection becomes noise k σ_x of the force at every frequency: N = k²
+// σ_x², and the variance is the same.
+TEST(InputNoiseCovariance, IsTheSquareOfAStiffnessTimesTheNoise) {
+  const auto recordings = spring_recordings();
+  const Hypothesis given = described_hypothesis(spring(), recordings);
+  const InputNoiseCovariance noise =
+      input_noise_covariance(recordings[0], given, given.starts[0], recordings[0].fitted);
+  const double expected = std::pow(30000.0 * sample::deflection_noise, 2);
+  ASSERT_EQ(noise.spectrum.size(), 91U);
+  for (const auto& matrix : noise.spectrum) EXPECT_NEAR(matrix(0, 0).real() / expected, 1.0, 1e-6);
+  EXPECT_NEAR(noise.variance[index(Channel::F)] / expected, 1.0, 0.05);  // 18 000 samples: √(2/18 000) = 0.01
+}
+
+// Law. With the noise of its input known, a recording of the described rig leaves χ² = n; without it, (k σ_x)² more.
+TEST(IdentificationProblem, WeightsResidualsWithTheNoiseOfTheInput) {
+  auto recordings = spring_recordings();
+  const Hypothesis given = described_hypothesis(spring(), recordings);
+  IdentificationProblem problem(std::move(recordings));
+  const auto per_residual = [&] {
+    const ProblemRecording& r = problem.recordings()[0];
+    const host_sim::Response simulated =
+        read_channels(given, *r.samples, r.samples->input, given.starts[0], 0, r.resolution());
+    std::vector<double> whitened(r.fit_whitening->count());
+    r.fit_whitening->whiten(r.fit_whitening->spectra(*r.samples, simulated), whitened.data());
+    double squares = 0.0;
+    for (const double v : whitened) squares += v * v;
+    return squares / static_cast<double>(whitened.size());
+  };
+  const double n = static_cast<double>(problem.residual_count());
+  const double extra = std::pow(30000.0 * sample::deflection_noise / sample::force_noise, 2);
+  EXPECT_NEAR(per_residual(), 1.0 + extra, 5.0 * (1.0 + extra) * std::sqrt(2.0 / n));
+  EXPECT_TRUE(problem.update_input_noise(given));
+  EXPECT_NEAR(per_residual(), 1.0, 5.0 * std::sqrt(2.0 / n));
+  // An allowed model error of 10 % of the rms adds its square to the variance of every residual.
+  double squares = 0.0;
+  const PreparedRecording& samples = problem.samples()[0];
+  for (std::size_t k = 0; k < samples.fitted.to; ++k) squares += std::pow(samples.recording[Channel::F][k], 2);
+  const double allowed = 0.01 * squares / static_cast<double>(samples.fitted.to);
+  const double known = std::pow(sample::force_noise, 2) * (1.0 + extra);
+  problem.allow_model_error(0.1);
+  EXPECT_NEAR(per_residual(), known / (known + allowed), 0.02);
+  problem.allow_model_error(0.0);
+  EXPECT_NEAR(per_residual(), 1.0, 5.0 * std::sqrt(2.0 / n));
+}
+
+// Law. A part of a problem is a view: the same samples, the beginning of each fitted window, nothing held out, and the
+// noise of the whole.
+TEST(IdentificationProblem, IsTruncatedWithoutCopyingSamples) {
+  auto recordings = spring_recordings();
+  const Hypothesis given = described_hypothesis(spring(), recordings);
+  const IdentificationProblem problem(std::move(recordings), given);
+  EXPECT_TRUE(problem.has_held_out());
+  EXPECT_EQ(problem.fitted_count(), 1U);
+  const IdentificationProblem part = problem.truncated(0.5);
+  EXPECT_EQ(&part.samples(), &problem.samples());
+  EXPECT_EQ(part.recordings()[0].fitted.size(), 3000U);
+  EXPECT_FALSE(part.has_held_out());
+  EXPECT_EQ(part.recordings()[0].input_noise.spectrum[5](0, 0), problem.recordings()[0].input_noise.spectrum[5](0, 0));
+  EXPECT_NEAR(static_cast<double>(part.residual_count()) / static_cast<double>(problem.residual_count()), 0.5, 0.02);
+  EXPECT_EQ(problem.truncated(1e-6).recordings()[0].fitted.size(), 2000U) << "two seconds at least";
+  EXPECT_EQ(problem.truncated_and_coarse(0.5).recordings()[0].substeps, 2);
+  EXPECT_EQ(problem.recordings()[0].substeps, 4);
+}
+
+// A command is exact: nothing to weight anew.
+TEST(IdentificationProblem, HasNoNoiseOfACommand) {
+  const firmware::RigDescription bench = sample::bench();
+  auto recordings = sample::prepared(bench, bench);
+  const Hypothesis given = described_hypothesis(bench, recordings);
+  IdentificationProblem problem(std::move(recordings), given);
+  EXPECT_TRUE(problem.recordings()[0].input_noise.spectrum.empty());
+  EXPECT_FALSE(problem.update_input_noise(given));
+}
+
+}  // namespace

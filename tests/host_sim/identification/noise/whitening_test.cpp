@@ -1,0 +1,59 @@
+// Known noise becomes white.
+#include "host_sim/identification/noise/whitening.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/reference_road.hpp"
+
+namespace {
+
+using namespace firmware;  // NOLINT
+using namespace host_sim;
+using model::Channel;
+
+constexpr double period = 1e-3;
+
+identification::PreparedRecording two_channels(std::uint64_t seed, double correlated) {
+  constexpr std::size_t n = 20'000;
+  support::NormalNoise noise(seed);
+  identification::PreparedRecording e;
+  e.recording.sample_period = e.input.period = period;
+  e.recording.time = sample_times(n, 1.0 / period);
+  e.channels = {Channel::x_act, Channel::F};
+  e.noise[index(Channel::x_act)] = 2e-5;
+  e.noise[index(Channel::F)] = 10.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double common = correlated * noise();
+    e.recording[Channel::x_act].push_back(2e-5 * (noise() + common));
+    e.recording[Channel::F].push_back(10.0 * (noise() - 2.0 * common));
+  }
+  e.fitted = {0, n};
+  return e;
+}
+
+// Law. Known noise becomes χ² = n; noise with a known common source too, and its channels become independent.
+TEST(Whitening, MakesKnownNoiseWhite) {
+  for (const double correlated : {0.0, 3.0}) {
+    const identification::PreparedRecording e = two_channels(5, correlated);
+    Eigen::MatrixXcd common(2, 2);
+    const Eigen::Vector2cd source(2e-5 * correlated, -20.0 * correlated);
+    common = source * source.adjoint();
+    const identification::Whitening whitening(e, e.fitted, std::vector<Eigen::MatrixXcd>(91, common));
+    Response nothing;
+    for (const Channel c : e.channels) nothing[index(c)].assign(e.size(), 0.0);
+    std::vector<double> r(whitening.count());
+    whitening.whiten(whitening.spectra(e, nothing), r.data());
+    double squares = 0.0, across = 0.0;
+    for (std::size_t i = 0; i + 3 < r.size(); i += 4) {
+      squares += r[i] * r[i] + r[i + 1] * r[i + 1] + r[i + 2] * r[i + 2] + r[i + 3] * r[i + 3];
+      across += r[i] * r[i + 2] + r[i + 1] * r[i + 3];
+    }
+    const double n = static_cast<double>(r.size());
+    EXPECT_NEAR(squares / n, 1.0, 5.0 * std::sqrt(2.0 / n)) << "seed 5, " << correlated;
+    EXPECT_NEAR(across / (0.5 * n), 0.0, 5.0 / std::sqrt(0.5 * n)) << "seed 5, " << correlated;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,52 @@
+// Renewals of held channels.
+#include "host_sim/identification/prepare/sample_hold.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace {
+
+using host_sim::identification::Renewals;
+using host_sim::identification::renewals_of;
+
+/// A ramp that is renewed at every sample k with k − 1 < t_0 + n P ≤ k.
+std::vector<double> held_ramp(double first, double turn, std::size_t count) {
+  std::vector<double> samples(count, -1.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double n = std::floor((static_cast<double>(k) - first) / turn);
+    if (n >= 0.0) samples[k] = n;
+  }
+  return samples;
+}
+
+// Law (1). Renewal instants rounded up to samples give back t_0 and P within what they leave open, and that is little.
+TEST(Renewals, GiveBackPeriodAndPhase) {
+  for (const double turn : {4.3, 5.0, 7.77}) {
+    const auto found = renewals_of(held_ramp(2.4, turn, 5000));
+    ASSERT_TRUE(found) << turn;
+    EXPECT_TRUE(found->regular) << turn;
+    EXPECT_NEAR(found->period, turn, found->period_slack + 1e-9) << turn;
+    EXPECT_LT(found->period_slack, 2.0 / (5000.0 / turn)) << turn;
+    EXPECT_NEAR(found->first, 2.4, found->slack + found->period_slack * found->turn.back() + 1e-9) << turn;
+    EXPECT_EQ(found->at.size(), found->turn.size());
+  }
+}
+
+// A channel that is new with every sample is not held; one that is renewed without a period is not regular.
+TEST(Renewals, AreNoneOrIrregularWhereThereIsNoClock) {
+  std::vector<double> free(1000);
+  for (std::size_t k = 0; k < free.size(); ++k) free[k] = static_cast<double>(k);
+  EXPECT_FALSE(renewals_of(free));
+  std::vector<double> jitter;
+  for (std::size_t turn = 0; turn < 300; ++turn) {
+    const std::size_t length = turn % 7 == 3 ? 6 : 4;
+    for (std::size_t i = 0; i < length; ++i) jitter.push_back(static_cast<double>(turn));
+  }
+  const auto found = renewals_of(jitter);
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->regular);
+}
+
+}  // namespace

@@ -1,0 +1,181 @@
+// Candidates, what they must gain, and fits of them beside a model.
+#include "host_sim/identification/select/model_fitter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host_sim/identification/select/candidates.hpp"
+#include "host_sim/identification/select/search.hpp"
+#include "host_sim/identification/select/search_under_model_error.hpp"
+#include "host_sim/identification/select/select_model.hpp"
+#include "host_sim/identification/select/selection_criterion.hpp"
+#include "tests/host_sim/identification/sample_problem.hpp"
+
+namespace {
+
+using namespace host_sim::identification;
+using model::Channel;
+
+CandidateModel model_with(double chi_squared, std::size_t effects, std::size_t residuals = 1000) {
+  CandidateModel model;
+  model.fit.chi_squared = chi_squared;
+  model.fit.residual = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(residuals));
+  for (std::size_t i = 0; i < effects; ++i) {
+    model.effects.push_back({firmware::find_effect("viscous_damping"), std::nullopt, {1.0}});
+  }
+  return model;
+}
+
+// Point. An effect of one parameter costs 40 of χ² and must explain 3 % of what is left, a second one 30 %.
+TEST(SelectionCriterion, WantsFortyAndAShareOfWhatIsLeft) {
+  const SelectionCriterion criterion;
+  EXPECT_EQ(model_with(1500.0, 1).penalised_chi_squared(criterion), 1540.0);
+  const CandidateModel nothing = model_with(2000.0, 0);
+  EXPECT_EQ(beyond_noise(nothing.fit), 1000.0);
+  EXPECT_TRUE(criterion.accepts(model_with(1959.0, 1), nothing, 0.0));
+  EXPECT_FALSE(criterion.accepts(model_with(1961.0, 1), nothing, 0.0));
+  EXPECT_FALSE(criterion.accepts(model_with(1959.0, 1), nothing, 0.05)) << "5 % of 1000 are 50";
+  EXPECT_EQ(criterion.share(nothing), 0.03);
+  EXPECT_EQ(criterion.share(model_with(1500.0, 1)), 0.30);
+  const CandidateModel diverged = model_with(std::numeric_limits<double>::infinity(), 1);
+  EXPECT_TRUE(criterion.prefers(nothing, diverged));
+  EXPECT_FALSE(criterion.prefers(diverged, nothing));
+}
+
+// Point. From 21 times the noise to 6: 15 of 20 are explained; all of it down to noise; of no excess the least that
+// counts.
+TEST(ExplainedShare, IsOfThePowerBeyondNoise) {
+  EXPECT_DOUBLE_EQ(explained_share(21.0, 6.0, 1000.0), 0.75);
+  EXPECT_DOUBLE_EQ(explained_share(21.0, 0.98, 1000.0), 1.0);
+  EXPECT_DOUBLE_EQ(explained_share(1.0, 1.0, 1000.0), 1.0);
+}
+
+struct Bench {
+  explicit Bench(const firmware::RigDescription& truth, double seconds = 8.0)
+      : Bench(sample::prepared(sample::bench(), truth, Use::shared, seconds)) {}
+
+  Hypothesis given;
+  IdentificationProblem problem;
+  SearchSpace space;
+
+ private:
+  explicit Bench(std::vector<PreparedRecording> recordings)
+      : given(described_hypothesis(sample::bench(), recordings)),
+        problem(std::move(recordings), given),
+        space(search_space(sample::bench(), problem.samples(), given)) {}
+};
+
+// Law. Candidates are the effects that a bench has a place for, each with starts inside its bounds; an effect that is
+// in the hypothesis already is none; nothing on a bench is a tyre.
+TEST(Candidates, AreEffectsWithAPlaceThatAreNotThereYet) {
+  const Bench bench(sample::bench());
+  const Scales scales = scales_of(bench.problem.samples(), bench.given, read_all(bench.problem, bench.given));
+  EXPECT_NEAR(scales.motion.deflection, std::sqrt((64.0 + 16.0 + 1.0) / 2.0) * 1e-3, 3e-4)
+      << "three sines of 8, 4 and 1 mm";
+  const auto list = candidates(bench.problem.samples(), bench.given, scales);
+  const auto has = [](const std::vector<Candidate>& all, std::string_view name) {
+    return std::any_of(all.begin(), all.end(), [&](const Candidate& c) { return c.entry->name == name; });
+  };
+  EXPECT_TRUE(has(list, "coulomb_friction"));
+  EXPECT_TRUE(has(list, "sensor_lag"));
+  EXPECT_FALSE(has(list, "progressive_tyre"));
+  EXPECT_FALSE(has(list, "sensor_hold")) << "no value repeats itself";
+  for (const Candidate& candidate : list) {
+    EXPECT_FALSE(candidate.starts.empty()) << candidate.entry->name;
+    for (const Start& start : candidate.starts) {
+      EXPECT_EQ(start.values.size(), candidate.entry->parameters.size()) << candidate.entry->name;
+    }
+  }
+  Hypothesis friction = bench.given;
+  firmware::put_effect(friction.rig, {firmware::find_effect("coulomb_friction"), std::nullopt, {10.0}});
+  EXPECT_FALSE(has(candidates(bench.problem.samples(), friction, scales), "coulomb_friction"));
+}
+
+// Law. Of all candidates the hidden one is the best and leaves noise; without it, the model is as it was; the fit that
+// is no longer needed gives back its Jacobian.
+TEST(ModelFitter, FindsTheHiddenEffectFirst) {
+  Bench bench(sample::with_effect(sample::bench(), "coulomb_friction", {40.0}));
+  const SelectionCriterion criterion;
+  Effort effort;
+  const ModelFitter fitter(bench.problem, bench.space.common, criterion, effort);
+  const CandidateModel nothing = fitter.refitted(bench.given, {});
+  EXPECT_FALSE(fitter.leaves_noise(nothing));
+  const Scales scales = scales_of(bench.problem.samples(), bench.given, read_all(bench.problem, bench.given));
+  const auto list = fitter.extended(nothing, scales, 4);
+  ASSERT_FALSE(list.empty());
+  EXPECT_LE(list.size(), 4U);
+  EXPECT_EQ(list[0].effects[0].entry->name, "coulomb_friction");
+  EXPECT_NEAR(list[0].effects[0].values[0], 40.0, 0.8);  // σ_F/√6000 = 0.13 N
+  EXPECT_TRUE(fitter.leaves_noise(list[0]));
+  EXPECT_EQ(list[0].fit.jacobian.size(), 0);
+  EXPECT_GT(effort.simulations, 0U);
+  EXPECT_GT(effort.candidates, 4U);
+  const CandidateModel without = fitter.without(list[0], 0);
+  EXPECT_TRUE(without.effects.empty());
+  EXPECT_NEAR(without.fit.chi_squared / nothing.fit.chi_squared, 1.0, 1e-3);
+  CandidateModel grown = list[0];
+  fitter.refit_by_continuation(grown);
+  EXPECT_LE(grown.fit.chi_squared, list[0].fit.chi_squared);
+}
+
+// Journey. The search names what is hidden, with rivals that are further away, and nothing where nothing is hidden.
+TEST(SelectModel, NamesWhatIsHiddenAndNothingElse) {
+  Bench friction(sample::with_effect(sample::bench(), "coulomb_friction", {40.0}));
+  std::vector<double> shares;
+  const SearchResult found =
+      select_model(friction.problem, friction.space,
+                   [&](double share, const std::string&, std::size_t, std::size_t) { shares.push_back(share); });
+  ASSERT_EQ(found.best.effects.size(), 1U);
+  EXPECT_EQ(found.best.effects[0].entry->name, "coulomb_friction");
+  EXPECT_GT(found.gains[0], 1000.0);
+  const SelectionCriterion criterion;
+  for (const Rival& rival : found.rivals[0]) {
+    EXPECT_GT(rival.penalised_chi_squared, found.best.penalised_chi_squared(criterion));
+  }
+  EXPECT_GE(shares.size(), 3U);
+  Bench nothing(sample::bench());
+  EXPECT_TRUE(select_model(nothing.problem, nothing.space, {}).best.effects.empty());
+}
+
+// Point. Of 8 s with 6 fitted, 3 s are half; a part of more than three quarters is the whole.
+TEST(Search, TakesAPartOfTheWindowsWhereThatSavesWork) {
+  const Bench bench(sample::bench());
+  EXPECT_DOUBLE_EQ(share_with(bench.problem, 3.0), 0.5);
+  EXPECT_EQ(share_with(bench.problem, 5.0), 1.0);
+}
+
+// Law. What was found on a part is refitted on the whole: χ² and the distance of rivals grow with the residuals.
+TEST(Search, RefitsOnTheWholeWhatAPartShowed) {
+  Bench bench(sample::with_effect(sample::bench(), "coulomb_friction", {40.0}));
+  IdentificationProblem part = bench.problem.truncated(0.5);
+  const SearchOptions options{{}, false, {}};
+  SearchResult found = search(part, bench.space, options);
+  compare(part, bench.space, options, found);
+  ASSERT_EQ(found.best.effects.size(), 1U);
+  const double before = found.best.fit.chi_squared, gain = found.gains[0];
+  ASSERT_FALSE(found.rivals[0].empty());
+  const auto distance = [&] {
+    return found.rivals[0][0].penalised_chi_squared - found.best.penalised_chi_squared(options.criterion);
+  };
+  const double apart = distance();
+  refit_on(bench.problem, bench.space, options.criterion, found);
+  EXPECT_NEAR(distance() / apart, 2.0, 0.05);
+  EXPECT_NEAR(found.best.fit.chi_squared / before, 2.0, 0.15);
+  EXPECT_NEAR(found.gains[0] / gain, 2.0, 0.05);
+}
+
+// Law. Where a model leaves nothing but noise, allowing for an error finds nothing better; the problem is left as it
+// was.
+TEST(SearchUnderModelError, ReplacesNothingThatIsTheWhole) {
+  Bench bench(sample::bench());
+  SearchResult found = search(bench.problem, bench.space, {});
+  const double before = residuals(bench.problem, predict(bench.problem, bench.given)).squaredNorm();
+  EXPECT_FALSE(search_under_model_error(bench.problem, bench.space, {}, found));
+  EXPECT_TRUE(found.best.effects.empty());
+  EXPECT_EQ(residuals(bench.problem, predict(bench.problem, bench.given)).squaredNorm(), before);
+}
+
+}  // namespace
