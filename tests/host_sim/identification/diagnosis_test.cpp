@@ -17,7 +17,7 @@
 
 namespace {
 
-using namespace firmware;  // NOLINT
+using namespace firmware;
 using namespace host_sim;
 using identification::Diagnosis;
 using identification::Use;
