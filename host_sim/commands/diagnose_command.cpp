@@ -63,6 +63,15 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                   other.separate_by.empty() ? "" : "; to be separated by ", other.separate_by.c_str());
     }
   }
+  for (const identification::ParameterOff& off : diagnosis.parameters_off) {
+    std::printf("  %s is %.6g (%.6g … %.6g), described as %.6g ± %.3g %%   confidence %.3f\n", off.path.c_str(),
+                off.value.value, off.value.lower, off.value.upper, off.described, 100.0 * off.tolerance,
+                off.confidence);
+    for (std::size_t a = 0; a < std::min<std::size_t>(2, off.alternatives.size()); ++a) {
+      std::printf("    rather than %s: odds %s\n", identification::words(off.alternatives[a].effect).c_str(),
+                  identification::odds_text(off.alternatives[a].odds_against).c_str());
+    }
+  }
   if (!diagnosis.parameters.empty()) std::printf("fitted parameters, 95 %% interval\n");
   for (const auto& [path, fitted] : diagnosis.parameters) {
     std::printf("  %-28s %12.6g (%.6g … %.6g), ±%.2g %%\n", path.c_str(), fitted.value, fitted.lower, fitted.upper,

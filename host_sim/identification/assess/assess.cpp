@@ -9,6 +9,7 @@
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
 #include "host_sim/identification/select/select_model.hpp"
+#include "host_sim/identification/select/suspect_parameters.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -72,7 +73,7 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
 /// Where no effect is named, a relation that fails counts as a residual: what drives the simulation, or is computed by
 /// the program, shows in the relations alone.
 void add_failed_relations(Diagnosis& result) {
-  if (!result.effects.empty()) return;
+  if (!result.effects.empty() || !result.parameters_off.empty()) return;
   for (const ParityResidual& r : result.relations) {
     if (!r.significant()) continue;
     result.unexplained = true;
@@ -82,9 +83,39 @@ void add_failed_relations(Diagnosis& result) {
 }
 
 Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
-  if (result.effects.empty()) return result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
+  if (result.effects.empty() && result.parameters_off.empty())
+    return result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
   if (result.unexplained && explained < thresholds::explains_all) return Verdict::unexplained;
   return close ? Verdict::ambiguous : Verdict::named;
+}
+
+/// Parameters that are off: rated as an effect is.
+std::vector<ParameterOff> parameters_off(const firmware::RigDescription& description, const SearchResult& found,
+                                         const std::map<std::string, Interval>& parameters,
+                                         const Certainty& certainty) {
+  std::vector<ParameterOff> list;
+  for (const SuspectParameter& suspect : found.suspects) {
+    model::RigParameters<double> rig = description.rig;
+    const double* const described = firmware::find_parameter(rig, suspect.path);
+    const auto tolerance = description.tolerance.find(suspect.path);
+    ParameterOff off{suspect.path,
+                     described != nullptr ? *described : 0.0,
+                     tolerance != description.tolerance.end() ? tolerance->second : 0.0,
+                     parameters.at(suspect.path),
+                     0.0,
+                     {}};
+    std::vector<double> odds;
+    for (const Rival& rival : suspect.rivals) {
+      odds.push_back(std::exp(
+          std::min(rival.penalised_chi_squared / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
+      if (off.alternatives.size() < thresholds::most_alternatives) {
+        off.alternatives.push_back({rival.effect, odds.back(), {}});
+      }
+    }
+    off.confidence = confidence(odds, suspect.gain, certainty);
+    list.push_back(std::move(off));
+  }
+  return list;
 }
 
 void locate(const IdentificationProblem& problem, const SearchResult& found, bool tyre_effects, Diagnosis& result) {
@@ -134,11 +165,13 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const SelectionCriterion criterion;
   const Certainty certainty = certainty_of(problem, found, result.unexplained, explained);
   const std::vector<Interval> parameters = intervals(found.best.fit, certainty.temper);
-  for (std::size_t i = 0; i < space.tolerated.size(); ++i) {
-    result.parameters[space.tolerated[i].path] = parameters[i];
-  }
+  const std::vector<FreeParameter> tolerated = untied(space, found.freed).tolerated;
+  for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];
+  result.parameters_off = parameters_off(description, found, result.parameters, certainty);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
-  const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close_rival);
+  const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
+  const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close) ||
+                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close);
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
   add_tyre_effects(car, criterion, result);

@@ -23,12 +23,23 @@ struct ResidualPower {
   double given = 0.0, refit = 0.0, after = 0.0;  ///< rig as described, tolerances refitted, effects added
 };
 
+/// A parameter outside its tolerance, or described without one and not as described.
+struct ParameterOff {
+  std::string path;
+  double described = 0.0;
+  double tolerance = 0.0;  ///< relative; 0: described as exact
+  Interval value{};
+  double confidence = 0.0;
+  std::vector<Alternative> alternatives;  ///< effects in its place, the nearest first
+};
+
 struct Diagnosis {
   Verdict verdict{};
   std::vector<ParityResidual> relations;  ///< before anything is fitted but tolerances
   std::vector<RecordingLocation> locations;
   std::vector<BandPower> left_by_refit, left_after;  ///< tolerances refitted; effects, too
   std::vector<NamedEffect> effects;
+  std::vector<ParameterOff> parameters_off;
   std::map<model::Channel, PredictionError> prediction_errors;
   std::map<std::string, Interval> parameters;  ///< tolerated, refitted
   bool unexplained = false;                    ///< a significant residual remains

@@ -53,6 +53,8 @@ std::vector<RecordingLocation> localise(const std::vector<BandPower>& left, cons
     }
     if (named != nullptr) {
       subsystem = subsystem_of(*named);
+    } else if (!found.freed.empty()) {  // "wheel" of wheel.mass
+      subsystem = found.freed.front().path.substr(0, found.freed.front().path.find('.'));
     } else if (!likely.empty()) {
       subsystem = likely;
     }

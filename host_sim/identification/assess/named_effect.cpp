@@ -48,8 +48,8 @@ std::vector<Interval> intervals(const Fit& fit, double temper) {
   return list;
 }
 
-bool has_close_rival(const NamedEffect& effect) {
-  return std::any_of(effect.alternatives.begin(), effect.alternatives.end(),
+bool has_close_rival(const std::vector<Alternative>& alternatives) {
+  return std::any_of(alternatives.begin(), alternatives.end(),
                      [](const Alternative& other) { return other.odds_against < thresholds::close_odds; });
 }
 

@@ -60,6 +60,6 @@ struct Certainty {
                                                      const Certainty& certainty);
 
 /// Whether a rival is so near that the two count as not told apart (thresholds::close_odds).
-[[nodiscard]] bool has_close_rival(const NamedEffect& effect);
+[[nodiscard]] bool has_close_rival(const std::vector<Alternative>& alternatives);
 
 }  // namespace host_sim::identification

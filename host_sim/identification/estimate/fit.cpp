@@ -141,7 +141,6 @@ Eigen::MatrixXd Fit::covariance() const {
     h(k, k) += 1e-12 * h(k, k) + 1e-30;
     const double width = parameters[i].upper - parameters[i].lower;
     if (parameters[i].role == FreeParameter::Role::tolerated) h(k, k) += 12.0 / (width * width);
-    if (parameters[i].at_bound(hypothesis)) h(k, k) += 1e12 * (h(k, k) + 1.0);
   }
   return h.ldlt().solve(Eigen::MatrixXd::Identity(h.rows(), h.cols()));
 }

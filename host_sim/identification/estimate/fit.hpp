@@ -27,7 +27,7 @@ struct Fit {
   double chi_squared = 0.0;
   std::size_t simulations = 0;  ///< that it took
 
-  /// (3); parameters at a bound count as known.
+  /// (3); also of parameters at a bound: a bound says where the truth is not, not where it is.
   [[nodiscard]] Eigen::MatrixXd covariance() const;
 };
 

@@ -68,6 +68,26 @@ std::vector<FreeParameter> tolerated_parameters(const firmware::RigDescription& 
   return parameters;
 }
 
+std::vector<FreeParameter> suspect_parameters(const firmware::RigDescription& description) {
+  std::vector<FreeParameter> parameters;
+  model::RigParameters<double> part = explained_part(description.rig);
+  const bool has_car = part.kind != model::RigKind::component_bench;
+  for (const firmware::ParameterPath& p : firmware::parameter_paths()) {
+    const std::string path = std::string(p.table) + "." + std::string(p.key);
+    const double* const value = firmware::find_parameter(part, path);
+    if (value == nullptr || !(*value > 0.0) || p.table == "machine") continue;
+    if (!has_car && p.table != "suspension" && p.table != "fdva") continue;
+    parameters.push_back({.role = FreeParameter::Role::tolerated,
+                          .path = path,
+                          .scale = *value,
+                          .logarithmic = true,
+                          .lower = -std::log(thresholds::parameter_range),
+                          .upper = std::log(thresholds::parameter_range),
+                          .difference = thresholds::effect_difference});
+  }
+  return parameters;
+}
+
 std::vector<FreeParameter> start_parameters(const firmware::RigDescription& description,
                                             const std::vector<PreparedRecording>& recordings) {
   std::vector<FreeParameter> parameters;
@@ -127,7 +147,7 @@ std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effec
 
 SearchSpace search_space(const firmware::RigDescription& description, const std::vector<PreparedRecording>& recordings,
                          Hypothesis given) {
-  SearchSpace space{std::move(given), tolerated_parameters(description), {}};
+  SearchSpace space{std::move(given), tolerated_parameters(description), {}, suspect_parameters(description)};
   space.common = space.tolerated;
   for (FreeParameter& start : start_parameters(description, recordings)) space.common.push_back(std::move(start));
   return space;

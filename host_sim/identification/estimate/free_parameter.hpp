@@ -48,6 +48,10 @@ struct FreeParameter {
 /// The tolerated parameters of the explained part, within their bounds.
 [[nodiscard]] std::vector<FreeParameter> tolerated_parameters(const firmware::RigDescription& description);
 
+/// Every parameter of the explained part that is not 0, within a factor thresholds::parameter_range of what is
+/// described.
+[[nodiscard]] std::vector<FreeParameter> suspect_parameters(const firmware::RigDescription& description);
+
 /// The states at the beginnings of fitted recordings that do not begin at rest.
 [[nodiscard]] std::vector<FreeParameter> start_parameters(const firmware::RigDescription& description,
                                                           const std::vector<PreparedRecording>& recordings);
@@ -57,9 +61,10 @@ struct FreeParameter {
 
 /// What all models of a search share: where they begin and what is free in each of them.
 struct SearchSpace {
-  Hypothesis given;                      ///< the rig as described
-  std::vector<FreeParameter> tolerated;  ///< first in every fit
-  std::vector<FreeParameter> common;     ///< tolerated parameters, then start states
+  Hypothesis given;                       ///< the rig as described
+  std::vector<FreeParameter> tolerated;   ///< first in every fit
+  std::vector<FreeParameter> common;      ///< tolerated parameters, then start states
+  std::vector<FreeParameter> suspects{};  ///< every parameter of the explained part, bound by no tolerance
 };
 [[nodiscard]] SearchSpace search_space(const firmware::RigDescription& description,
                                        const std::vector<PreparedRecording>& recordings, Hypothesis given);

@@ -22,6 +22,10 @@ inline constexpr double lowest_logarithm = -12.0;
 /// [1] A tolerance of 1 and more leaves a parameter this share of its value at least: it does not change its sign.
 inline constexpr double least_share_of_value = 1e-3;
 
+/// [1] A described parameter is at most so many times too large or too small: more is a wrong unit, which unit_check
+/// says.
+inline constexpr double parameter_range = 3.0;
+
 // What a fit leaves ---------------------------------------------------------------------------------------------------
 
 /// [standard deviations] of a channel's power in a band beyond its noise, on fitted and on held-out data, from which it

@@ -63,6 +63,23 @@ void add_gaps(Report& page, const Diagnosis& diagnosis) {
   page.add_figure(figure);
 }
 
+void add_parameters_off(Report& page, const Diagnosis& diagnosis) {
+  if (diagnosis.parameters_off.empty()) return;
+  page.add_section("Parameters that are not as described");
+  Table table{
+      "", {"parameter", "described", "tolerance [%]", "fitted, 95 % interval", "confidence", "nearest rival"}, {}, 3};
+  for (const ParameterOff& off : diagnosis.parameters_off) {
+    std::string rival;
+    if (!off.alternatives.empty()) {
+      rival =
+          words(off.alternatives.front().effect) + ", " + odds_text(off.alternatives.front().odds_against) + " against";
+    }
+    table.rows.push_back({off.path, figure_text(off.described, 6), figure_text(100.0 * off.tolerance, 3),
+                          with_interval(off.value, ""), figure_text(off.confidence, 3), rival});
+  }
+  page.add_table(table);
+}
+
 void add_effects(Report& page, const Diagnosis& diagnosis) {
   if (diagnosis.effects.empty()) return;
   page.add_section("What is missing, and how sure that is");
@@ -200,6 +217,23 @@ std::string sentence(const Diagnosis& diagnosis) {
     }
     names.push_back(text);
   }
+  std::vector<std::string> off;
+  for (const ParameterOff& parameter : diagnosis.parameters_off) {
+    off.push_back(parameter.path + " is " + figure_text(parameter.value.value, 5) + ", not " +
+                  figure_text(parameter.described, 5));
+  }
+  if (!off.empty() && names.empty()) {
+    std::string text = joined(off);
+    if (diagnosis.verdict == Verdict::ambiguous)
+      text += ", or an effect that these recordings cannot tell apart from it";
+    if (diagnosis.verdict == Verdict::unexplained)
+      text = "Rig and model disagree by more than a parameter explains; " + text;
+    if (const auto* best = most_improved(diagnosis); best != nullptr) {
+      text += ": with it the error of " + std::string(model::name(best->first)) + " falls from " +
+              figure_text(100.0 * best->second.refit, 3) + " to " + figure_text(100.0 * best->second.after, 3) + " %";
+    }
+    return text + "." + (diagnosis.residual.empty() ? "" : " Left over: " + diagnosis.residual + ".");
+  }
   std::string text;
   switch (diagnosis.verdict) {
     case Verdict::no_discrepancy:
@@ -221,6 +255,7 @@ std::string sentence(const Diagnosis& diagnosis) {
             figure_text(100.0 * best->second.refit, 3) + " to " + figure_text(100.0 * best->second.after, 3) + " %";
   }
   text += ".";
+  if (!off.empty()) text += " Beside it " + joined(off) + ".";
   if (!diagnosis.residual.empty()) text += " Left over: " + diagnosis.residual + ".";
   return text;
 }
@@ -233,6 +268,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
                        : report::Verdict::good,
                    sentence(diagnosis));
   add_gaps(page, diagnosis);
+  add_parameters_off(page, diagnosis);
   add_effects(page, diagnosis);
   add_where(page, diagnosis);
   if (!diagnosis.parameters.empty()) {

@@ -17,6 +17,18 @@ ordered_json to_json(const Interval& interval) {
   return {{"value", interval.value}, {"ci95", {interval.lower, interval.upper}}};
 }
 
+ordered_json to_json(const std::vector<Alternative>& alternatives) {
+  ordered_json list = ordered_json::array();
+  for (const Alternative& alternative : alternatives) {
+    ordered_json other{{"name", alternative.effect.entry->name}};
+    put_channel(other, alternative.effect);
+    other["odds_against"] = alternative.odds_against;
+    if (!alternative.separate_by.empty()) other["separate_by"] = alternative.separate_by;
+    list.push_back(std::move(other));
+  }
+  return list;
+}
+
 ordered_json to_json(const NamedEffect& named) {
   ordered_json json{{"name", named.effect.entry->name}};
   put_channel(json, named.effect);
@@ -25,14 +37,7 @@ ordered_json to_json(const NamedEffect& named) {
     json["parameters"][named.effect.entry->parameters[p].name] = to_json(named.parameters[p]);
   }
   json["confidence"] = named.confidence;
-  json["alternatives"] = ordered_json::array();
-  for (const Alternative& alternative : named.alternatives) {
-    ordered_json other{{"name", alternative.effect.entry->name}};
-    put_channel(other, alternative.effect);
-    other["odds_against"] = alternative.odds_against;
-    if (!alternative.separate_by.empty()) other["separate_by"] = alternative.separate_by;
-    json["alternatives"].push_back(std::move(other));
-  }
+  json["alternatives"] = to_json(named.alternatives);
   return json;
 }
 
@@ -85,8 +90,16 @@ ordered_json to_json(const Diagnosis& diagnosis) {
                             {"after", diagnosis.residual_power.after}};
   json["effort"] = {{"candidates", diagnosis.candidates}, {"simulations", diagnosis.simulations}};
   json["remarks"] = diagnosis.remarks;
+  json["parameters_off"] = ordered_json::array();
+  for (const ParameterOff& off : diagnosis.parameters_off) {
+    ordered_json one{{"path", off.path}, {"described", off.described}, {"tolerance", off.tolerance}};
+    one.update(to_json(off.value));
+    one["confidence"] = off.confidence;
+    one["alternatives"] = to_json(off.alternatives);
+    json["parameters_off"].push_back(std::move(one));
+  }
   // Always present, as contract.md says; not searched for yet.
-  for (const char* key : {"parameters_off", "recording", "laws", "undetermined"}) json[key] = ordered_json::array();
+  for (const char* key : {"recording", "laws", "undetermined"}) json[key] = ordered_json::array();
   make_finite(json);
   return json;
 }

@@ -111,6 +111,12 @@ CandidateModel ModelFitter::refitted(const Hypothesis& start, std::vector<firmwa
   return result;
 }
 
+CandidateModel ModelFitter::refitted_in(IdentificationProblem& problem, const SearchSpace& space,
+                                        const SelectionCriterion& criterion, const CandidateModel& model) {
+  Effort effort;
+  return ModelFitter(problem, space.common, criterion, effort).refitted(model.fit.hypothesis, model.effects, 6);
+}
+
 void ModelFitter::refit(CandidateModel& model, int most) const {
   model = refitted(model.fit.hypothesis, model.effects, most);
 }

@@ -48,6 +48,10 @@ class ModelFitter {
                                         int most = 12) const;
   void refit(CandidateModel& model, int most) const;
 
+  /// A model of other weights of the residuals, refitted under those of the problem.
+  [[nodiscard]] static CandidateModel refitted_in(IdentificationProblem& problem, const SearchSpace& space,
+                                                  const SelectionCriterion& criterion, const CandidateModel& model);
+
   /// Refitted without one of its effects.
   [[nodiscard]] CandidateModel without(const CandidateModel& whole, std::size_t leave_out) const;
 

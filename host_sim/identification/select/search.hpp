@@ -16,13 +16,22 @@ struct Rival {
   Hypothesis hypothesis;         ///< that model
 };
 
+/// A parameter outside its tolerance, or without one and not as described.
+struct SuspectParameter {
+  std::string path;
+  double gain;                ///< how much larger χ² is with it as described, all else refitted
+  std::vector<Rival> rivals;  ///< effects in its place; their penalised χ² is relative to the model's own
+};
+
 struct SearchResult {
   CandidateModel nothing;  ///< only the tolerated parameters refitted
   CandidateModel best;
   std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
   std::vector<double> gains;  ///< of each effect in `best`: how much larger χ² is without it, all else refitted
-  std::vector<CandidateModel> alone;  ///< single effects that were tried, best first; until they are compared
-  Scales scales{};                    ///< from `nothing` before any effect was tried
+  std::vector<FreeParameter> freed;        ///< parameters that no tolerance binds in `best`
+  std::vector<SuspectParameter> suspects;  ///< each of them
+  std::vector<CandidateModel> alone;       ///< single effects that were tried, best first; until they are compared
+  Scales scales{};                         ///< from `nothing` before any effect was tried
   std::size_t simulations = 0;
   std::size_t candidates = 0;        ///< tried
   std::vector<std::string> remarks;  ///< rivals that only effects of sensors make

@@ -4,6 +4,7 @@
 
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
 #include "host_sim/identification/select/search_under_model_error.hpp"
+#include "host_sim/identification/select/suspect_parameters.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -32,6 +33,7 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
     const bool replaced = search_under_model_error(problem, space, progress, found);
     if (far && !replaced) compare(problem, space, options, found);
   }
+  compare_parameters(problem, space, progress, found);
   return found;
 }
 

@@ -15,6 +15,7 @@ namespace host_sim::identification {
 ///   1  forward selection
 ///   2  elimination and swaps, unless the model explains too little to become the whole (thresholds::explains_most)
 ///   3  where it is not the whole: the search under model error
+///   4  parameters of the description compete with the effects (suspect_parameters.hpp)
 [[nodiscard]] SearchResult select_model(IdentificationProblem& problem, const SearchSpace& space,
                                         const ProgressCallback& progress);
 

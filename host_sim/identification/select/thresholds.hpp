@@ -36,6 +36,21 @@ inline constexpr int clock_rounds = 10;
 /// on, each 1.4 to 1.6 times the last. Tuned on our own generator (bump stops and backlash, seed 1).
 inline constexpr double continuation_shares[] = {0.1, 0.16, 0.25, 0.35, 0.5, 0.7};
 
+// Parameters as suspects ---------------------------------------------------------------------------------------------
+
+/// [χ²] Price of a parameter that is not as described, beside that of an effect with one parameter: 2 ln 100. A
+/// described value is wrong in one of a hundred rigs (prior, chosen and not measured); where an effect does the same
+/// (viscous damping and the damping of the suspension) the effect is named. Half: 1 in 10. Twice: 1 in 10 000.
+inline constexpr double violation = 9.2;
+/// Parameters that are freed at most, and suspects that are fitted for each.
+inline constexpr std::size_t most_freed = 3, fitted_suspects = 4;
+/// Effects that are tried in the place of each.
+inline constexpr std::size_t suspect_rivals = 4;
+/// [1] Where neither leaves noise alone: error of the recordings with freed parameters, relative to that of effects
+/// alone. Chosen, not measured: half of the distance to 1 lets a parameter imitate a law that the catalogue does not
+/// hold.
+inline constexpr double parameters_replace_error = 0.9;
+
 // How much data ------------------------------------------------------------------------------------------------------
 
 /// [times the power of noise] from which a part of the recordings tells candidates apart, and its length [s].

@@ -41,9 +41,9 @@ TEST(Confidence, KnowsWhatWouldBeSeen) { EXPECT_DOUBLE_EQ(seen_from(2600.0, 2), 
 
 TEST(Confidence, CallsARivalCloseBelowOddsOfTwenty) {
   NamedEffect named{{}, {}, 0.9, {{{}, 19.0, ""}}};
-  EXPECT_TRUE(has_close_rival(named));
+  EXPECT_TRUE(has_close_rival(named.alternatives));
   named.alternatives[0].odds_against = 21.0;
-  EXPECT_FALSE(has_close_rival(named));
+  EXPECT_FALSE(has_close_rival(named.alternatives));
 }
 
 // Point. Two channels with 900 and 100 too much, of 100 residuals each: shares of 90 and 10 %, the larger first, each

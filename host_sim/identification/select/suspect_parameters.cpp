@@ -1,0 +1,215 @@
+#include "host_sim/identification/select/suspect_parameters.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/select/select_model.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+/// What a parameter gains linearly beside a fitted model, whose parameters make way unless they lie at a bound.
+class LinearGain {
+ public:
+  LinearGain(const IdentificationProblem& problem, const Fit& base) : problem_(problem), base_(base) {
+    Eigen::MatrixXd h = base.jacobian.transpose() * base.jacobian;
+    for (Eigen::Index i = 0; i < h.rows(); ++i) {
+      const bool free = !base.parameters[static_cast<std::size_t>(i)].at_bound(base.hypothesis);
+      h(i, i) += (free ? 1e-10 : 1e12) * h(i, i) + 1e-30;
+    }
+    factor_.compute(h);
+  }
+
+  [[nodiscard]] double of(const FreeParameter& parameter) const {
+    Hypothesis moved = base_.hypothesis;
+    const double u = parameter.get(moved);
+    parameter.put(moved, u + parameter.difference);
+    Eigen::VectorXd d = (residuals(problem_, predict(problem_, moved)) - base_.residual) / parameter.difference;
+    if (!d.allFinite()) return 0.0;
+    const double alone = d.squaredNorm();
+    if (base_.jacobian.cols() > 0) d -= base_.jacobian * factor_.solve(base_.jacobian.transpose() * d);
+    const double square = d.squaredNorm(), along = base_.residual.dot(d);
+    // What the others can do as well gains nothing by itself.
+    return square > 1e-8 * alone ? along * along / square : 0.0;
+  }
+
+ private:
+  const IdentificationProblem& problem_;
+  const Fit& base_;
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
+};
+
+bool is_same(const FreeParameter& a, const FreeParameter& b) { return a.path == b.path; }
+
+bool holds(const std::vector<FreeParameter>& list, const FreeParameter& parameter) {
+  return std::any_of(list.begin(), list.end(), [&](const FreeParameter& p) { return is_same(p, parameter); });
+}
+
+/// Frees one parameter after the other.
+class ParameterSearch {
+ public:
+  ParameterSearch(IdentificationProblem& problem, const SearchSpace& space) : problem_(problem), space_(space) {}
+
+  /// (1) without the effects' part.
+  [[nodiscard]] double price(std::size_t count) const {
+    return (criterion_.effect + criterion_.parameter + thresholds::violation) * static_cast<double>(count);
+  }
+  [[nodiscard]] const SelectionCriterion& criterion() const { return criterion_; }
+
+  /// The model with one more freed parameter; its list of parameters grows. false: none is worth it.
+  bool free_one_more(CandidateModel& model, std::vector<FreeParameter>& freed, double least_gain) {
+    const LinearGain linear(problem_, model.fit);
+    std::vector<std::pair<double, FreeParameter>> suspects;
+    for (const FreeParameter& parameter : space_.suspects) {
+      if (!holds(freed, parameter)) suspects.emplace_back(0.0, parameter);
+    }
+    for_all(suspects.size(), [&](std::size_t i) { suspects[i].first = linear.of(suspects[i].second); });
+    effort_.simulations += suspects.size();
+    effort_.candidates += suspects.size();
+    std::sort(suspects.begin(), suspects.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    if (suspects.size() > thresholds::fitted_suspects) suspects.resize(thresholds::fitted_suspects);
+    std::erase_if(suspects, [&](const auto& s) { return s.first < thresholds::promising * least_gain; });
+    std::vector<CandidateModel> models(suspects.size());
+    for_all(suspects.size(), [&](std::size_t i) {
+      std::vector<FreeParameter> longer = freed;
+      longer.push_back(suspects[i].second);
+      models[i] = fitted(model.fit.hypothesis, longer, model.effects);
+    });
+    std::size_t best = models.size();
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      if (!std::isfinite(models[i].fit.chi_squared)) continue;
+      if (best == models.size() || models[i].fit.chi_squared < models[best].fit.chi_squared) best = i;
+    }
+    if (best == models.size()) return false;
+    const double gain = model.fit.chi_squared - models[best].fit.chi_squared;
+    if (gain < least_gain || gain <= price(1)) return false;
+    freed.push_back(suspects[best].second);
+    model = std::move(models[best]);
+    return true;
+  }
+
+  [[nodiscard]] CandidateModel fitted(const Hypothesis& start, const std::vector<FreeParameter>& freed,
+                                      const std::vector<firmware::PlacedEffect>& effects) {
+    return ModelFitter(problem_, untied(space_, freed).common, criterion_, effort_).refitted(start, effects, 12);
+  }
+
+  [[nodiscard]] bool leaves_noise(const CandidateModel& model) {
+    return ModelFitter(problem_, space_.common, criterion_, effort_).leaves_noise(model);
+  }
+
+  /// What could stand in the place of the freed parameter i: single effects, everything else refitted.
+  [[nodiscard]] SuspectParameter suspect(const CandidateModel& best, const std::vector<FreeParameter>& freed,
+                                         std::size_t i, const Scales& scales) {
+    std::vector<FreeParameter> others = freed;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    Hypothesis start = best.fit.hypothesis;
+    freed[i].put(start, freed[i].get(space_.given));
+    const ModelFitter fitter(problem_, untied(space_, others).common, criterion_, effort_);
+    const CandidateModel reduced = fitter.refitted(start, best.effects);
+    SuspectParameter result{freed[i].path, reduced.fit.chi_squared - best.fit.chi_squared, {}};
+    const double to_best = best.penalised_chi_squared(criterion_) + price(1);
+    for (const CandidateModel& other : fitter.extended(reduced, scales, thresholds::suspect_rivals)) {
+      result.rivals.push_back(
+          {other.effects.back(), other.penalised_chi_squared(criterion_) - to_best, other.fit.hypothesis});
+    }
+    return result;
+  }
+
+  [[nodiscard]] std::size_t simulations() const { return effort_.simulations; }
+  [[nodiscard]] std::size_t candidates() const { return effort_.candidates; }
+
+ private:
+  IdentificationProblem& problem_;
+  const SearchSpace& space_;
+  SelectionCriterion criterion_;
+  Effort effort_;
+};
+
+}  // namespace
+
+SearchSpace untied(const SearchSpace& space, const std::vector<FreeParameter>& parameters) {
+  SearchSpace result = space;
+  for (const FreeParameter& parameter : parameters) {
+    for (std::vector<FreeParameter>* list : {&result.tolerated, &result.common}) {
+      const auto same = std::find_if(list->begin(), list->end(), [&](const FreeParameter& p) {
+        return p.role == FreeParameter::Role::tolerated && is_same(p, parameter);
+      });
+      if (same != list->end()) {
+        *same = parameter;
+      } else {  // behind the tolerated ones, before the states at the start
+        list->insert(
+            list->begin() + static_cast<std::ptrdiff_t>(result.tolerated.size() - (list == &result.common ? 1 : 0)),
+            parameter);
+      }
+    }
+  }
+  return result;
+}
+
+void compare_parameters(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
+                        SearchResult& found) {
+  ParameterSearch search_for(problem, space);
+  const SelectionCriterion& criterion = search_for.criterion();
+  const bool clean = search_for.leaves_noise(found.best);
+  const double alone = found.best.penalised_chi_squared(criterion);
+  // One parameter costs more than nothing, or than a clean effect with one parameter.
+  if (clean && alone - found.best.fit.chi_squared <= search_for.price(1)) return;
+  if (progress) progress(0.92, "parameters off", found.simulations, found.candidates);
+
+  CandidateModel model = search_for.fitted(found.nothing.fit.hypothesis, {}, {});
+  const double tied = model.fit.chi_squared;
+  std::vector<FreeParameter> freed;
+  // Beside clean effects, parameters must explain as much as these; else as much as an effect must.
+  const double share = clean ? 0.5 * (tied - found.best.fit.chi_squared)
+                             : criterion.first_share * std::max(beyond_noise(model.fit), 0.0);
+  while (freed.size() < thresholds::most_freed && !search_for.leaves_noise(model)) {
+    if (!search_for.free_one_more(model, freed,
+                                  freed.empty() ? share : criterion.later_share * beyond_noise(model.fit)))
+      break;
+  }
+  found.simulations += search_for.simulations();
+  found.candidates += search_for.candidates();
+  if (freed.empty()) return;
+
+  SearchResult other;
+  other.best = model;
+  other.scales = found.scales;
+  const bool explains = search_for.leaves_noise(model);
+  if (!explains && clean) return;
+  const bool helps =
+      tied - model.fit.chi_squared > criterion.later_share * (tied - static_cast<double>(model.fit.residual.size()));
+  if (!explains) {
+    if (!helps) return;
+    SearchSpace space_of_freed = untied(space, freed);
+    space_of_freed.given = model.fit.hypothesis;
+    const SearchOptions options{{}, true, progress};
+    other = search(problem, space_of_freed, options);
+    compare(problem, space_of_freed, options, other);
+    // Under the weights of that search.
+    found.best = ModelFitter::refitted_in(problem, space, criterion, found.best);
+  }
+  const double price = search_for.price(freed.size());
+  if (other.best.penalised_chi_squared(criterion) + price >= found.best.penalised_chi_squared(criterion)) return;
+  if (!explains && pooled_error(problem, other.best.fit.hypothesis) >
+                       thresholds::parameters_replace_error * pooled_error(problem, found.best.fit.hypothesis)) {
+    return;
+  }
+  for (std::size_t i = 0; i < freed.size(); ++i) {
+    other.suspects.push_back(search_for.suspect(other.best, freed, i, found.scales));
+  }
+  other.rivals.resize(other.best.effects.size());
+  other.gains.resize(other.best.effects.size());
+  other.freed = std::move(freed);
+  other.nothing = std::move(found.nothing);
+  other.remarks = std::move(found.remarks);
+  other.simulations += found.simulations;
+  other.candidates += found.candidates;
+  found = std::move(other);
+}
+
+}  // namespace host_sim::identification

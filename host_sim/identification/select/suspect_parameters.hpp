@@ -1,0 +1,29 @@
+// Parameters of the description as suspects: outside their tolerance, or described without one and not as described.
+#pragma once
+
+#include "host_sim/identification/select/search.hpp"
+
+namespace host_sim::identification {
+
+/// A search space in which these parameters are bound by no tolerance: within a factor of thresholds::parameter_range
+/// of what is described.
+[[nodiscard]] SearchSpace untied(const SearchSpace& space, const std::vector<FreeParameter>& parameters);
+
+/// Parameters compete with the effects that were found, under the same criterion:
+///
+///   (1)  χ² + (effect + parameter + violation) · k       k parameters without a bound; violation = 2 ln 100: a
+///   described
+///                                                        value is believed a hundred times more than an effect is
+///                                                        doubted
+///
+///   1  the parameter whose linear gain is largest is freed and fitted, then the next beside it, as long as (1) falls
+///      and each explains the share of an effect
+///   2  where effects alone leave nothing but noise, the parameters replace them only if (1) is lower
+///   3  where they do not: effects are searched for beside the freed parameters; the result replaces the effects alone
+///      if (1) is lower and the error on the recordings falls by thresholds::parameters_replace_error
+///
+/// `found` becomes the better of the two. Its `nothing` stays the rig with its tolerances refitted.
+void compare_parameters(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
+                        SearchResult& found);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,128 @@
+// Descriptions that are not true: a parameter is the answer where a parameter is wrong. The recordings come from
+// tests/truth, which shares no code with the model.
+#include "host_sim/identification/select/suspect_parameters.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "firmware/recording/recording_csv.hpp"
+#include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/identification/report/verdict_json.hpp"
+#include "tests/support/report_page.hpp"
+#include "tests/truth/truth.hpp"
+
+namespace {
+
+using host_sim::identification::Diagnosis;
+using host_sim::identification::FreeParameter;
+using host_sim::identification::SearchSpace;
+using host_sim::identification::Verdict;
+
+truth::Truth short_truth(const std::string& group, std::uint64_t seed) {
+  truth::Truth truth = truth::draw(group, seed);
+  truth.records.resize(1);
+  truth.records[0].duration = 12.0;
+  truth.records[0].warm = 0.0;
+  return truth;
+}
+
+Diagnosis diagnosis_of(const truth::Truth& truth) {
+  return host_sim::identification::diagnose(
+      firmware::parse_rig(truth::rig_toml(truth), "rig.toml"),
+      {{firmware::parse_recording_csv(truth::csv(truth, truth::simulate(truth)[0]), "rec.csv"),
+        host_sim::identification::Use::shared}});
+}
+
+// A car whose body is 10 kg lighter than described, without any tolerance: the mass is the answer, with its value, and
+// no effect is dressed up. Tolerance of the value: four times its own interval, which the noise makes.
+TEST(SuspectParameters, NameAMassThatIsNotAsDescribed) {
+  truth::Truth truth = short_truth("none:quarter_car", 21);
+  truth.tolerance.clear();
+  truth.actual = truth.nominal;
+  truth.actual["body.mass"] = truth.nominal["body.mass"] - 10.0;
+  const Diagnosis found = diagnosis_of(truth);
+  EXPECT_EQ(found.verdict, Verdict::named) << host_sim::identification::sentence(found);
+  EXPECT_TRUE(found.effects.empty());
+  EXPECT_FALSE(found.unexplained);
+  ASSERT_EQ(found.parameters_off.size(), 1U);
+  const auto& off = found.parameters_off[0];
+  EXPECT_EQ(off.path, "body.mass");
+  EXPECT_EQ(off.described, truth.nominal["body.mass"]);
+  EXPECT_EQ(off.tolerance, 0.0);
+  EXPECT_NEAR(off.value.value, truth.actual["body.mass"], 2.0 * (off.value.upper - off.value.lower));
+  EXPECT_LT(off.value.upper - off.value.lower, 1.0);
+  EXPECT_GT(off.confidence, 0.9);
+  // What was found is the rig that other commands take.
+  EXPECT_NEAR(found.rig.rig.body.mass, truth.actual["body.mass"], 1.0);
+
+  const auto json = host_sim::identification::to_json(found);
+  ASSERT_EQ(json["parameters_off"].size(), 1U);
+  EXPECT_EQ(json["parameters_off"][0]["path"], "body.mass");
+  EXPECT_EQ(json["parameters_off"][0]["ci95"].size(), 2U);
+  const std::string page =
+      host_sim::identification::report_html(found, firmware::parse_rig(truth::rig_toml(truth), "rig.toml"));
+  EXPECT_NE(page.find("Parameters that are not as described"), std::string::npos);
+}
+
+// A spring 10 % stiffer than its tolerance of 3 % allows; before, a bump stop with a clearance of micrometres.
+TEST(SuspectParameters, NameAStiffnessBeyondItsTolerance) {
+  truth::Truth truth = short_truth("none:quarter_car", 22);
+  truth.actual["suspension.stiffness"] = 1.10 * truth.nominal["suspension.stiffness"];
+  truth.tolerance["suspension.stiffness"] = 0.03;
+  const Diagnosis found = diagnosis_of(truth);
+  EXPECT_EQ(found.verdict, Verdict::named) << host_sim::identification::sentence(found);
+  ASSERT_EQ(found.parameters_off.size(), 1U);
+  EXPECT_EQ(found.parameters_off[0].path, "suspension.stiffness");
+  EXPECT_NEAR(found.parameters_off[0].value.value / truth.actual["suspension.stiffness"], 1.0, 2e-3);
+  EXPECT_TRUE(found.effects.empty());
+}
+
+// A damping that is off and a delayed sensor: both are found, each as what it is.
+TEST(SuspectParameters, StandBesideAnEffect) {
+  truth::Truth truth = short_truth("single:quarter_car:sensor_delay:dz_b", 23);
+  truth.actual["suspension.damping"] = 0.7 * truth.nominal["suspension.damping"];
+  const Diagnosis found = diagnosis_of(truth);
+  ASSERT_EQ(found.parameters_off.size(), 1U) << host_sim::identification::sentence(found);
+  EXPECT_EQ(found.parameters_off[0].path, "suspension.damping");
+  EXPECT_NEAR(found.parameters_off[0].value.value / truth.actual["suspension.damping"], 1.0, 0.01);
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].effect.entry->name, "sensor_delay");
+}
+
+// More damping than the tolerance allows is what viscous_damping is: the catalogue's name stands, as before.
+TEST(SuspectParameters, LeaveAnEffectItsName) {
+  const Diagnosis found = diagnosis_of(short_truth("single:quarter_car:viscous_damping", 24));
+  ASSERT_EQ(found.effects.size(), 1U) << host_sim::identification::sentence(found);
+  EXPECT_EQ(found.effects[0].effect.entry->name, "viscous_damping");
+  EXPECT_TRUE(found.parameters_off.empty());
+}
+
+// A freed parameter takes the place of its tolerated self, or stands behind the tolerated ones and before the starts.
+TEST(SuspectParameters, KeepTheOrderOfASearchSpace) {
+  SearchSpace space;
+  const auto parameter = [](FreeParameter::Role role, const char* path, double upper) {
+    FreeParameter p{.role = role, .path = path};
+    p.upper = upper;
+    return p;
+  };
+  using enum FreeParameter::Role;
+  space.tolerated = {parameter(tolerated, "a", 1.0), parameter(tolerated, "b", 1.0)};
+  space.common = space.tolerated;
+  space.common.push_back(parameter(start, "", 1.0));
+  const SearchSpace freed =
+      host_sim::identification::untied(space, {parameter(tolerated, "b", 9.0), parameter(tolerated, "c", 9.0)});
+  ASSERT_EQ(freed.tolerated.size(), 3U);
+  EXPECT_EQ(freed.tolerated[1].upper, 9.0);
+  EXPECT_EQ(freed.tolerated[2].path, "c");
+  ASSERT_EQ(freed.common.size(), 4U);
+  EXPECT_EQ(freed.common[0].upper, 1.0);
+  EXPECT_EQ(freed.common[1].upper, 9.0);
+  EXPECT_EQ(freed.common[2].path, "c");
+  EXPECT_EQ(freed.common[3].role, start);
+}
+
+}  // namespace
