@@ -72,6 +72,9 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                   identification::odds_text(off.alternatives[a].odds_against).c_str());
     }
   }
+  for (const identification::RecordingFault& fault : diagnosis.recording_faults) {
+    std::printf("  %s\n", identification::words(fault).c_str());
+  }
   if (!diagnosis.parameters.empty()) std::printf("fitted parameters, 95 %% interval\n");
   for (const auto& [path, fitted] : diagnosis.parameters) {
     std::printf("  %-28s %12.6g (%.6g … %.6g), ±%.2g %%\n", path.c_str(), fitted.value, fitted.lower, fitted.upper,

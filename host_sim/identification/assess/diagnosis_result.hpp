@@ -33,6 +33,14 @@ struct ParameterOff {
   std::vector<Alternative> alternatives;  ///< effects in its place, the nearest first
 };
 
+/// A fault of the measurement, not of the rig.
+struct RecordingFault {
+  std::string name;  ///< as in contract.md: noise_level
+  std::vector<model::Channel> channels;
+  std::map<std::string, Interval> parameters;
+  double confidence = 0.0;
+};
+
 struct Diagnosis {
   Verdict verdict{};
   std::vector<ParityResidual> relations;  ///< before anything is fitted but tolerances
@@ -40,6 +48,7 @@ struct Diagnosis {
   std::vector<BandPower> left_by_refit, left_after;  ///< tolerances refitted; effects, too
   std::vector<NamedEffect> effects;
   std::vector<ParameterOff> parameters_off;
+  std::vector<RecordingFault> recording_faults;
   std::map<model::Channel, PredictionError> prediction_errors;
   std::map<std::string, Interval> parameters;  ///< tolerated, refitted
   bool unexplained = false;                    ///< a significant residual remains

@@ -135,7 +135,13 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
     prepared.channels.push_back(channel);
     prepared.renewals[c] = renewals_of(recording[channel]);
     prepared.noise[c] = sensor_noise(description, recording, channel);
+
     prepared.clipped[c] = clipped_samples(description, recording, channel);
+  }
+  std::vector<Channel> sensors = prepared.channels;
+  if (rig.kind == model::RigKind::quarter_car) sensors.insert(sensors.end(), {Channel::z_r, Channel::zdd_r});
+  for (const Channel channel : sensors) {
+    prepared.noise_factor[index(channel)] = noise_factor(description, recording, channel);
   }
   if (prepared.channels.empty()) {
     throw firmware::InputError(recording.source, 0, "nothing is measured that the model could explain",

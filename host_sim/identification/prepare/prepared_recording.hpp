@@ -12,6 +12,7 @@
 #include "host_sim/comparison/simulation.hpp"
 #include "host_sim/identification/prepare/recording_window.hpp"
 #include "host_sim/identification/prepare/sample_hold.hpp"
+#include "host_sim/identification/prepare/sensor_noise.hpp"
 
 namespace host_sim::identification {
 
@@ -31,6 +32,8 @@ struct PreparedRecording {
   bool at_rest = false;                              ///< begins at rest; else the state at the first sample is unknown
   std::vector<model::Channel> channels;              ///< measured, to be explained
   std::array<double, model::channel_count> noise{};  ///< rms [SI], declared or estimated
+  /// How much louder the noise is than declared; nullopt: not known. Of all channels with samples, inputs too.
+  std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
   std::array<std::vector<bool>, model::channel_count> clipped{};         ///< samples not to be used; empty: none
   std::array<std::optional<Renewals>, model::channel_count> renewals{};  ///< of held channels
   Window fitted, held_out;

@@ -5,10 +5,11 @@
 #include <cmath>
 
 #include "host_sim/identification/prepare/sample_hold.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
 
-double estimated_noise(const std::vector<double>& samples) {
+NoiseEstimate noise_estimate(const std::vector<double>& samples) {
   constexpr std::array<double, 7> weights{1, -6, 15, -20, 15, -6, 1};
   double gain = 0.0;  // Σ weights²: of the variance of white noise
   for (const double w : weights) gain += w * w;
@@ -21,17 +22,49 @@ double estimated_noise(const std::vector<double>& samples) {
       for (std::size_t i = 0; i < weights.size(); ++i) difference += weights[i] * samples[k + i];
       squares += difference * difference;
     }
-    variances.push_back(squares / (stretch * gain));
+    constexpr double median_of_mean = 0.967;  // (2)
+    variances.push_back(squares / (stretch * gain * median_of_mean));
   }
-  if (variances.empty()) return 0.0;
+  if (variances.empty()) return {};
   const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
   std::nth_element(variances.begin(), middle, variances.end());
-  return std::sqrt(*middle);
+  // The standard error of a median from the middle half of the values: 1.253 σ, σ = quartile distance / 1.349; half of
+  // it for the root.
+  const double median = *middle;
+  const auto quarter = static_cast<std::ptrdiff_t>(variances.size() / 4);
+  std::nth_element(variances.begin(), variances.begin() + quarter, variances.end());
+  const double low = variances[static_cast<std::size_t>(quarter)];
+  std::nth_element(variances.begin(), variances.end() - 1 - quarter, variances.end());
+  const double high = *(variances.end() - 1 - quarter);
+  const double error = 0.5 * 1.253 / 1.349 * (high - low) / std::sqrt(static_cast<double>(variances.size()));
+  return {std::sqrt(median), median > 0.0 ? error / median : 0.0};
+}
+
+double estimated_noise(const std::vector<double>& samples) { return noise_estimate(samples).rms; }
+
+std::optional<NoiseFactor> noise_factor(const firmware::RigDescription& description,
+                                        const firmware::Recording& recording, model::Channel channel) {
+  const auto& given = description.noise[index(channel)];
+  const auto& samples = recording[channel];
+  if (!given || !(*given > 0.0) || samples.empty() || renewals_of(samples)) return std::nullopt;
+  const NoiseEstimate whole = noise_estimate(samples);
+  std::vector<double> half;
+  half.reserve(samples.size() / 2 + 1);
+  for (std::size_t k = 0; k < samples.size(); k += 2) half.push_back(samples[k]);
+  const NoiseEstimate octave_below = noise_estimate(half);
+  if (!(whole.rms > 0.0) || !(octave_below.rms > 0.0)) return std::nullopt;
+  if (std::abs(std::log(octave_below.rms / whole.rms)) > thresholds::white_noise) return std::nullopt;
+  const double factor = whole.rms / *given;
+  return NoiseFactor{factor, 1.96 * factor * whole.relative_error};
 }
 
 double sensor_noise(const firmware::RigDescription& description, const firmware::Recording& recording,
                     model::Channel channel) {
-  if (const auto& given = description.noise[index(channel)]) return *given;
+  if (const auto& given = description.noise[index(channel)]) {
+    const auto factor = noise_factor(description, recording, channel);
+    if (!factor || std::abs(std::log(factor->value)) <= thresholds::noise_as_declared) return *given;
+    return *given * std::clamp(factor->value, 1.0 / thresholds::most_noise_factor, thresholds::most_noise_factor);
+  }
   const auto& samples = recording[channel];
   const auto renewals = renewals_of(samples);
   if (!renewals) return estimated_noise(samples);

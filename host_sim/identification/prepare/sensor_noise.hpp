@@ -1,6 +1,7 @@
 // The noise of a sensor: declared, or estimated from its samples.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
@@ -10,15 +11,34 @@ namespace host_sim::identification {
 
 /// rms of the white noise in samples of a smooth signal, from sixth differences:
 ///
-///   (1)  σ² = median over stretches of 64 samples of  mean (δ⁶x)² / Σ w²,   w = 1 −6 15 −20 15 −6 1
+///   (1)  σ² = median over stretches of 64 samples of  mean (δ⁶x)² / (m Σ w²),   w = 1 −6 15 −20 15 −6 1
+///   (2)  m = (1 − 2/9k)³ = 0.967, median ÷ mean of χ²_k/k;  k = 64/Σρ² = 20 of the 64 differences, which are correlated
+///        by ρ_j = C(12, 6+j)/C(12, 6), count as independent
 ///
 /// A signal below a tenth of the sample rate leaves less than 4e-3 of its amplitude in δ⁶x. The median ignores
 /// stretches with events. Source: T. Gasser, L. Sroka, C. Jennen-Steinmetz, Residual variance and residual pattern in
 /// nonlinear regression, Biometrika 73, 1986 (differences of second order there).
+struct NoiseEstimate {
+  double rms = 0.0;
+  double relative_error = 0.0;  ///< standard error of rms ÷ rms, from the scatter of the stretches
+};
+[[nodiscard]] NoiseEstimate noise_estimate(const std::vector<double>& samples);
 [[nodiscard]] double estimated_noise(const std::vector<double>& samples);
 
-/// rms of a channel's noise [SI]: as the rig description declares it, else estimated; of a channel that is held, from
-/// its new values.
+/// How much louder a channel's noise is than declared, where its samples say so: (1) of the samples, which weighs the
+/// highest third of the frequencies, and of every other one, an octave below, agree within thresholds::white_noise.
+/// Noise is white there, and no motion is. nullopt: nothing declared, a held channel, noise or motion that is not
+/// white.
+struct NoiseFactor {
+  double value = 1.0;
+  double half_width = 0.0;  ///< of the 95 % interval
+};
+[[nodiscard]] std::optional<NoiseFactor> noise_factor(const firmware::RigDescription& description,
+                                                      const firmware::Recording& recording, model::Channel channel);
+
+/// rms of a channel's noise [SI]: as the rig description declares it, corrected by noise_factor() beyond
+/// thresholds::noise_as_declared and by a factor of thresholds::most_noise_factor at most; without a declaration
+/// estimated; of a channel that is held, from its new values.
 [[nodiscard]] double sensor_noise(const firmware::RigDescription& description, const firmware::Recording& recording,
                                   model::Channel channel);
 

@@ -35,6 +35,19 @@ inline constexpr double step_with_corners = 0.25e-3;
 /// in turns of 1 and 2, 1.5. Half: every channel is held. Twice: holds of 2 samples pass for noise.
 inline constexpr double held_samples_per_value = 1.5;
 
+// Noise that is not as declared --------------------------------------------------------------------------------------
+
+/// [ln] by which the estimates of two octaves may differ for the noise to count as white. Derivation: each scatters by
+/// 1 to 2 % in 20 s; noise behind a filter of a third of the sample rate differs by 0.3. Half: a tenth of the good
+/// channels stay as declared. Twice: noise of 90 Hz more or less passes for white.
+inline constexpr double white_noise = 0.10;
+/// [ln] up to which noise counts as declared, and from which the difference is a fault of the recording that is named.
+/// The first is three times the scatter of the estimate; the second a person would mind. Half of the first: estimates
+/// replace declarations for nothing. Twice: noise 10 % louder adds a fifth to the power, which counts as unexplained.
+inline constexpr double noise_as_declared = 0.05, noise_named = 0.18;
+/// [1] A declared noise is wrong by so much at most: more is another sensor, or motion.
+inline constexpr double most_noise_factor = 3.0;
+
 // Two sensors of the foot point ---------------------------------------------------------------------------------------
 
 /// [standard deviations] of a band's power by which z_r and zdd_r contradict each other. Derivation: 13 bands, a normal

@@ -80,6 +80,13 @@ void add_parameters_off(Report& page, const Diagnosis& diagnosis) {
   page.add_table(table);
 }
 
+void add_recording_faults(Report& page, const Diagnosis& diagnosis) {
+  if (diagnosis.recording_faults.empty()) return;
+  page.add_section("What is wrong with the recording");
+  for (const RecordingFault& fault : diagnosis.recording_faults) page.add_text(words(fault) + ".");
+  page.add_text("The diagnosis used the noise that the samples show, not the one declared.");
+}
+
 void add_effects(Report& page, const Diagnosis& diagnosis) {
   if (diagnosis.effects.empty()) return;
   page.add_section("What is missing, and how sure that is");
@@ -260,6 +267,14 @@ std::string sentence(const Diagnosis& diagnosis) {
   return text;
 }
 
+std::string words(const RecordingFault& fault) {
+  std::vector<std::string> channels;
+  for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
+  std::string text = fault.name + " of " + joined(channels);
+  for (const auto& [parameter, value] : fault.parameters) text += ": " + parameter + " " + with_interval(value, "");
+  return text;
+}
+
 std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescription& given) {
   Report page("Diagnosis of " + given.source,
               "Measured recordings held against the model of a " + std::string(model::name(given.rig.kind)) + " rig.");
@@ -269,6 +284,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
                    sentence(diagnosis));
   add_gaps(page, diagnosis);
   add_parameters_off(page, diagnosis);
+  add_recording_faults(page, diagnosis);
   add_effects(page, diagnosis);
   add_where(page, diagnosis);
   if (!diagnosis.parameters.empty()) {

@@ -9,6 +9,9 @@
 
 namespace host_sim::identification {
 
+/// A fault of the recording in words: "noise_level of zdd_b: factor 2.1 (2.0 … 2.2)".
+[[nodiscard]] std::string words(const RecordingFault& fault);
+
 /// The verdict in one sentence.
 [[nodiscard]] std::string sentence(const Diagnosis& diagnosis);
 

@@ -98,8 +98,16 @@ ordered_json to_json(const Diagnosis& diagnosis) {
     one["alternatives"] = to_json(off.alternatives);
     json["parameters_off"].push_back(std::move(one));
   }
+  json["recording"] = ordered_json::array();
+  for (const RecordingFault& fault : diagnosis.recording_faults) {
+    ordered_json one{{"name", fault.name}, {"channels", ordered_json::array()}, {"parameters", ordered_json::object()}};
+    for (const model::Channel channel : fault.channels) one["channels"].push_back(model::name(channel));
+    for (const auto& [parameter, value] : fault.parameters) one["parameters"][parameter] = to_json(value);
+    one["confidence"] = fault.confidence;
+    json["recording"].push_back(std::move(one));
+  }
   // Always present, as contract.md says; not searched for yet.
-  for (const char* key : {"recording", "laws", "undetermined"}) json[key] = ordered_json::array();
+  for (const char* key : {"laws", "undetermined"}) json[key] = ordered_json::array();
   make_finite(json);
   return json;
 }
