@@ -40,7 +40,11 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
       samples_(settings.limits, settings.period, rig.sensors),
       estimator_(samples_, parameters.tyre.stiffness, settings.observers, period_),
       command_guard_(settings.limits, period_, settings.ramps.rest),
-      energy_guard_(settings.limits, parameters.machine.virtual_damping, parameters.tyre.damping, period_) {
+      energy_guard_(settings.limits, parameters.machine.virtual_damping, parameters.tyre.damping, period_,
+                    settings.supervision.growth_time),
+      motion_guard_(settings.limits, settings.supervision, parameters, period_),
+      frozen_guard_(settings.supervision, parameters),
+      lateness_guard_(settings.limits, settings.supervision, settings.period) {
   model::require(check(settings, parameters, rig, valves).empty(), "a control loop of parts that fit");
   if (hil()) car_.emplace(parameters, period_, model::ModelledPart::virtual_car);
 }
@@ -50,6 +54,7 @@ void ControlLoop::step() {
   keep_time(now);
   samples_.take(rig_.sensors.read(), now);
   estimator_.step(samples_);
+  watch_motion();
 
   const unsigned requests = requests_.exchange(0);
   const bool acknowledged = (requests & acknowledge_request) != 0 && mode_ == Mode::safe && at_rest();
@@ -93,14 +98,24 @@ void ControlLoop::step() {
 void ControlLoop::keep_time(hal::Time now) {
   if (due_ == hal::never) due_ = now;
   lateness_ = now - due_;
-  if (lateness_ > hal::seconds(settings_.limits.late_after * period_)) {
+  if (lateness_guard_.follow(lateness_)) {
     ++counters_.late_periods;
-    if (late_in_a_row_ < settings_.limits.late_in_a_row) ++late_in_a_row_;
     due_ = now;
-  } else {
-    late_in_a_row_ = 0;
   }
   due_ += settings_.period;
+}
+
+/// The guards follow the drive as long as it is commanded. In idle it stands still.
+void ControlLoop::watch_motion() {
+  motion_hazard_.reset();
+  if (mode_ == Mode::idle) {
+    motion_guard_.start(command_guard_.last().position);
+    frozen_guard_.start();
+    return;
+  }
+  motion_hazard_ = motion_guard_.follow(command_guard_.last(), samples_);
+  const std::optional<Trip> frozen = frozen_guard_.follow(samples_, motion_guard_.expected(), command_guard_.last());
+  if (!motion_hazard_) motion_hazard_ = frozen;
 }
 
 std::optional<Trip> ControlLoop::find_hazard(hal::Time now) {
@@ -110,9 +125,11 @@ std::optional<Trip> ControlLoop::find_hazard(hal::Time now) {
     return Trip{Reason::stop_button, std::nullopt, (now - rig_.stop_button.pressed_at()).seconds(), 0.0, now};
   }
   if (samples_.hazard()) return samples_.hazard();
-  if (late_in_a_row_ >= settings_.limits.late_in_a_row) {
-    return Trip{Reason::late, std::nullopt, static_cast<double>(late_in_a_row_),
-                static_cast<double>(settings_.limits.late_in_a_row), now};
+  for (const std::optional<Trip>& seen : {lateness_guard_.hazard(), motion_hazard_}) {
+    if (!seen) continue;
+    Trip hazard = *seen;
+    hazard.time = now;
+    return hazard;
   }
   return std::nullopt;
 }

@@ -8,8 +8,11 @@
 
 #include "firmware/loop/command_guard.hpp"
 #include "firmware/loop/energy_guard.hpp"
+#include "firmware/loop/frozen_guard.hpp"
 #include "firmware/loop/journal.hpp"
+#include "firmware/loop/lateness_guard.hpp"
 #include "firmware/loop/mode.hpp"
+#include "firmware/loop/motion_guard.hpp"
 #include "firmware/loop/ramp.hpp"
 #include "firmware/loop/reference.hpp"
 #include "firmware/loop/sample_guard.hpp"
@@ -85,6 +88,7 @@ class ControlLoop {
   [[nodiscard]] bool hil() const { return kind_ == model::RigKind::hil; }
 
   void keep_time(hal::Time now);
+  void watch_motion();
   [[nodiscard]] std::optional<Trip> find_hazard(hal::Time now);
   void get_ready();
   void trip(const Trip& trip);
@@ -108,6 +112,10 @@ class ControlLoop {
   StateEstimator estimator_;
   CommandGuard command_guard_;
   EnergyGuard energy_guard_;
+  MotionGuard motion_guard_;
+  FrozenGuard frozen_guard_;
+  LatenessGuard lateness_guard_;
+  std::optional<Trip> motion_hazard_{};  ///< of this period, by motion and frozen guard
   std::optional<Trip> energy_hazard_{};  ///< of this period
   SmoothMove move_{};
   ReturnToRest return_{};
@@ -118,7 +126,6 @@ class ControlLoop {
   Counters counters_{};
   hal::Time due_ = hal::never;
   hal::Time lateness_{};  ///< of this period
-  int late_in_a_row_ = 0;
   int failed_commands_in_a_row_ = 0;
   std::uint64_t periods_ = 0;
   std::uint64_t sample_ = 0;        ///< k, in mode running

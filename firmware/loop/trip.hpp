@@ -32,11 +32,18 @@ enum class Reason : unsigned char {
   command_failed,      ///< the drive did not take a command
   valves_failed,       ///< the valves did not take their openings
   heartbeat_failed,    ///< the watchdog cannot be reached
-  late,                ///< too many late periods in a row
+  late,                ///< too many late periods
+  following_error,     ///< the measured position is not where the machine should be, for too long
+  measured_stroke,     ///< a measured position beyond its limit
+  measured_speed,      ///< the measured position moves faster than its limit
+  sensor_frozen,       ///< a channel shows the same value while the rig moves
+  acceleration,        ///< a command that accelerates more than the limit for too long
+  growth,              ///< a hil interface that drives the car outwards: the loop diverges
+  gap,                 ///< one period began far too late
 };
 
 [[nodiscard]] constexpr std::string_view name(Reason reason) {
-  constexpr std::array<std::string_view, 19> names{"none",
+  constexpr std::array<std::string_view, 26> names{"none",
                                                    "reference_ended",
                                                    "stop_requested",
                                                    "stop_button",
@@ -54,7 +61,14 @@ enum class Reason : unsigned char {
                                                    "command_failed",
                                                    "valves_failed",
                                                    "heartbeat_failed",
-                                                   "late"};
+                                                   "late",
+                                                   "following_error",
+                                                   "measured_stroke",
+                                                   "measured_speed",
+                                                   "sensor_frozen",
+                                                   "acceleration",
+                                                   "growth",
+                                                   "gap"};
   return names[static_cast<std::size_t>(reason)];
 }
 
