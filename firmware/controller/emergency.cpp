@@ -22,17 +22,17 @@ hal::Result<void> RememberedCommand::do_write(const hal::Command& command) {
   return written;
 }
 
-Retreat::Retreat(hal::ValveBank& valves, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
-                 double half_stroke, double period)
+EmergencyReturn::EmergencyReturn(hal::ValveBank& valves, RememberedCommand& command, hal::Clock& clock,
+                                 const Ramps& ramps, double half_stroke, double period)
     : valves_(valves), command_(command), clock_(clock), ramps_(ramps), half_stroke_(half_stroke), period_(period) {}
 
-void Retreat::make_valves_safe() { static_cast<void>(!valves_.write(valves_.safe_position())); }
+void EmergencyReturn::make_valves_safe() { static_cast<void>(!valves_.write(valves_.safe_position())); }
 
-int Retreat::periods_at_most() const {
+int EmergencyReturn::periods_at_most() const {
   return static_cast<int>(std::ceil((2.0 * 1.5 * half_stroke_ / ramps_.rate + 1.0) / period_));
 }
 
-Retreat::End Retreat::go() {
+EmergencyReturn::End EmergencyReturn::go() {
   make_valves_safe();
   if (!command_.moved()) return End::at_rest;
   ReturnToRest way(command_.position(), command_.velocity(), ramps_, half_stroke_, period_);
@@ -55,9 +55,9 @@ namespace {
 
 Emergency emergency;
 pthread_t loop_thread;
-pthread_t retreating_thread;  // valid while retreating
+pthread_t returning_thread;  // valid while returning
 std::atomic<bool> armed{false};
-std::atomic<bool> retreating{false};
+std::atomic<bool> returning{false};
 std::atomic<bool> trapped_elsewhere{false};
 
 void say(const char* words) { static_cast<void>(!::write(STDERR_FILENO, words, std::strlen(words))); }
@@ -78,17 +78,17 @@ void say_micrometres(double metres) {
   say(" um");
 }
 
-/// The loop goes on in its own thread: it is asked to stop, and has the time that a retreat may take.
-Retreat::End wait_for_the_loop() {
+/// The loop goes on in its own thread: it is asked to stop, and has the time that an emergency return may take.
+EmergencyReturn::End wait_for_the_loop() {
   trapped_elsewhere.store(true);
   emergency.stop(emergency.loop);
   hal::linux::MonotonicClock clock;
   const hal::Time period = hal::seconds(emergency.period);
-  for (int left = emergency.retreat->periods_at_most(); !emergency.at_rest->load(); --left) {
-    if (left == 0) return Retreat::End::not_in_time;
+  for (int left = emergency.emergency_return->periods_at_most(); !emergency.at_rest->load(); --left) {
+    if (left == 0) return EmergencyReturn::End::not_in_time;
     clock.sleep_until(clock.now() + period);
   }
-  return Retreat::End::at_rest;
+  return EmergencyReturn::End::at_rest;
 }
 
 /// Whoever writes the recording gets a moment for its last rows; what hangs is ended.
@@ -103,25 +103,25 @@ void bound(double seconds) {
 
 void on_trap(int signal) {
   if (armed.exchange(false)) {
-    retreating_thread = ::pthread_self();
-    retreating.store(true);
+    returning_thread = ::pthread_self();
+    returning.store(true);
     const bool ours = ::pthread_equal(::pthread_self(), loop_thread) != 0;
     const double from = emergency.command->position();
-    emergency.retreat->make_valves_safe();
-    bound(emergency.period * emergency.retreat->periods_at_most());
-    const Retreat::End end = ours ? emergency.retreat->go() : wait_for_the_loop();
+    emergency.emergency_return->make_valves_safe();
+    bound(emergency.period * emergency.emergency_return->periods_at_most());
+    const EmergencyReturn::End end = ours ? emergency.emergency_return->go() : wait_for_the_loop();
     hal::linux::MonotonicClock clock;
     clock.sleep_until(clock.now() + hal::milliseconds(100));
     say("rig_controller: ended by a trap of the program; valves safe, command ");
-    if (end == Retreat::End::at_rest) {
+    if (end == EmergencyReturn::End::at_rest) {
       say("at rest, from ");
       say_micrometres(from);
     } else {
       say("NOT AT REST");
     }
     say(", no heartbeat\n");
-  } else if (retreating.load() && ::pthread_equal(::pthread_self(), retreating_thread) == 0) {
-    for (;;) ::pause();  // the other thread's retreat comes first; it ends this one too
+  } else if (returning.load() && ::pthread_equal(::pthread_self(), returning_thread) == 0) {
+    for (;;) ::pause();  // the other thread's emergency return comes first; it ends this one too
   } else {
     say("rig_controller: ended by a trap of the program outside a run\n");
   }

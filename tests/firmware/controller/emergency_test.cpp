@@ -11,8 +11,8 @@
 namespace {
 
 using firmware::Ramps;
+using firmware::controller::EmergencyReturn;
 using firmware::controller::RememberedCommand;
-using firmware::controller::Retreat;
 
 constexpr double h = 1e-3;
 
@@ -61,15 +61,15 @@ struct Scene {
   RememberedCommand command{drive};
   Sleeper clock;
   Ramps ramps{};
-  Retreat retreat{valves, command, clock, ramps, 0.125, h};
+  EmergencyReturn emergency_return{valves, command, clock, ramps, 0.125, h};
 };
 
 // Braked at no more than the deceleration that the stroke asks for, back at no more than the given rate, at rest at the
 // end; one write a period, no heap: a signal handler has none.
-TEST(Retreat, MovesTheCommandToRestAtTheGivenRate) {
+TEST(EmergencyReturn, MovesTheCommandToRestAtTheGivenRate) {
   Scene scene;
   ASSERT_TRUE(scene.command.write({0.04, 0.3, 0.0}));
-  EXPECT_EQ(support::without_heap([&] { return scene.retreat.go(); }), Retreat::End::at_rest);
+  EXPECT_EQ(support::without_heap([&] { return scene.emergency_return.go(); }), EmergencyReturn::End::at_rest);
   EXPECT_EQ(scene.valves.stand, hal::Openings::first(2));
   const auto& commands = scene.drive.commands;
   ASSERT_GT(commands.size(), 2U);
@@ -84,9 +84,9 @@ TEST(Retreat, MovesTheCommandToRestAtTheGivenRate) {
 }
 
 // A drive that was never told anything keeps its place.
-TEST(Retreat, CommandsNothingWhereNothingWasCommanded) {
+TEST(EmergencyReturn, CommandsNothingWhereNothingWasCommanded) {
   Scene scene;
-  EXPECT_EQ(scene.retreat.go(), Retreat::End::at_rest);
+  EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::at_rest);
   EXPECT_TRUE(scene.drive.commands.empty());
   EXPECT_EQ(scene.valves.stand, hal::Openings::first(2));
 }
@@ -101,30 +101,30 @@ TEST(RememberedCommand, RemembersWhatWentOut) {
   EXPECT_EQ(scene.command.velocity(), 0.2);
 }
 
-// A time-out or two are bridged; a converter that is gone, or never answers, ends the retreat and not the program's
-// patience.
-TEST(Retreat, GivesUpWhereTheDriveIsLost) {
+// A time-out or two are bridged; a converter that is gone, or never answers, ends the emergency return and not the
+// program's patience.
+TEST(EmergencyReturn, GivesUpWhereTheDriveIsLost) {
   using hal::Fault;
-  const std::vector<std::pair<std::vector<Fault>, Retreat::End>> cases{
-      {{Fault::timeout, Fault::timeout}, Retreat::End::at_rest},
-      {{Fault::timeout, Fault::timeout, Fault::timeout}, Retreat::End::command_lost},
-      {{Fault::disconnected}, Retreat::End::command_lost},
-      {{Fault::refused}, Retreat::End::command_lost}};
+  const std::vector<std::pair<std::vector<Fault>, EmergencyReturn::End>> cases{
+      {{Fault::timeout, Fault::timeout}, EmergencyReturn::End::at_rest},
+      {{Fault::timeout, Fault::timeout, Fault::timeout}, EmergencyReturn::End::command_lost},
+      {{Fault::disconnected}, EmergencyReturn::End::command_lost},
+      {{Fault::refused}, EmergencyReturn::End::command_lost}};
   for (const auto& [faults, end] : cases) {
     Scene scene;
     ASSERT_TRUE(scene.command.write({0.04, 0.0, 0.0}));
     scene.drive.faults = faults;
-    EXPECT_EQ(scene.retreat.go(), end) << faults.size();
+    EXPECT_EQ(scene.emergency_return.go(), end) << faults.size();
     EXPECT_EQ(scene.valves.stand, hal::Openings::first(2)) << "whatever becomes of the command";
   }
 }
 
 // From the end of the stroke the slowest way back takes 1.5 · 0.125 m / 0.05 m/s = 3.75 s: 8.5 s bound it.
-TEST(Retreat, IsBoundedInTime) {
+TEST(EmergencyReturn, IsBoundedInTime) {
   Scene scene;
-  EXPECT_EQ(scene.retreat.periods_at_most(), 8500);
+  EXPECT_EQ(scene.emergency_return.periods_at_most(), 8500);
   ASSERT_TRUE(scene.command.write({-0.125, 0.0, 0.0}));
-  EXPECT_EQ(scene.retreat.go(), Retreat::End::at_rest);
+  EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::at_rest);
   EXPECT_LT(scene.drive.commands.size(), 4000U);
 }
 
