@@ -203,7 +203,8 @@ Status drive(const Options& options, const RigDescription& rig, Devices& devices
   const Settings settings = control_settings(rig);
   const hal::Rig opened = devices.roles();
   RememberedCommand command(opened.command);
-  const hal::Rig roles{opened.clock, opened.sensors, opened.valves, command, opened.stop_button, opened.heartbeat};
+  const hal::Rig roles{opened.clock,       opened.sensors,   opened.valves,       command,
+                       opened.stop_button, opened.heartbeat, opened.drive_enable, opened.interlocks};
   const ValvePlan valves = valve_plan(rig);
   if (const auto wrong = ControlLoop::check(settings, rig.rig, roles, valves); !wrong.empty()) {
     std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
@@ -279,6 +280,7 @@ Status drive(const Options& options, const RigDescription& rig, Devices& devices
   std::uint64_t periods = 0;
   if (!options.simulated && options.replay.empty()) drain(roles, settings.period);
   seal_heap(true);
+  loop->arm();
   loop->start();
   for (;;) {
     const hal::Time due = loop->due();

@@ -40,7 +40,9 @@ TEST(Rehearsal, LeavesTheRealLoopAlone) {
   const Scene scene(RigKind::hil, 300);
   Journey plain{scene}, rehearsed{scene};
   Rehearsal rehearsal(rehearsed.loop, rehearsed.journal, scene.settings, scene.parameters, scene.sensors);
+  plain.loop.arm();
   plain.loop.start();
+  rehearsed.loop.arm();
   rehearsed.loop.start();
   for (int k = 0; k < 310; ++k) {
     plain.periods(1);
