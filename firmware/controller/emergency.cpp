@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "firmware/loop/ramp.hpp"
@@ -22,42 +23,66 @@ hal::Result<void> RememberedCommand::do_write(const hal::Command& command) {
   return written;
 }
 
-Retreat::Retreat(hal::ValveBank& valves, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
-                 double half_stroke, double period)
-    : valves_(valves), command_(command), clock_(clock), ramps_(ramps), half_stroke_(half_stroke), period_(period) {}
+EmergencyReturn::EmergencyReturn(const hal::Rig& rig, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
+                                 double half_stroke, double period)
+    : rig_(rig), command_(command), clock_(clock), ramps_(ramps), half_stroke_(half_stroke), period_(period) {}
 
-void Retreat::make_valves_safe() { static_cast<void>(!valves_.write(valves_.safe_position())); }
+void EmergencyReturn::make_valves_safe() { static_cast<void>(!rig_.valves.write(rig_.valves.safe_position())); }
 
-int Retreat::periods_at_most() const {
+void EmergencyReturn::take_power() { static_cast<void>(!rig_.drive_enable.write(false)); }
+
+bool EmergencyReturn::stopped_by_hand() {
+  const hal::Result<bool> pressed = rig_.stop_button.pressed();
+  const hal::Result<std::uint32_t> open = rig_.interlocks.open();
+  return !pressed || *pressed || !open || *open != 0;
+}
+
+int EmergencyReturn::periods_at_most() const {
   return static_cast<int>(std::ceil((2.0 * 1.5 * half_stroke_ / ramps_.rate + 1.0) / period_));
 }
 
-Retreat::End Retreat::go() {
+EmergencyReturn::End EmergencyReturn::go() {
   make_valves_safe();
-  if (!command_.moved()) return End::at_rest;
+  if (!command_.moved()) {
+    take_power();
+    return End::at_rest;
+  }
   ReturnToRest way(command_.position(), command_.velocity(), ramps_, half_stroke_, period_);
   const hal::Time period = hal::seconds(period_);
   hal::Time due = clock_.now();
   int failed = 0;
+  End end = End::at_rest;
   for (int left = periods_at_most(); !way.arrived(); --left) {
-    if (left == 0) return End::not_in_time;
+    if (left == 0) {
+      end = End::not_in_time;
+      break;
+    }
     due += period;
     clock_.sleep_until(due);
+    if (end != End::held && stopped_by_hand()) {
+      take_power();
+      way = ReturnToRest::brake_and_hold(command_.position(), command_.velocity(), ramps_, half_stroke_, period_);
+      end = End::held;
+    }
     const hal::Result<void> written = command_.write(way.next());
     failed = written ? 0 : failed + 1;
-    if (failed > 0 && (written.fault() != hal::Fault::timeout || failed == 3)) return End::command_lost;
+    if (failed > 0 && (written.fault() != hal::Fault::timeout || failed == 3)) {
+      end = End::command_lost;
+      break;
+    }
   }
+  take_power();
   make_valves_safe();  // another thread may have been in the middle of a write
-  return End::at_rest;
+  return end;
 }
 
 namespace {
 
 Emergency emergency;
 pthread_t loop_thread;
-pthread_t retreating_thread;  // valid while retreating
+pthread_t returning_thread;  // valid while returning
 std::atomic<bool> armed{false};
-std::atomic<bool> retreating{false};
+std::atomic<bool> returning{false};
 std::atomic<bool> trapped_elsewhere{false};
 
 void say(const char* words) { static_cast<void>(!::write(STDERR_FILENO, words, std::strlen(words))); }
@@ -78,17 +103,17 @@ void say_micrometres(double metres) {
   say(" um");
 }
 
-/// The loop goes on in its own thread: it is asked to stop, and has the time that a retreat may take.
-Retreat::End wait_for_the_loop() {
+/// The loop goes on in its own thread: it is asked to stop, and has the time that an emergency return may take.
+EmergencyReturn::End wait_for_the_loop() {
   trapped_elsewhere.store(true);
   emergency.stop(emergency.loop);
   hal::linux::MonotonicClock clock;
   const hal::Time period = hal::seconds(emergency.period);
-  for (int left = emergency.retreat->periods_at_most(); !emergency.at_rest->load(); --left) {
-    if (left == 0) return Retreat::End::not_in_time;
+  for (int left = emergency.emergency_return->periods_at_most(); !emergency.at_rest->load(); --left) {
+    if (left == 0) return EmergencyReturn::End::not_in_time;
     clock.sleep_until(clock.now() + period);
   }
-  return Retreat::End::at_rest;
+  return EmergencyReturn::End::at_rest;
 }
 
 /// Whoever writes the recording gets a moment for its last rows; what hangs is ended.
@@ -103,25 +128,28 @@ void bound(double seconds) {
 
 void on_trap(int signal) {
   if (armed.exchange(false)) {
-    retreating_thread = ::pthread_self();
-    retreating.store(true);
+    returning_thread = ::pthread_self();
+    returning.store(true);
     const bool ours = ::pthread_equal(::pthread_self(), loop_thread) != 0;
     const double from = emergency.command->position();
-    emergency.retreat->make_valves_safe();
-    bound(emergency.period * emergency.retreat->periods_at_most());
-    const Retreat::End end = ours ? emergency.retreat->go() : wait_for_the_loop();
+    emergency.emergency_return->make_valves_safe();
+    bound(emergency.period * emergency.emergency_return->periods_at_most());
+    const EmergencyReturn::End end = ours ? emergency.emergency_return->go() : wait_for_the_loop();
     hal::linux::MonotonicClock clock;
     clock.sleep_until(clock.now() + hal::milliseconds(100));
     say("rig_controller: ended by a trap of the program; valves safe, command ");
-    if (end == Retreat::End::at_rest) {
+    if (end == EmergencyReturn::End::at_rest) {
       say("at rest, from ");
       say_micrometres(from);
+    } else if (end == EmergencyReturn::End::held) {
+      say("held where it was stopped, at ");
+      say_micrometres(emergency.command->position());
     } else {
       say("NOT AT REST");
     }
     say(", no heartbeat\n");
-  } else if (retreating.load() && ::pthread_equal(::pthread_self(), retreating_thread) == 0) {
-    for (;;) ::pause();  // the other thread's retreat comes first; it ends this one too
+  } else if (returning.load() && ::pthread_equal(::pthread_self(), returning_thread) == 0) {
+    for (;;) ::pause();  // the other thread's emergency return comes first; it ends this one too
   } else {
     say("rig_controller: ended by a trap of the program outside a run\n");
   }

@@ -6,7 +6,7 @@
 #include "firmware/loop/settings.hpp"
 #include "hal/clock.hpp"
 #include "hal/command_output.hpp"
-#include "hal/valve_bank.hpp"
+#include "hal/rig.hpp"
 
 namespace firmware::controller {
 
@@ -32,25 +32,31 @@ class RememberedCommand final : public hal::CommandOutput {
 
 /// The way to rest without the control loop: static memory, no lock, only calls that a signal handler may make as long
 /// as the roles' own are such.
-class Retreat {
+class EmergencyReturn {
  public:
-  enum class End : unsigned char { at_rest, command_lost, not_in_time };
+  enum class End : unsigned char { at_rest, held, command_lost, not_in_time };
 
-  Retreat(hal::ValveBank& valves, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps, double half_stroke,
-          double period);
+  /// Valves, drive enable, stop button and interlocks of the rig; its clock is not asked.
+  EmergencyReturn(const hal::Rig& rig, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
+                  double half_stroke, double period);
 
   /// Valves to the safe position, whatever comes of it.
   void make_valves_safe();
 
   /// And the command to rest as after a trip: braked, then back at the given rate (firmware::ReturnToRest), one write a
-  /// period, for periods_at_most(). Faults that last three periods, or that are no time-out, end it.
+  /// period, for periods_at_most(). Faults that last three periods, or that are no time-out, end it. A stop button that is
+  /// pressed, an interlock that is open, or either that cannot be read turns it into braking and holding, and takes the
+  /// drive's enable at once. Whatever the end, the drive has lost its enable.
   [[nodiscard]] End go();
 
   /// Twice the slowest way back from the end of the stroke, and a second.
   [[nodiscard]] int periods_at_most() const;
 
  private:
-  hal::ValveBank& valves_;
+  [[nodiscard]] bool stopped_by_hand();
+  void take_power();
+
+  hal::Rig rig_;
   RememberedCommand& command_;
   hal::Clock& clock_;
   Ramps ramps_;
@@ -60,7 +66,7 @@ class Retreat {
 
 /// What the trap handler works with; belongs to the caller, until forget_traps().
 struct Emergency {
-  Retreat* retreat = nullptr;
+  EmergencyReturn* emergency_return = nullptr;
   const RememberedCommand* command = nullptr;
   std::atomic<bool>* at_rest = nullptr;  ///< set by the loop's thread when it is at rest
   void (*stop)(void* loop) = nullptr;    ///< asks the loop for a stop, from a signal handler
@@ -70,10 +76,10 @@ struct Emergency {
 
 /// From here on SIGSEGV, SIGBUS, SIGILL, SIGFPE and SIGABRT end in the safe state before they end the program.
 ///
-/// In the loop's thread (the one that calls this) the handler itself retreats. In any other one the loop goes on: it is
-/// asked to stop, which makes the valves safe and moves the command to rest, and the handler waits for that. Either is
-/// bounded in time; a trap in the handler, or an alarm, ends what hangs. The last line says what became of the command;
-/// then the program dies as it would have.
+/// In the loop's thread (the one that calls this) the handler itself returns the command to rest. In any other one the
+/// loop goes on: it is asked to stop, which makes the valves safe and moves the command to rest, and the handler waits
+/// for that. Either is bounded in time; a trap in the handler, or an alarm, ends what hangs. The last line says what
+/// became of the command; then the program dies as it would have.
 void catch_traps(const Emergency& emergency);
 
 /// The run is over: a trap only ends the program.

@@ -16,14 +16,14 @@
 #include <string>
 #include <vector>
 
+#include "firmware/controller/cache_warmup.hpp"
 #include "firmware/controller/devices.hpp"
-#include "firmware/controller/early_wake.hpp"
 #include "firmware/controller/emergency.hpp"
 #include "firmware/controller/heap_seal.hpp"
 #include "firmware/controller/real_time.hpp"
 #include "firmware/controller/recorder.hpp"
-#include "firmware/controller/rehearsal.hpp"
 #include "firmware/controller/spans.hpp"
+#include "firmware/controller/wake_lead.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/input_error.hpp"
 #include "firmware/description/version.hpp"
@@ -176,13 +176,13 @@ void drain(const hal::Rig& roles, hal::Time period) {
   }
 }
 
-/// Sleeps until a moment before a period is due, rehearses it over and over while there is time, and waits for its
-/// instant without sleeping. How late the sleep ended.
-hal::Time wake_before(hal::Time due, EarlyWake& wake, hal::Clock& machine, Rehearsal& rehearsal) {
+/// Sleeps until a moment before a period is due, warms the caches over and over while there is time, and waits for
+/// its instant without sleeping. How late the sleep ended.
+hal::Time wake_before(hal::Time due, WakeLead& wake, hal::Clock& machine, CacheWarmup& warmup) {
   const hal::Time wanted = due - wake.early();
   machine.sleep_until(wanted);
   const hal::Time woken = machine.now();
-  wake.use([&] { return due - machine.now(); }, [&] { rehearsal.step(); });
+  wake.use([&] { return due - machine.now(); }, [&] { warmup.step(); });
   while (machine.now() < due) {
   }
   return woken - wanted;
@@ -217,17 +217,18 @@ Status drive(const Options& options, const RigDescription& rig, Devices& devices
   const auto loop = std::make_unique<ControlLoop>(settings, rig.rig, roles, reference, valves, journal);
   const auto spans = std::make_unique<Spans>();
   const bool asked = options.realtime && !options.virtual_time;
-  EarlyWake wake(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period())));
-  const auto rehearsal = asked && wake.early() > hal::Time{}
-                             ? std::make_unique<Rehearsal>(*loop, journal, settings, rig.rig, roles.sensors.setup())
-                             : nullptr;
+  WakeLead wake(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period())));
+  const auto warmup = asked && wake.early() > hal::Time{}
+                          ? std::make_unique<CacheWarmup>(*loop, journal, settings, rig.rig, roles.sensors.setup())
+                          : nullptr;
 
   hal::linux::MonotonicClock machine;
-  Retreat retreat(roles.valves, command, machine, settings.ramps, 0.5 * settings.limits.stroke, rig.period());
+  EmergencyReturn emergency_return(roles, command, machine, settings.ramps, 0.5 * settings.limits.stroke,
+                                   rig.period());
   std::atomic<bool> at_rest{false};
   const auto stop = [](void* running) { static_cast<ControlLoop*>(running)->stop(); };
   ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
-  catch_traps({&retreat, &command, &at_rest, stop, loop.get(), rig.period()});
+  catch_traps({&emergency_return, &command, &at_rest, stop, loop.get(), rig.period()});
   const ForgetTraps until_the_end;
 
   // Rights before anything moves. The recording's thread is made in between: it shall have the locked memory, not the
@@ -285,8 +286,8 @@ Status drive(const Options& options, const RigDescription& rig, Devices& devices
   for (;;) {
     const hal::Time due = loop->due();
     hal::Time woken{}, seen{};
-    if (rehearsal && periods > 0) {
-      spans->wake_up.add(wake_before(due, wake, machine, *rehearsal).ns);
+    if (warmup && periods > 0) {
+      spans->wake_up.add(wake_before(due, wake, machine, *warmup).ns);
       seen = roles.clock.now();
       woken = machine.now();
     } else {

@@ -20,8 +20,8 @@
 #include <memory>
 #include <utility>
 
-#include "firmware/controller/early_wake.hpp"
 #include "firmware/controller/spans.hpp"
+#include "firmware/controller/wake_lead.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace {
@@ -86,14 +86,14 @@ int main(int argc, char** argv) {
 
   const auto work = [&] { go_through(data, std::make_index_sequence<pieces>{}); };
   hal::linux::MonotonicClock clock;
-  firmware::controller::EarlyWake wake(hal::microseconds(200));
-  enum Kind : std::size_t { plain, rehearsed, nothing };
+  firmware::controller::WakeLead wake(hal::microseconds(200));
+  enum Kind : std::size_t { plain, warmed, nothing };
   const auto histograms = std::make_unique<std::array<firmware::controller::Histogram, 3>>();
   hal::Time due = clock.now() + hal::milliseconds(1);
   for (std::size_t k = 0; k < static_cast<std::size_t>(seconds) * 1000; ++k, due += hal::milliseconds(1)) {
     const auto kind = static_cast<Kind>(k % 3);
     clock.sleep_until(kind == plain ? due : due - wake.early());
-    if (kind == rehearsed) wake.use([&] { return due - clock.now(); }, work);
+    if (kind == warmed) wake.use([&] { return due - clock.now(); }, work);
     while (clock.now() < due) {
     }
     const hal::Time begin = clock.now();
@@ -107,7 +107,7 @@ int main(int argc, char** argv) {
     (*histograms)[kind].add((end - begin).ns);
     if (end > due + hal::milliseconds(1)) due = end;
   }
-  for (const auto& [what, kind] : {std::pair{"rival", plain}, {"rival, rehearsed", rehearsed}, {"nothing", nothing}}) {
+  for (const auto& [what, kind] : {std::pair{"rival", plain}, {"rival, warmed", warmed}, {"nothing", nothing}}) {
     std::fputs(firmware::controller::line(what, (*histograms)[kind]).c_str(), stdout);
   }
   std::uint64_t beyond = 0;

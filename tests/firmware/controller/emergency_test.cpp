@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tests/support/without_heap.hpp"
@@ -11,8 +13,8 @@
 namespace {
 
 using firmware::Ramps;
+using firmware::controller::EmergencyReturn;
 using firmware::controller::RememberedCommand;
-using firmware::controller::Retreat;
 
 constexpr double h = 1e-3;
 
@@ -55,22 +57,71 @@ class Sleeper final : public hal::Clock {
   void do_sleep_until(hal::Time deadline) override { time = deadline; }
 };
 
+class Button final : public hal::StopButton {
+ public:
+  explicit Button(hal::Clock& clock) : clock_(clock) {}
+  hal::Time pressed_from{std::numeric_limits<std::int64_t>::max()};
+
+ private:
+  hal::Result<Level> do_read() override { return Level{clock_.now() >= pressed_from, clock_.now()}; }
+  hal::Clock& clock_;
+};
+
+class Enable final : public hal::DriveEnable {
+ public:
+  bool on = true;
+
+ private:
+  hal::Result<void> do_write(bool wanted) override {
+    on = wanted;
+    return {};
+  }
+};
+
+class Door final : public hal::Interlocks {
+ public:
+  explicit Door(hal::Clock& clock) : Interlocks(1), clock_(clock) {}
+  hal::Time open_from{std::numeric_limits<std::int64_t>::max()};
+
+ private:
+  hal::Result<std::uint32_t> do_read() override { return clock_.now() >= open_from ? 1U : 0U; }
+  hal::Clock& clock_;
+};
+
+class Beats final : public hal::Heartbeat {
+  hal::Result<void> do_beat() override { return {}; }
+};
+
+class Sensors final : public hal::SensorSource {
+ public:
+  Sensors() : SensorSource({}) {}
+
+ private:
+  hal::Result<hal::Frame> do_read() override { return hal::Frame{}; }
+};
+
 struct Scene {
   Valves valves;
   Drive drive;
   RememberedCommand command{drive};
   Sleeper clock;
+  Button button{clock};
+  Enable enable;
+  Door door{clock};
+  Beats beats;
+  Sensors sensors;
   Ramps ramps{};
-  Retreat retreat{valves, command, clock, ramps, 0.125, h};
+  EmergencyReturn emergency_return{{clock, sensors, valves, command, button, beats, enable, door}, command, clock, ramps, 0.125, h};
 };
 
 // Braked at no more than the deceleration that the stroke asks for, back at no more than the given rate, at rest at the
 // end; one write a period, no heap: a signal handler has none.
-TEST(Retreat, MovesTheCommandToRestAtTheGivenRate) {
+TEST(EmergencyReturn, MovesTheCommandToRestAtTheGivenRate) {
   Scene scene;
   ASSERT_TRUE(scene.command.write({0.04, 0.3, 0.0}));
-  EXPECT_EQ(support::without_heap([&] { return scene.retreat.go(); }), Retreat::End::at_rest);
+  EXPECT_EQ(support::without_heap([&] { return scene.emergency_return.go(); }), EmergencyReturn::End::at_rest);
   EXPECT_EQ(scene.valves.stand, hal::Openings::first(2));
+  EXPECT_FALSE(scene.enable.on);
   const auto& commands = scene.drive.commands;
   ASSERT_GT(commands.size(), 2U);
   EXPECT_EQ(commands.back(), scene.ramps.rest);
@@ -84,9 +135,9 @@ TEST(Retreat, MovesTheCommandToRestAtTheGivenRate) {
 }
 
 // A drive that was never told anything keeps its place.
-TEST(Retreat, CommandsNothingWhereNothingWasCommanded) {
+TEST(EmergencyReturn, CommandsNothingWhereNothingWasCommanded) {
   Scene scene;
-  EXPECT_EQ(scene.retreat.go(), Retreat::End::at_rest);
+  EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::at_rest);
   EXPECT_TRUE(scene.drive.commands.empty());
   EXPECT_EQ(scene.valves.stand, hal::Openings::first(2));
 }
@@ -101,31 +152,56 @@ TEST(RememberedCommand, RemembersWhatWentOut) {
   EXPECT_EQ(scene.command.velocity(), 0.2);
 }
 
-// A time-out or two are bridged; a converter that is gone, or never answers, ends the retreat and not the program's
-// patience.
-TEST(Retreat, GivesUpWhereTheDriveIsLost) {
+// A time-out or two are bridged; a converter that is gone, or never answers, ends the emergency return and not the
+// program's patience.
+TEST(EmergencyReturn, GivesUpWhereTheDriveIsLost) {
   using hal::Fault;
-  const std::vector<std::pair<std::vector<Fault>, Retreat::End>> cases{
-      {{Fault::timeout, Fault::timeout}, Retreat::End::at_rest},
-      {{Fault::timeout, Fault::timeout, Fault::timeout}, Retreat::End::command_lost},
-      {{Fault::disconnected}, Retreat::End::command_lost},
-      {{Fault::refused}, Retreat::End::command_lost}};
+  const std::vector<std::pair<std::vector<Fault>, EmergencyReturn::End>> cases{
+      {{Fault::timeout, Fault::timeout}, EmergencyReturn::End::at_rest},
+      {{Fault::timeout, Fault::timeout, Fault::timeout}, EmergencyReturn::End::command_lost},
+      {{Fault::disconnected}, EmergencyReturn::End::command_lost},
+      {{Fault::refused}, EmergencyReturn::End::command_lost}};
   for (const auto& [faults, end] : cases) {
     Scene scene;
     ASSERT_TRUE(scene.command.write({0.04, 0.0, 0.0}));
     scene.drive.faults = faults;
-    EXPECT_EQ(scene.retreat.go(), end) << faults.size();
+    EXPECT_EQ(scene.emergency_return.go(), end) << faults.size();
     EXPECT_EQ(scene.valves.stand, hal::Openings::first(2)) << "whatever becomes of the command";
   }
 }
 
 // From the end of the stroke the slowest way back takes 1.5 · 0.125 m / 0.05 m/s = 3.75 s: 8.5 s bound it.
-TEST(Retreat, IsBoundedInTime) {
+TEST(EmergencyReturn, IsBoundedInTime) {
   Scene scene;
-  EXPECT_EQ(scene.retreat.periods_at_most(), 8500);
+  EXPECT_EQ(scene.emergency_return.periods_at_most(), 8500);
   ASSERT_TRUE(scene.command.write({-0.125, 0.0, 0.0}));
-  EXPECT_EQ(scene.retreat.go(), Retreat::End::at_rest);
+  EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::at_rest);
   EXPECT_LT(scene.drive.commands.size(), 4000U);
+}
+
+// Fault. A press on the way back, a door that opens: braked within the braking distance, held there, without power at once.
+TEST(EmergencyReturn, HoldsWhereSomebodyStopsIt) {
+  for (const bool by_button : {true, false}) {
+    Scene scene;
+    ASSERT_TRUE(scene.command.write({0.04, 0.0, 0.0}));
+    (by_button ? scene.button.pressed_from : scene.door.open_from) = hal::milliseconds(500);
+    EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::held);
+    EXPECT_FALSE(scene.enable.on);
+    const auto& commands = scene.drive.commands;
+    const double there = commands[499];  // 500 writes before the press, the first of them by the test
+    EXPECT_NEAR(commands.back(), there, 0.05 * h + 0.05 * 0.05 / (2.0 * scene.ramps.braking));
+    EXPECT_LT(commands.size(), 510U);
+  }
+}
+
+// Somebody who holds the button while the program traps sees no way back at all.
+TEST(EmergencyReturn, DoesNotBeginUnderAPress) {
+  Scene scene;
+  ASSERT_TRUE(scene.command.write({0.04, 0.0, 0.0}));
+  scene.button.pressed_from = {};
+  EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::held);
+  EXPECT_EQ(scene.drive.commands.back(), 0.04);
+  EXPECT_FALSE(scene.enable.on);
 }
 
 }  // namespace

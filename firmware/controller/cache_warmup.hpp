@@ -14,12 +14,12 @@ namespace firmware::controller {
 /// period takes several times as long as executing them, and how long depends on the others. The second loop runs the
 /// same instructions a moment earlier, in mode running, on a rig in memory whose sensors show nothing but zeros and
 /// whose outputs lead nowhere: it has no way to the real one. Then it asks for the memory of the real loop, without
-/// reading it. What the devices' own drivers need it cannot rehearse.
-class Rehearsal {
+/// reading it. What the devices' own drivers need it cannot warm.
+class CacheWarmup {
  public:
   /// `loop`, `journal`: the real ones, made of the same settings, parameters and sensors.
-  Rehearsal(const ControlLoop& loop, const Journal& journal, const Settings& settings,
-            const model::RigParameters<double>& parameters, const hal::SensorSetup& sensors);
+  CacheWarmup(const ControlLoop& loop, const Journal& journal, const Settings& settings,
+              const model::RigParameters<double>& parameters, const hal::SensorSetup& sensors);
 
   /// One period. No heap.
   void step();
@@ -27,7 +27,7 @@ class Rehearsal {
   [[nodiscard]] const ControlLoop& stand_in() const { return stand_in_; }
 
  private:
-  struct Still final : hal::simulated::Plant, Reference {
+  struct IdlePlant final : hal::simulated::Plant, Reference {
     void do_measure(std::span<double, hal::channel_capacity> values) override;
     void do_advance(const hal::Command&, hal::Openings) override {}
     std::optional<Motion> do_at(std::uint64_t) override { return Motion{}; }
@@ -35,7 +35,7 @@ class Rehearsal {
 
   const ControlLoop& loop_;
   const Journal& journal_;
-  Still still_{};
+  IdlePlant idle_plant_{};
   hal::simulated::Rig rig_;
   JournalStorage<2> storage_{};
   Journal records_{storage_};

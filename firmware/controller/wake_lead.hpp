@@ -7,9 +7,9 @@ namespace firmware::controller {
 
 /// A span that is too short once in ten thousand times: raised by a step when it was, lowered by a 9999th of it when
 /// not.
-class RarelyTooShort {
+class QuantileTracker {
  public:
-  constexpr RarelyTooShort(hal::Time first, hal::Time least, hal::Time most, hal::Time step)
+  constexpr QuantileTracker(hal::Time first, hal::Time least, hal::Time most, hal::Time step)
       : span_(first), least_(least), most_(most), step_(step) {}
 
   constexpr void follow(bool too_short) {
@@ -23,36 +23,36 @@ class RarelyTooShort {
   hal::Time span_, least_, most_, step_;
 };
 
-/// Wakes up early enough to rehearse a period, and hardly earlier: what it waits for the instant it does not sleep.
+/// Wakes up early enough to warm the caches, and hardly earlier: what it waits for the instant it does not sleep.
 ///
-///   wake up at  due − early()      early: a rehearsal and the machine's wake-up latency, of 9999 periods in 10 000
-///   rehearse where there is time   a rehearsal's own time, of 9999 in 10 000
+///   wake up at  due − early()      early: a warm-up and the machine's wake-up latency, of 9999 periods in 10 000
+///   warm up where there is time    a warm-up's own time, of 9999 in 10 000
 ///   again while there is           so that what others do in the meantime is mended
-class EarlyWake {
+class WakeLead {
  public:
-  explicit constexpr EarlyWake(hal::Time most)
+  explicit constexpr WakeLead(hal::Time most)
       : early_(most < hal::microseconds(20) ? most : hal::microseconds(20), hal::Time{}, most, hal::microseconds(10)),
-        rehearsal_(hal::microseconds(10), hal::microseconds(5), most + hal::microseconds(10), hal::microseconds(2)) {}
+        duration_(hal::microseconds(10), hal::microseconds(5), most + hal::microseconds(10), hal::microseconds(2)) {}
 
   [[nodiscard]] constexpr hal::Time early() const { return early_.span(); }
 
-  /// After the sleep: rehearses over and over while there is time. left(): how long until the period is due, less than
-  /// 0 after it.
-  template <class Left, class Rehearse>
-  constexpr void use(Left&& left, Rehearse&& rehearse) {
+  /// After the sleep: warms the caches over and over while there is time. left(): how long until the period is due,
+  /// less than 0 after it.
+  template <class Left, class WarmUp>
+  constexpr void use(Left&& left, WarmUp&& warm_up) {
     hal::Time rest = left();
-    const bool time = rest >= rehearsal_.span();
+    const bool time = rest >= duration_.span();
     early_.follow(!time);
-    while (rest >= rehearsal_.span()) {
-      rehearse();
+    while (rest >= duration_.span()) {
+      warm_up();
       rest = left();
     }
-    rehearsal_.follow(time && rest < hal::Time{});
+    duration_.follow(time && rest < hal::Time{});
   }
 
  private:
-  RarelyTooShort early_;
-  RarelyTooShort rehearsal_;
+  QuantileTracker early_;
+  QuantileTracker duration_;
 };
 
 }  // namespace firmware::controller

@@ -1,4 +1,4 @@
-#include "firmware/controller/rehearsal.hpp"
+#include "firmware/controller/cache_warmup.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -29,21 +29,21 @@ void ask_for(const void* memory, std::size_t size) {
 
 }  // namespace
 
-void Rehearsal::Still::do_measure(std::span<double, hal::channel_capacity> values) {
+void CacheWarmup::IdlePlant::do_measure(std::span<double, hal::channel_capacity> values) {
   std::fill(values.begin(), values.end(), 0.0);
 }
 
-Rehearsal::Rehearsal(const ControlLoop& loop, const Journal& journal, const Settings& settings,
-                     const model::RigParameters<double>& parameters, const hal::SensorSetup& sensors)
+CacheWarmup::CacheWarmup(const ControlLoop& loop, const Journal& journal, const Settings& settings,
+                         const model::RigParameters<double>& parameters, const hal::SensorSetup& sensors)
     : loop_(loop),
       journal_(journal),
-      rig_(still_, construction(settings, sensors)),
-      stand_in_(at_once(settings), parameters, rig_.roles(), still_, ValvePlan(), records_) {
+      rig_(idle_plant_, construction(settings, sensors)),
+      stand_in_(at_once(settings), parameters, rig_.roles(), idle_plant_, ValvePlan(), records_) {
   stand_in_.arm();
   stand_in_.start();
 }
 
-void Rehearsal::step() {
+void CacheWarmup::step() {
   rig_.roles().clock.sleep_until(stand_in_.due());
   stand_in_.step();
   while (records_.pop()) {
