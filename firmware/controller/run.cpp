@@ -223,8 +223,7 @@ Status drive(const Options& options, const RigDescription& rig, Devices& devices
                           : nullptr;
 
   hal::linux::MonotonicClock machine;
-  EmergencyReturn emergency_return(roles, command, machine, settings.ramps, 0.5 * settings.limits.stroke,
-                                   rig.period());
+  EmergencyReturn emergency_return(roles, command, machine, settings.ramps, 0.5 * settings.limits.stroke, rig.period());
   std::atomic<bool> at_rest{false};
   const auto stop = [](void* running) { static_cast<ControlLoop*>(running)->stop(); };
   ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
