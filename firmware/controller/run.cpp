@@ -203,7 +203,8 @@ Status drive(const Options& options, const RigDescription& rig, Devices& devices
   const Settings settings = control_settings(rig);
   const hal::Rig opened = devices.roles();
   RememberedCommand command(opened.command);
-  const hal::Rig roles{opened.clock, opened.sensors, opened.valves, command, opened.stop_button, opened.heartbeat};
+  const hal::Rig roles{opened.clock,       opened.sensors,   opened.valves,       command,
+                       opened.stop_button, opened.heartbeat, opened.drive_enable, opened.interlocks};
   const ValvePlan valves = valve_plan(rig);
   if (const auto wrong = ControlLoop::check(settings, rig.rig, roles, valves); !wrong.empty()) {
     std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
@@ -222,8 +223,7 @@ Status drive(const Options& options, const RigDescription& rig, Devices& devices
                           : nullptr;
 
   hal::linux::MonotonicClock machine;
-  EmergencyReturn emergency_return(roles.valves, command, machine, settings.ramps, 0.5 * settings.limits.stroke,
-                                   rig.period());
+  EmergencyReturn emergency_return(roles, command, machine, settings.ramps, 0.5 * settings.limits.stroke, rig.period());
   std::atomic<bool> at_rest{false};
   const auto stop = [](void* running) { static_cast<ControlLoop*>(running)->stop(); };
   ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
@@ -280,6 +280,7 @@ Status drive(const Options& options, const RigDescription& rig, Devices& devices
   std::uint64_t periods = 0;
   if (!options.simulated && options.replay.empty()) drain(roles, settings.period);
   seal_heap(true);
+  loop->arm();
   loop->start();
   for (;;) {
     const hal::Time due = loop->due();
