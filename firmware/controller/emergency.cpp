@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "firmware/controller/systemd_notify.hpp"
@@ -26,11 +27,19 @@ hal::Result<void> RememberedCommand::do_write(const hal::Command& command) {
   return written;
 }
 
-EmergencyReturn::EmergencyReturn(hal::ValveBank& valves, RememberedCommand& command, hal::Clock& clock,
-                                 const Ramps& ramps, double half_stroke, double period)
-    : valves_(valves), command_(command), clock_(clock), ramps_(ramps), half_stroke_(half_stroke), period_(period) {}
+EmergencyReturn::EmergencyReturn(const hal::Rig& rig, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
+                                 double half_stroke, double period)
+    : rig_(rig), command_(command), clock_(clock), ramps_(ramps), half_stroke_(half_stroke), period_(period) {}
 
-void EmergencyReturn::make_valves_safe() { static_cast<void>(!valves_.write(valves_.safe_position())); }
+void EmergencyReturn::make_valves_safe() { static_cast<void>(!rig_.valves.write(rig_.valves.safe_position())); }
+
+void EmergencyReturn::take_power() { static_cast<void>(!rig_.drive_enable.write(false)); }
+
+bool EmergencyReturn::stopped_by_hand() {
+  const hal::Result<bool> pressed = rig_.stop_button.pressed();
+  const hal::Result<std::uint32_t> open = rig_.interlocks.open();
+  return !pressed || *pressed || !open || *open != 0;
+}
 
 int EmergencyReturn::periods_at_most() const {
   return static_cast<int>(std::ceil((2.0 * 1.5 * half_stroke_ / ramps_.rate + 1.0) / period_));
@@ -38,23 +47,39 @@ int EmergencyReturn::periods_at_most() const {
 
 EmergencyReturn::End EmergencyReturn::go() {
   make_valves_safe();
-  if (!command_.moved()) return End::at_rest;
+  if (!command_.moved()) {
+    take_power();
+    return End::at_rest;
+  }
   ReturnToRest way(command_.position(), command_.velocity(), ramps_, half_stroke_, period_);
   const hal::Time period = hal::seconds(period_);
   hal::Time due = clock_.now();
   int failed = 0;
   const int keep_alive = static_cast<int>(std::ceil(keep_alive_every / period_));
+  End end = End::at_rest;
   for (int left = periods_at_most(); !way.arrived(); --left) {
-    if (left == 0) return End::not_in_time;
+    if (left == 0) {
+      end = End::not_in_time;
+      break;
+    }
     due += period;
     clock_.sleep_until(due);
     if (left % keep_alive == 0) notify("WATCHDOG=1");
+    if (end != End::held && stopped_by_hand()) {
+      take_power();
+      way = ReturnToRest::brake_and_hold(command_.position(), command_.velocity(), ramps_, half_stroke_, period_);
+      end = End::held;
+    }
     const hal::Result<void> written = command_.write(way.next());
     failed = written ? 0 : failed + 1;
-    if (failed > 0 && (written.fault() != hal::Fault::timeout || failed == 3)) return End::command_lost;
+    if (failed > 0 && (written.fault() != hal::Fault::timeout || failed == 3)) {
+      end = End::command_lost;
+      break;
+    }
   }
+  take_power();
   make_valves_safe();  // another thread may have been in the middle of a write
-  return End::at_rest;
+  return end;
 }
 
 namespace {
@@ -114,6 +139,9 @@ void tell_end(EmergencyReturn::End end, double from) {
   if (end == EmergencyReturn::End::at_rest) {
     say("at rest, from ");
     say_micrometres(from);
+  } else if (end == EmergencyReturn::End::held) {
+    say("held where it was stopped, at ");
+    say_micrometres(emergency.command->position());
   } else {
     say("NOT AT REST");
   }

@@ -31,7 +31,9 @@ class NoWatchdog final : public hal::Heartbeat {
 
 class LinuxDevices final : public Devices {
  public:
-  [[nodiscard]] hal::Rig roles() override { return {clock_, *sensors_, *valves_, *command_, *stop_, *heartbeat_}; }
+  [[nodiscard]] hal::Rig roles() override {
+    return {clock_, *sensors_, *valves_, *command_, *stop_, *heartbeat_, no_enable_, no_interlocks_};
+  }
 
   [[nodiscard]] std::string warnings() const override {
     std::string text;
@@ -163,6 +165,8 @@ class LinuxDevices final : public Devices {
     return {};
   }
 
+  hal::NoEnable no_enable_;
+  hal::NoInterlocks no_interlocks_;
   MonotonicClock clock_;
   hal::Time period_{};
   std::unique_ptr<hal::ValveBank> valves_;

@@ -48,7 +48,8 @@ FootPointMotion motion_of(const Options& options, const RigDescription& rig, std
 
 /// The roles with a command output that remembers.
 hal::Rig remembering(const hal::Rig& opened, RememberedCommand& command) {
-  return {opened.clock, opened.sensors, opened.valves, command, opened.stop_button, opened.heartbeat};
+  return {opened.clock,       opened.sensors,   opened.valves,       command,
+          opened.stop_button, opened.heartbeat, opened.drive_enable, opened.interlocks};
 }
 
 Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles) {
@@ -86,8 +87,7 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       loop_(settings_, rig.rig, roles_, reference_, valves_, journal_),
       spans_(std::make_unique<Spans>()),
       wake_(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period()))),
-      emergency_return_(roles_.valves, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke,
-                        rig.period()),
+      emergency_return_(roles_, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke, rig.period()),
       longest_return_(3.0 * rig.controller.stroke / rig.controller.ramp + 2.0) {
   if (realtime_ && wake_.early() > hal::Time{}) {
     warmup_ = std::make_unique<CacheWarmup>(loop_, journal_, settings_, rig.rig, roles_.sensors.setup());
@@ -152,12 +152,14 @@ void Session::drive() {
   std::uint64_t periods = 0;
   if (!options_.simulated && options_.replay.empty()) drain(roles_, settings_.period);
   seal_heap(true);
+  loop_.arm();
   loop_.start();
   for (;;) {
     const hal::Time seen = await_period();
     loop_.step();
     if (broken_seals() > 0) supervisor_->end_run(Cause::heap);
     spans_->step.add((machine_.now() - woken_).ns);
+    if (loop_.mode() == Mode::armed) loop_.start();
     progress_.periods.store(++periods, std::memory_order_relaxed);
     if (options_.virtual_time) wait_for_recording();
     if (loop_.mode() != Mode::safe) continue;
@@ -224,7 +226,7 @@ Status Session::finish() {
     }
   }
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
-              loop_.at_rest() ? "at rest" : "NOT AT REST", static_cast<unsigned long long>(recorder_->rows()),
+              loop_.held() ? "held where it stopped" : loop_.at_rest() ? "at rest" : "NOT AT REST", static_cast<unsigned long long>(recorder_->rows()),
               options_.out.c_str());
   if (!written) {  // the recording's thread cannot be joined
     std::fflush(stdout);

@@ -33,6 +33,15 @@ std::string_view Settings::check() const {
   if (!(ramps.rate > 0.0 && ramps.rate <= limits.speed)) return "ramps.rate: expected above 0, at most limits.speed";
   if (!positive(ramps.braking)) return "ramps.braking: expected a deceleration above 0 m/s²";
   if (!not_negative(ramps.settling)) return "ramps.settling: expected a time of at least 0 s";
+  if (!not_negative(arming.tare_time) || arming.tare_time > 10.0) return "arming.tare_time: expected 0 to 10 s";
+  if (arming.tare_time > 0.0 && !positive(arming.preload)) return "arming.preload: expected a force above 0 N";
+  if (!(arming.position_tolerance >= 0.0 && arming.position_tolerance <= half_stroke))
+    return "arming.position_tolerance: expected 0 m to half the stroke";
+  if (!(arming.probe_amplitude >= 0.0 && arming.probe_amplitude <= 0.25 * half_stroke))
+    return "arming.probe_amplitude: expected 0 m to an eighth of the stroke";
+  if (arming.probe_amplitude > 0.0 && !(arming.tare_time > 0.0 && arming.position_tolerance > 0.0))
+    return "arming.probe_amplitude: expected a tare_time and a position_tolerance above 0 beside a probe";
+  if (!not_negative(arming.force_ramp)) return "arming.force_ramp: expected a time of at least 0 s";
   if (!positive(observers.cross_over)) return "observers.cross_over: expected a frequency above 0 Hz";
   if (!positive(observers.differentiation)) return "observers.differentiation: expected a frequency above 0 Hz";
   return {};

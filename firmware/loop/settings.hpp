@@ -34,6 +34,16 @@ struct Ramps {
   double settling = 0.0;  ///< wait at the beginning of the reference before running [s]
 };
 
+/// What is looked at before a run. The defaults look at nothing, as a simulated rig wants it; a rig description has
+/// defaults of its own. ArmingChecks says what the numbers do.
+struct Arming {
+  double tare_time = 0.0;           ///< force and position are averaged for so long [s]; 0: no tare
+  double preload = 0.0;             ///< largest |F| at rest that counts as an offset of the sensor [N]
+  double position_tolerance = 0.0;  ///< between command and measured position [m]; 0: not compared
+  double probe_amplitude = 0.0;     ///< of the small move that shows the signs [m]; 0: none
+  double force_ramp = 0.0;          ///< hil: F enters the car over so long from the start of a run [s]
+};
+
 /// How velocities are estimated: VelocityObserver says what the numbers do and where the defaults come from.
 struct Observers {
   double cross_over = 1.0;        ///< displacement below, acceleration above [Hz]
@@ -44,6 +54,7 @@ struct Settings {
   hal::Time period = hal::milliseconds(1);
   Limits limits{};
   Ramps ramps{};
+  Arming arming{};
   Observers observers{};
 
   /// What is wrong with the settings (key and what is expected), or an empty text.

@@ -108,7 +108,7 @@ class Waves final : public firmware::Reference {
 
 struct Board {
   explicit Board(const hal::SensorSetup& setup) : sensors(registers, setup) {}
-  hal::Rig roles() { return {clock, sensors, valves, drive, button, heartbeat}; }
+  hal::Rig roles() { return {clock, sensors, valves, drive, button, heartbeat, enable, interlocks}; }
 
   Registers registers{};
   Clock clock{registers};
@@ -117,6 +117,8 @@ struct Board {
   Drive drive{registers};
   Button button{};
   Heartbeat heartbeat{registers};
+  hal::NoEnable enable{};
+  hal::NoInterlocks interlocks{};
 };
 
 constexpr std::array<model::RigParameters<double>, 3> rigs{board::paper_rig(model::RigKind::hil),

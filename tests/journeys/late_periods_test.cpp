@@ -49,6 +49,7 @@ void drive(const firmware::RigDescription& rig, std::span<const LateWake> late, 
   std::string trouble;
   firmware::controller::Recorder recorder(out, rig, hardware.roles().sensors.setup(), {}, trouble);
   ASSERT_EQ(trouble, "");
+  loop.arm();
   loop.start();
   loop.run([&] {
     while (const auto record = journal.pop()) recorder.take(*record);

@@ -94,6 +94,7 @@ TEST(Replay, GivesTheSameOutputsToTheBit) {
     std::vector<Record> storage(live.records.size());
     firmware::Journal journal(storage);
     firmware::ControlLoop loop(scene.settings, scene.parameters, rig.roles(), reference, scene.valves, journal);
+    loop.arm();
     loop.start();
     std::size_t left = live.records.size();
     loop.run([&left] { return left-- > 0; });

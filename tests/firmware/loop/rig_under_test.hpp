@@ -130,6 +130,7 @@ struct Scene {
   hal::Openings safe_position = hal::Openings::first(6);
   hal::Time watchdog = hal::milliseconds(20);
   std::size_t journal = 64;
+  bool drive_enable = true;  ///< the drive stands still without it
 };
 
 /// A scene come to life.
@@ -154,6 +155,7 @@ class Journey {
 
   /// Started, and run until the rig is at rest in safe again (or for 20 s, which no test takes).
   void whole() {
+    loop.arm();
     loop.start();
     periods(1);
     for (int i = 0; i < 20'000 && !(loop.mode() == firmware::Mode::safe && loop.at_rest()); ++i) periods(1);
@@ -184,6 +186,8 @@ class Journey {
     c.safe_position = scene.safe_position;
     c.watchdog = scene.watchdog;
     c.rest = {scene.settings.ramps.rest, 0.0, 0.0};
+    c.drive_enable = scene.drive_enable;
+    c.interlocks = 2;
     return c;
   }
   void drain() {
