@@ -1,9 +1,14 @@
 // The program rig_controller as a shell on the board meets it, with the simulated back-end. On a real-time kernel with
 // lines and converters: tests/guest.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -235,6 +240,182 @@ TEST(RigController, RunsInTheTimeOfTheMachine) {
   const std::string text = TemporaryFolder::read(out);
   EXPECT_NE(text.find("# NOT REAL TIME"), std::string::npos);
   EXPECT_GE(rows(), 50);
+}
+
+/// A rig description that a busy machine does not end by late periods.
+std::string patient_rig(const TemporaryFolder& folder, const char* rate = "100.0") {
+  return folder.write("patient.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0",
+                                                    std::string("sample_rate = ") + rate) +
+                                          "[controller]\nlate_in_a_row = 1000000\n");
+}
+
+/// A pipe with a name in place of a disk. Nobody reads it, so it stalls the writer after 64 KiB.
+struct StalledDisk {
+  std::string name;
+  int end;
+  explicit StalledDisk(const TemporaryFolder& folder) : name(folder / "run.csv"), end(-1) {
+    if (::mkfifo(name.c_str(), 0600) == 0) end = ::open(name.c_str(), O_RDWR | O_CLOEXEC);
+  }
+  StalledDisk(const StalledDisk&) = delete;
+  StalledDisk& operator=(const StalledDisk&) = delete;
+  ~StalledDisk() { ::close(end); }
+
+  [[nodiscard]] int bytes() const {
+    int bytes = 0;
+    return ::ioctl(end, FIONREAD, &bytes) == 0 ? bytes : 0;
+  }
+  /// Until nothing more has gone in for a tenth of a second, in which a run at 1 kHz writes 15 kB.
+  void wait_until_full() const {
+    for (int before = -1, i = 0; i < 1000 && (bytes() < 16'384 || bytes() != before); ++i) {
+      before = bytes();
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+};
+
+/// The socket on which systemd listens for signs of life.
+struct Systemd {
+  int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  explicit Systemd(const TemporaryFolder& folder) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string path = folder / "notify";
+    std::copy(path.begin(), path.end(), address.sun_path);
+    EXPECT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  }
+  Systemd(const Systemd&) = delete;
+  Systemd& operator=(const Systemd&) = delete;
+  ~Systemd() {
+    ::unsetenv("NOTIFY_SOCKET");
+    ::close(socket);
+  }
+  /// The next message; empty: none is there.
+  [[nodiscard]] std::string next() const {
+    char text[256];
+    const ssize_t size = ::recv(socket, text, sizeof text, MSG_DONTWAIT);
+    return size > 0 ? std::string(text, static_cast<std::size_t>(size)) : std::string();
+  }
+  void forget() const {
+    while (!next().empty()) {
+    }
+  }
+  /// Waits for a message with these words.
+  [[nodiscard]] bool hears(const std::string& words) const {
+    for (int i = 0; i < 1000; ++i) {
+      for (std::string message = next(); !message.empty(); message = next()) {
+        if (message.find(words) != std::string::npos) return true;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+};
+
+// Fault. The disk stalls: the thread that waits for it is not the one that tells systemd that the program lives, nor
+// the one that takes signals. SIGTERM ends the run, and the status says that the recording is not whole.
+TEST(RigController, AStalledDiskHoldsUpNeitherSignalsNorTheWatchdog) {
+  const TemporaryFolder folder;
+  const StalledDisk disk(folder);
+  const Systemd systemd(folder);
+  Controller running({"--rig", patient_rig(folder, "1000.0"), "--simulated", "--no-realtime", "--duration", "600",
+                      "--out", disk.name});
+  ASSERT_TRUE(running.says("running: "));
+  disk.wait_until_full();
+  systemd.forget();
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(systemd.hears("WATCHDOG=1"));
+    systemd.forget();
+  }
+  ::kill(running.program.id(), SIGTERM);
+  EXPECT_TRUE(systemd.hears("EXTEND_TIMEOUT_USEC=")) << "the return to rest takes its time";
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, 4) << ended.errors;
+  EXPECT_THAT(last_line(ended.output), HasSubstr("ended by the disk stalls: the end of the recording is not written; "
+                                                 "valves safe, command at rest"));
+}
+
+// Fault. Records are lost when the disk stalls for longer than the journal lasts (8192 records): that ends the run, and
+// the status is not 0.
+TEST(RigController, LostRecordsEndTheRun) {
+  const TemporaryFolder folder;
+  const StalledDisk disk(folder);
+  Controller running({"--rig", patient_rig(folder, "4000.0"), "--simulated", "--no-realtime", "--duration", "600",
+                      "--out", disk.name});
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, 4) << ended.errors;
+  EXPECT_THAT(last_line(ended.output),
+              AllOf(HasSubstr(" lost records: the disk is too slow; valves safe, command at rest")));
+}
+
+// Every signal that can be caught ends a run in good order.
+TEST(RigController, EverySignalEndsARunInGoodOrder) {
+  const TemporaryFolder folder;
+  const std::string rig = patient_rig(folder);
+  for (const int signal :
+       {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGUSR2, SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGPWR, SIGRTMIN}) {
+    Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--out",
+                        folder / (std::to_string(signal) + ".csv")});
+    ASSERT_TRUE(running.says("running: "));
+    ::kill(running.program.id(), signal);
+    const Ended ended = running.program.wait();
+    EXPECT_EQ(ended.status, 0) << signal;
+    EXPECT_THAT(last_line(ended.output), HasSubstr("ended by a signal to stop; valves safe, command at rest"))
+        << signal;
+  }
+}
+
+// Signals of a terminal that goes away or is left do not end a run: neither a reader of standard output that ends, nor
+// Ctrl-Z.
+TEST(RigController, IsNotEndedByItsReaders) {
+  const TemporaryFolder folder;
+  const std::string program = std::string(RIG_CONTROLLER_PROGRAM) + " --rig " + patient_rig(folder) +
+                              " --simulated --no-realtime --duration 600 --out " + (folder / "run.csv").string();
+  // The shell becomes the program; the only reader of its output ends at once.
+  Controller running({"-c", "exec " + program + " > >(exec true)"}, "/bin/bash");
+  const auto size = [&] {
+    std::error_code none;
+    const auto bytes = std::filesystem::file_size(folder / "run.csv", none);
+    return none ? std::uintmax_t{0} : bytes;
+  };
+  for (int i = 0; i < 1000 && size() < 10'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (const int signal : {SIGUSR1, SIGPIPE, SIGTSTP, SIGTTOU, SIGTTIN}) ::kill(running.program.id(), signal);
+  const auto before = size();
+  for (int i = 0; i < 1000 && size() < before + 10'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_GE(size(), before + 10'000) << "the run goes on";
+  ::kill(running.program.id(), SIGTERM);
+  EXPECT_EQ(running.program.wait().status, 0);
+}
+
+// systemd's watchdog aborts a program that hangs. The return to rest tells it how long that takes and that the program
+// is alive, and further aborts wait for its end.
+TEST(RigController, AnAbortWaitsForTheReturnToRest) {
+  const TemporaryFolder folder;
+  const Systemd systemd(folder);
+  // A road that leads 50 mm away: the way back at 0.05 m/s takes 1.5 s.
+  std::string road = "t [s],z_r [m]\n";
+  for (int k = 0; k < 6001; ++k) {
+    const double t = 0.01 * k, s = std::min(1.0, t / 2.0);
+    road += std::to_string(t) + "," + std::to_string(0.05 * s * s * (3.0 - 2.0 * s)) + "\n";
+  }
+  Controller running({"--rig", patient_rig(folder), "--simulated", "--no-realtime", "--road",
+                      folder.write("hill.csv", road), "--out", folder / "run.csv"});
+  ASSERT_TRUE(running.says("running: "));
+  for (int i = 0; i < 1000; ++i) {
+    const std::string text = TemporaryFolder::read(folder / "run.csv");
+    if (std::count(text.begin(), text.end(), '\n') > 250) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  systemd.forget();
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("EXTEND_TIMEOUT_USEC=10500000")) << "8.5 s and a margin of 2 s";
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("WATCHDOG=1"));
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("WATCHDOG=1"));
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, -SIGABRT);
+  EXPECT_THAT(ended.errors, HasSubstr("valves safe, command at rest, from 50000 um"));
 }
 
 // kill −9: no goodbye. What lies there is whole up to the last second, every row of it.
