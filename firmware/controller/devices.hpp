@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "firmware/controller/options.hpp"
 #include "firmware/description/rig_description.hpp"
@@ -24,6 +25,12 @@ class Devices {
   [[nodiscard]] virtual std::string warnings() const { return {}; }
   /// Of a recording that is replayed; 0: devices.
   [[nodiscard]] virtual std::size_t rows() const { return 0; }
+  /// The contacts of the stop button, and when each one opened last; empty: it has none.
+  struct StopContact {
+    std::string line;
+    hal::Time opened = hal::never;
+  };
+  [[nodiscard]] virtual std::vector<StopContact> stop_contacts() const { return {}; }
   /// What was opened, a line each.
   [[nodiscard]] virtual std::string text() const = 0;
 };

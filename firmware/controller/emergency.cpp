@@ -8,10 +8,14 @@
 #include <cstdint>
 #include <cstring>
 
+#include "firmware/controller/systemd_notify.hpp"
 #include "firmware/loop/ramp.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace firmware::controller {
+namespace {
+constexpr double keep_alive_every = 0.2;  // [s] between two messages to systemd, whose watchdog has 2 s or more
+}
 
 hal::Result<void> RememberedCommand::do_write(const hal::Command& command) {
   const hal::Result<void> written = output_.write(command);
@@ -51,6 +55,7 @@ EmergencyReturn::End EmergencyReturn::go() {
   const hal::Time period = hal::seconds(period_);
   hal::Time due = clock_.now();
   int failed = 0;
+  const int keep_alive = static_cast<int>(std::ceil(keep_alive_every / period_));
   End end = End::at_rest;
   for (int left = periods_at_most(); !way.arrived(); --left) {
     if (left == 0) {
@@ -59,6 +64,7 @@ EmergencyReturn::End EmergencyReturn::go() {
     }
     due += period;
     clock_.sleep_until(due);
+    if (left % keep_alive == 0) notify("WATCHDOG=1");
     if (end != End::held && stopped_by_hand()) {
       take_power();
       way = ReturnToRest::brake_and_hold(command_.position(), command_.velocity(), ramps_, half_stroke_, period_);
@@ -109,14 +115,16 @@ EmergencyReturn::End wait_for_the_loop() {
   emergency.stop(emergency.loop);
   hal::linux::MonotonicClock clock;
   const hal::Time period = hal::seconds(emergency.period);
+  const auto keep_alive = static_cast<int>(std::ceil(keep_alive_every / emergency.period));
   for (int left = emergency.emergency_return->periods_at_most(); !emergency.at_rest->load(); --left) {
     if (left == 0) return EmergencyReturn::End::not_in_time;
+    if (left % keep_alive == 0) notify("WATCHDOG=1");
     clock.sleep_until(clock.now() + period);
   }
   return EmergencyReturn::End::at_rest;
 }
 
-/// Whoever writes the recording gets a moment for its last rows; what hangs is ended.
+/// The recording's thread gets a moment for its last rows; what hangs is ended.
 void bound(double seconds) {
   sigset_t alarm;
   ::sigemptyset(&alarm);
@@ -126,35 +134,65 @@ void bound(double seconds) {
   ::alarm(static_cast<unsigned>(seconds) + 2U);
 }
 
-void on_trap(int signal) {
+void tell_end(EmergencyReturn::End end, double from) {
+  say("rig_controller: ended by a trap of the program; valves safe, command ");
+  if (end == EmergencyReturn::End::at_rest) {
+    say("at rest, from ");
+    say_micrometres(from);
+  } else if (end == EmergencyReturn::End::held) {
+    say("held where it was stopped, at ");
+    say_micrometres(emergency.command->position());
+  } else {
+    say("NOT AT REST");
+  }
+  say(", no heartbeat\n");
+}
+
+void return_to_rest(bool in_the_loop) {
+  returning_thread = ::pthread_self();
+  returning.store(true);
+  const double from = emergency.command->position();
+  emergency.emergency_return->make_valves_safe();
+  const double longest = emergency.period * emergency.emergency_return->periods_at_most();
+  extend_timeout(longest + 2.0);
+  bound(longest);
+  const EmergencyReturn::End end = in_the_loop ? emergency.emergency_return->go() : wait_for_the_loop();
+  hal::linux::MonotonicClock clock;
+  clock.sleep_until(clock.now() + hal::milliseconds(100));
+  tell_end(end, from);
+}
+
+void die_of(int signal) {
+  sigset_t own;
+  ::sigemptyset(&own);
+  ::sigaddset(&own, signal);
+  ::signal(signal, SIG_DFL);
+  ::pthread_sigmask(SIG_UNBLOCK, &own, nullptr);
+  ::raise(signal);
+}
+
+/// Sent by another process, e.g. by systemd's watchdog; not a fault of the thread that it interrupts.
+bool sent_from_outside(const siginfo_t& info) { return info.si_code <= 0 && info.si_pid != ::getpid(); }
+
+void on_trap(int signal, siginfo_t* info, void*) {
+  const bool in_the_loop = ::pthread_equal(::pthread_self(), loop_thread) != 0;
   if (armed.exchange(false)) {
-    returning_thread = ::pthread_self();
-    returning.store(true);
-    const bool ours = ::pthread_equal(::pthread_self(), loop_thread) != 0;
-    const double from = emergency.command->position();
-    emergency.emergency_return->make_valves_safe();
-    bound(emergency.period * emergency.emergency_return->periods_at_most());
-    const EmergencyReturn::End end = ours ? emergency.emergency_return->go() : wait_for_the_loop();
-    hal::linux::MonotonicClock clock;
-    clock.sleep_until(clock.now() + hal::milliseconds(100));
-    say("rig_controller: ended by a trap of the program; valves safe, command ");
-    if (end == EmergencyReturn::End::at_rest) {
-      say("at rest, from ");
-      say_micrometres(from);
-    } else if (end == EmergencyReturn::End::held) {
-      say("held where it was stopped, at ");
-      say_micrometres(emergency.command->position());
-    } else {
-      say("NOT AT REST");
+    return_to_rest(in_the_loop);
+  } else if (returning.load()) {
+    if (sent_from_outside(*info)) return;  // an abort waits until the command is at rest
+    if (::pthread_equal(::pthread_self(), returning_thread) == 0) {
+      // The thread that returns the command to rest ends the program. If it waits for the loop and the loop has trapped
+      // as well, the loop's thread returns the command itself.
+      if (in_the_loop) {
+        const EmergencyReturn::End end = emergency.emergency_return->go();
+        if (end == EmergencyReturn::End::at_rest) emergency.at_rest->store(true);
+      }
+      for (;;) ::pause();
     }
-    say(", no heartbeat\n");
-  } else if (returning.load() && ::pthread_equal(::pthread_self(), returning_thread) == 0) {
-    for (;;) ::pause();  // the other thread's emergency return comes first; it ends this one too
   } else {
     say("rig_controller: ended by a trap of the program outside a run\n");
   }
-  ::signal(signal, SIG_DFL);
-  ::raise(signal);
+  die_of(signal);
 }
 
 }  // namespace
@@ -163,16 +201,15 @@ void catch_traps(const Emergency& given) {
   emergency = given;
   loop_thread = ::pthread_self();
   armed.store(true);
-  static char stack[64 * 1024];
-  stack_t own{};
-  own.ss_sp = stack;
-  own.ss_size = sizeof stack;
-  ::sigaltstack(&own, nullptr);
   struct sigaction action {};
-  action.sa_handler = on_trap;
-  action.sa_flags = SA_ONSTACK;
-  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) ::sigaction(signal, &action, nullptr);
+  action.sa_sigaction = on_trap;
+  action.sa_flags = SA_ONSTACK | SA_SIGINFO;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGSYS, SIGTRAP}) {
+    ::sigaction(signal, &action, nullptr);
+  }
 }
+
+bool emergency_under_way() { return returning.load(); }
 
 void forget_traps() { armed.store(false); }
 

@@ -74,12 +74,15 @@ struct Emergency {
   double period = 1e-3;  ///< [s]
 };
 
-/// From here on SIGSEGV, SIGBUS, SIGILL, SIGFPE and SIGABRT end in the safe state before they end the program.
+/// From here on SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGSYS, SIGTRAP and SIGABRT end in the safe state before they end the
+/// program. Each thread needs an AlternateStack for its own stack overflow.
 ///
 /// In the loop's thread (the one that calls this) the handler itself returns the command to rest. In any other one the
 /// loop goes on: it is asked to stop, which makes the valves safe and moves the command to rest, and the handler waits
-/// for that. Either is bounded in time; a trap in the handler, or an alarm, ends what hangs. The last line says what
-/// became of the command; then the program dies as it would have.
+/// for that. While the command returns, systemd is told
+/// that the program lives and how long it takes, and an abort from outside is ignored. Either is bounded in time; a
+/// trap in the handler, or an alarm, ends what hangs. The last line says what became of the command; then the program
+/// dies as it would have.
 void catch_traps(const Emergency& emergency);
 
 /// The run is over: a trap only ends the program.
@@ -92,6 +95,9 @@ struct ForgetTraps {
   ForgetTraps& operator=(const ForgetTraps&) = delete;
   ~ForgetTraps() { forget_traps(); }
 };
+
+/// Whether a trap's return to rest has begun.
+[[nodiscard]] bool emergency_under_way();
 
 /// Whether a thread other than the loop's has trapped.
 [[nodiscard]] bool trapped();

@@ -24,7 +24,7 @@ Recorder::Recorder(const std::string& file, const RigDescription& rig, const hal
   buffer_ += '\n';
   file_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file_ < 0 || !flush()) {
-    trouble = file + ": " + std::strerror(file_ < 0 ? errno : error_) + ", expected a file that can be written";
+    trouble = file + ": " + std::strerror(file_ < 0 ? errno : error()) + ", expected a file that can be written";
   }
 }
 

@@ -1,6 +1,7 @@
 // The recording of a run, written while it lasts.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -36,9 +37,10 @@ class Recorder {
   /// And onto the disk.
   bool sync();
 
-  [[nodiscard]] std::uint64_t rows() const { return rows_; }  ///< written
-  [[nodiscard]] std::uint64_t lost() const { return lost_; }  ///< not written
-  [[nodiscard]] int error() const { return error_; }          ///< errno of the first failure, 0 for none
+  // From any thread.
+  [[nodiscard]] std::uint64_t rows() const { return rows_.load(); }  ///< written
+  [[nodiscard]] std::uint64_t lost() const { return lost_.load(); }  ///< not written
+  [[nodiscard]] int error() const { return error_.load(); }          ///< errno of the first failure, 0 for none
 
  private:
   void number(double value);
@@ -46,10 +48,10 @@ class Recorder {
   int file_ = -1;
   std::string buffer_;
   std::uint64_t collected_ = 0;  ///< rows in the buffer
-  std::uint64_t rows_ = 0;
-  std::uint64_t lost_ = 0;
+  std::atomic<std::uint64_t> rows_{0};
+  std::atomic<std::uint64_t> lost_{0};
   std::int64_t length_ = 0;  ///< of the file
-  int error_ = 0;
+  std::atomic<int> error_{0};
   RunColumns columns_;
   hal::Time begin_ = hal::never;
 };

@@ -47,6 +47,7 @@ struct ControllerDescription {
     model::OpenDucts open;  ///< from then on
   };
   std::vector<Switching> valve_plan;  ///< by time; empty: fdva.open_ducts throughout
+  Arming arming{.tare_time = 0.5, .position_tolerance = 5e-3, .force_ramp = 0.5};  ///< preload 0: a tenth of `force`
 };
 
 /// Delays of a hil loop that no effect of the rig models [s]. `rigtwin stability` adds them to the loop; a simulation
@@ -114,5 +115,9 @@ struct ParameterPath {
 
 /// The same from text; `source` stands for the file in messages.
 [[nodiscard]] RigDescription parse_rig(std::string_view text, std::string_view source);
+
+/// InputError where a rig of devices lacks what makes it safe – stop button, heartbeat, drive enable – and no waiver
+/// says why it may.
+void check_wiring(const RigDescription& description);
 
 }  // namespace firmware

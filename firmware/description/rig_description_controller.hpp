@@ -20,6 +20,9 @@ inline constexpr std::array<std::string_view, 8> waiver_names{"no_heartbeat",   
 void read_waivers(DescriptionTable& top, std::map<std::string, std::string>& waivers);
 void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig, ControllerDescription& controller);
 void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& budget);
-void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, HardwareDescription& hardware);
+void read_arming(DescriptionTable& top, model::RigKind kind, const std::map<std::string, std::string>& waivers,
+                 ControllerDescription& controller);
+void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig,
+                   const std::map<std::string, std::string>& waivers, HardwareDescription& hardware);
 
 }  // namespace firmware

@@ -5,7 +5,7 @@
 namespace firmware {
 namespace {
 
-double magnitude(double value) { return value < 0.0 ? -value : value; }
+double absolute(double value) { return value < 0.0 ? -value : value; }
 
 /// How many periods a step needs so that `duration` is at most `samples` steps long.
 int periods_a_step(double duration, double period, std::size_t samples) {
@@ -79,9 +79,9 @@ std::optional<Trip> MotionGuard::judge(double position) {
                ? (position - static_cast<double>(before)) / (static_cast<double>(window_) * period_)  // (3)
                : 0.0;
 
-  away_ = magnitude(error_) > following_ ? away_ + 1 : 0;
-  far_ = magnitude(position) > half_stroke_ ? far_ + 1 : 0;
-  fast_ = magnitude(speed_) > highest_speed_ ? fast_ + 1 : 0;
+  away_ = absolute(error_) > following_ ? away_ + 1 : 0;
+  far_ = absolute(position) > half_stroke_ ? far_ + 1 : 0;
+  fast_ = absolute(speed_) > highest_speed_ ? fast_ + 1 : 0;
   if (far_ >= confirmations_) return Trip{Reason::measured_stroke, channel_, position, half_stroke_, hal::never};
   if (fast_ >= confirmations_) return Trip{Reason::measured_speed, channel_, speed_, highest_speed_, hal::never};
   if (away_ > following_steps_) return Trip{Reason::following_error, channel_, error_, following_, hal::never};

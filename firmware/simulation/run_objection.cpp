@@ -163,4 +163,21 @@ std::string limits_objection(const RigDescription& description) {
   return {};
 }
 
+std::string following_objection(const RigDescription& description) {
+  if (description.waivers.contains("no_following_error")) return {};
+  const model::Channel channel =
+      description.rig.kind == model::RigKind::quarter_car ? model::Channel::z_r : model::Channel::x_act;
+  const std::size_t wanted = model::index(channel);
+  const auto measures = [wanted](const auto& device) { return device.channel == wanted; };
+  const HardwareDescription& hardware = description.hardware;
+  if (hardware.converters &&
+      std::any_of(hardware.converters->inputs.begin(), hardware.converters->inputs.end(), measures)) {
+    return {};
+  }
+  if (std::any_of(hardware.lasers.begin(), hardware.lasers.end(), measures)) return {};
+  return "nothing measures " + std::string(model::name(channel)) +
+         ": a drive that does not follow its command would not be noticed; fit a sensor, or say why not in [waivers] "
+         "no_following_error";
+}
+
 }  // namespace firmware

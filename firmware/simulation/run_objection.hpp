@@ -24,4 +24,8 @@ namespace firmware {
 /// Limits that can never trip, or do not fit each other or the devices of the description. An empty text: none.
 [[nodiscard]] std::string limits_objection(const RigDescription& description);
 
+/// Devices without a sensor of the position (x_act, z_r of a quarter_car): nothing would notice a drive that does not
+/// follow. Empty: there is one, or [waivers] no_following_error.
+[[nodiscard]] std::string following_objection(const RigDescription& description);
+
 }  // namespace firmware

@@ -1,13 +1,20 @@
 // The program rig_controller as a shell on the board meets it, with the simulated back-end. On a real-time kernel with
 // lines and converters: tests/guest.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
@@ -237,6 +244,182 @@ TEST(RigController, RunsInTheTimeOfTheMachine) {
   EXPECT_GE(rows(), 50);
 }
 
+/// A rig description that a busy machine does not end by late periods.
+std::string patient_rig(const TemporaryFolder& folder, const char* rate = "100.0") {
+  return folder.write("patient.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0",
+                                                    std::string("sample_rate = ") + rate) +
+                                          "[controller]\nlate_in_a_row = 1000000\n");
+}
+
+/// A pipe with a name in place of a disk. Nobody reads it, so it stalls the writer after 64 KiB.
+struct StalledDisk {
+  std::string name;
+  int end;
+  explicit StalledDisk(const TemporaryFolder& folder) : name(folder / "run.csv"), end(-1) {
+    if (::mkfifo(name.c_str(), 0600) == 0) end = ::open(name.c_str(), O_RDWR | O_CLOEXEC);
+  }
+  StalledDisk(const StalledDisk&) = delete;
+  StalledDisk& operator=(const StalledDisk&) = delete;
+  ~StalledDisk() { ::close(end); }
+
+  [[nodiscard]] int bytes() const {
+    int bytes = 0;
+    return ::ioctl(end, FIONREAD, &bytes) == 0 ? bytes : 0;
+  }
+  /// Until nothing more has gone in for a tenth of a second, in which a run at 1 kHz writes 15 kB.
+  void wait_until_full() const {
+    for (int before = -1, i = 0; i < 1000 && (bytes() < 16'384 || bytes() != before); ++i) {
+      before = bytes();
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+};
+
+/// The socket on which systemd listens for signs of life.
+struct Systemd {
+  int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  explicit Systemd(const TemporaryFolder& folder) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string path = folder / "notify";
+    std::copy(path.begin(), path.end(), address.sun_path);
+    EXPECT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  }
+  Systemd(const Systemd&) = delete;
+  Systemd& operator=(const Systemd&) = delete;
+  ~Systemd() {
+    ::unsetenv("NOTIFY_SOCKET");
+    ::close(socket);
+  }
+  /// The next message; empty: none is there.
+  [[nodiscard]] std::string next() const {
+    char text[256];
+    const ssize_t size = ::recv(socket, text, sizeof text, MSG_DONTWAIT);
+    return size > 0 ? std::string(text, static_cast<std::size_t>(size)) : std::string();
+  }
+  void forget() const {
+    while (!next().empty()) {
+    }
+  }
+  /// Waits for a message with these words.
+  [[nodiscard]] bool hears(const std::string& words) const {
+    for (int i = 0; i < 1000; ++i) {
+      for (std::string message = next(); !message.empty(); message = next()) {
+        if (message.find(words) != std::string::npos) return true;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+};
+
+// Fault. The disk stalls: the thread that waits for it is not the one that tells systemd that the program lives, nor
+// the one that takes signals. SIGTERM ends the run, and the status says that the recording is not whole.
+TEST(RigController, AStalledDiskHoldsUpNeitherSignalsNorTheWatchdog) {
+  const TemporaryFolder folder;
+  const StalledDisk disk(folder);
+  const Systemd systemd(folder);
+  Controller running({"--rig", patient_rig(folder, "1000.0"), "--simulated", "--no-realtime", "--duration", "600",
+                      "--out", disk.name});
+  ASSERT_TRUE(running.says("running: "));
+  disk.wait_until_full();
+  systemd.forget();
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(systemd.hears("WATCHDOG=1"));
+    systemd.forget();
+  }
+  ::kill(running.program.id(), SIGTERM);
+  EXPECT_TRUE(systemd.hears("EXTEND_TIMEOUT_USEC=")) << "the return to rest takes its time";
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, 4) << ended.errors;
+  EXPECT_THAT(last_line(ended.output), HasSubstr("ended by the disk stalls: the end of the recording is not written; "
+                                                 "valves safe, command at rest"));
+}
+
+// Fault. Records are lost when the disk stalls for longer than the journal lasts (8192 records): that ends the run, and
+// the status is not 0.
+TEST(RigController, LostRecordsEndTheRun) {
+  const TemporaryFolder folder;
+  const StalledDisk disk(folder);
+  Controller running({"--rig", patient_rig(folder, "4000.0"), "--simulated", "--no-realtime", "--duration", "600",
+                      "--out", disk.name});
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, 4) << ended.errors;
+  EXPECT_THAT(last_line(ended.output),
+              AllOf(HasSubstr(" lost records: the disk is too slow; valves safe, command at rest")));
+}
+
+// Every signal that can be caught ends a run in good order.
+TEST(RigController, EverySignalEndsARunInGoodOrder) {
+  const TemporaryFolder folder;
+  const std::string rig = patient_rig(folder);
+  for (const int signal :
+       {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGUSR2, SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGPWR, SIGRTMIN}) {
+    Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--out",
+                        folder / (std::to_string(signal) + ".csv")});
+    ASSERT_TRUE(running.says("running: "));
+    ::kill(running.program.id(), signal);
+    const Ended ended = running.program.wait();
+    EXPECT_EQ(ended.status, 0) << signal;
+    EXPECT_THAT(last_line(ended.output), HasSubstr("ended by a signal to stop; valves safe, command at rest"))
+        << signal;
+  }
+}
+
+// Signals of a terminal that goes away or is left do not end a run: neither a reader of standard output that ends, nor
+// Ctrl-Z.
+TEST(RigController, IsNotEndedByItsReaders) {
+  const TemporaryFolder folder;
+  const std::string program = std::string(RIG_CONTROLLER_PROGRAM) + " --rig " + patient_rig(folder) +
+                              " --simulated --no-realtime --duration 600 --out " + (folder / "run.csv").string();
+  // The shell becomes the program; the only reader of its output ends at once.
+  Controller running({"-c", "exec " + program + " > >(exec true)"}, "/bin/bash");
+  const auto size = [&] {
+    std::error_code none;
+    const auto bytes = std::filesystem::file_size(folder / "run.csv", none);
+    return none ? std::uintmax_t{0} : bytes;
+  };
+  for (int i = 0; i < 1000 && size() < 10'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (const int signal : {SIGUSR1, SIGPIPE, SIGTSTP, SIGTTOU, SIGTTIN}) ::kill(running.program.id(), signal);
+  const auto before = size();
+  for (int i = 0; i < 1000 && size() < before + 10'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_GE(size(), before + 10'000) << "the run goes on";
+  ::kill(running.program.id(), SIGTERM);
+  EXPECT_EQ(running.program.wait().status, 0);
+}
+
+// systemd's watchdog aborts a program that hangs. The return to rest tells it how long that takes and that the program
+// is alive, and further aborts wait for its end.
+TEST(RigController, AnAbortWaitsForTheReturnToRest) {
+  const TemporaryFolder folder;
+  const Systemd systemd(folder);
+  // A road that leads 50 mm away: the way back at 0.05 m/s takes 1.5 s.
+  std::string road = "t [s],z_r [m]\n";
+  for (int k = 0; k < 6001; ++k) {
+    const double t = 0.01 * k, s = std::min(1.0, t / 2.0);
+    road += std::to_string(t) + "," + std::to_string(0.05 * s * s * (3.0 - 2.0 * s)) + "\n";
+  }
+  Controller running({"--rig", patient_rig(folder), "--simulated", "--no-realtime", "--road",
+                      folder.write("hill.csv", road), "--out", folder / "run.csv"});
+  ASSERT_TRUE(running.says("running: "));
+  for (int i = 0; i < 1000; ++i) {
+    const std::string text = TemporaryFolder::read(folder / "run.csv");
+    if (std::count(text.begin(), text.end(), '\n') > 250) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  systemd.forget();
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("EXTEND_TIMEOUT_USEC=10500000")) << "8.5 s and a margin of 2 s";
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("WATCHDOG=1"));
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("WATCHDOG=1"));
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, -SIGABRT);
+  EXPECT_THAT(ended.errors, HasSubstr("valves safe, command at rest, from 50000 um"));
+}
+
 // kill −9: no goodbye. What lies there is whole up to the last second, every row of it.
 TEST(RigController, LeavesWholeRowsWhenKilled) {
   const TemporaryFolder folder;
@@ -345,6 +528,56 @@ TEST(RigController, SaysWhatTripped) {
   EXPECT_EQ(ended.status, 7);
   EXPECT_NE(last_line(ended.output).find("ended by energy ("), std::string::npos) << last_line(ended.output);
   EXPECT_LT(host_sim::read_recording(folder / "run.csv", {}, 1000.0).size(), 2000U);
+}
+
+// The whole run and the limits are looked at before anything moves: status 3, one line, no recording.
+TEST(RigController, RefusesARunThatItsLimitsWouldEnd) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "run.csv").string();
+  std::string millimetres = "t,z_r\n";
+  for (int k = 0; k < 3000; ++k) {
+    const double hill = 1.0 - std::cos(6.283185307179586 * 0.5 * 1e-3 * k);
+    millimetres += std::to_string(1e-3 * k) + "," + std::to_string(9.0 * hill * hill) + "\n";
+  }
+  const std::string road = folder.write("road.csv", millimetres).string();
+  const std::string cell =
+      folder.write("cell.toml", std::string(support::hil_text) + "[range]\nF = [-1e4, 1e4]\n[limits]\nforce = 25e3\n")
+          .string();
+  struct Case {
+    std::vector<std::string> arguments;
+    std::string says;
+  };
+  for (const Case& c : {Case{{"--rig", rig_file("paper_rig_fdva"), "--road", road}, "a road in millimetres?"},
+                        Case{{"--rig", rig_file("paper_hil_fdva"), "--road", road}, "a road in millimetres?"},
+                        Case{{"--rig", rig_file("paper_rig_fdva"), "--road", "iso8608:E"}, "the command steps with "},
+                        Case{{"--rig", cell}, "limits.force = 2.5e+04 N can never trip"}}) {
+    std::vector<std::string> arguments{"--simulated", "--virtual-time", "--duration", "3", "--out", out};
+    arguments.insert(arguments.end(), c.arguments.begin(), c.arguments.end());
+    const Ended ended = controller(arguments);
+    EXPECT_EQ(ended.status, 3) << c.says;
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_THAT(ended.errors, HasSubstr(c.says));
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+}
+
+// A hil rig on devices needs a proof of its loop; the simulated one does not.
+TEST(RigController, RefusesALoopThatNobodyFoundStable) {
+  const TemporaryFolder folder;
+  const std::string example = TemporaryFolder::read(support::source / "firmware/controller/rigs/example_hil.toml");
+  const std::size_t proven = example.find("proven = "), end = example.find('\n', proven);
+  ASSERT_NE(proven, std::string::npos);
+  const std::string rig = folder.write("rig.toml", example.substr(0, proven) + example.substr(end + 1)).string();
+  for (const bool check : {true, false}) {
+    std::vector<std::string> arguments{"--rig", rig, "--out", (folder / "run.csv").string()};
+    if (check) arguments = {"--rig", rig, "--check"};
+    const Ended ended = controller(arguments);
+    EXPECT_EQ(ended.status, 3);
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_THAT(ended.errors, HasSubstr("nothing says that this loop is stable"));
+  }
+  EXPECT_EQ(controller({"--rig", rig, "--simulated", "--virtual-time", "--duration", "1", "--out", "/dev/null"}).status,
+            0);
 }
 
 // What a newcomer begins with is whole: it passes every check but that of the devices, which are not here.
