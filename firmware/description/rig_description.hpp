@@ -70,8 +70,8 @@ struct RigDescription {
   DelayBudget delay_budget;
   HardwareDescription hardware;                ///< used by rig_controller only
   std::map<std::string, std::string> waivers;  ///< [waivers]: what the rig goes without, and the sentence that says so
-  std::string source;            ///< file name as given by the user
-  std::string text;              ///< its contents, for reports
+  std::string source;                          ///< file name as given by the user
+  std::string text;                            ///< its contents, for reports
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }
 };
@@ -110,8 +110,8 @@ struct ParameterPath {
 /// The same from text; `source` stands for the file in messages.
 [[nodiscard]] RigDescription parse_rig(std::string_view text, std::string_view source);
 
-/// InputError where a rig of devices lacks what makes it safe – stop button, heartbeat, drive enable – and no waiver says
-/// why it may.
+/// InputError where a rig of devices lacks what makes it safe – stop button, heartbeat, drive enable – and no waiver
+/// says why it may.
 void check_wiring(const RigDescription& description);
 
 }  // namespace firmware

@@ -227,7 +227,8 @@ void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& 
   table->finish();
 }
 
-void read_arming(DescriptionTable& top, model::RigKind kind, const Waivers& waivers, ControllerDescription& controller) {
+void read_arming(DescriptionTable& top, model::RigKind kind, const Waivers& waivers,
+                 ControllerDescription& controller) {
   Arming& arming = controller.arming;
   arming.preload = 0.1 * controller.force;
   if (kind != model::RigKind::quarter_car) arming.probe_amplitude = 2e-3;
