@@ -66,7 +66,7 @@ void ControlLoop::step() {
   estimator_.step(samples_);
 
   const unsigned requests = requests_.exchange(0);
-  if ((requests & level_request) != 0) player_.level(wanted_level_.load());
+  if ((requests & level_request) != 0) player_.level(static_cast<double>(wanted_level_.load()) / 1e6);
   const bool stands = mode_ == Mode::safe && at_rest();
   if (stands && (requests & (acknowledge_request | rest_request)) != 0) rig_.stop_button.release();
   std::optional<Trip> hazard = find_hazard(now);
@@ -132,7 +132,7 @@ void ControlLoop::keep_time(hal::Time now) {
 
 bool ControlLoop::level(double wanted) {
   if (!(wanted >= 0.0 && wanted <= ReferencePlayer::highest_level)) return false;
-  wanted_level_.store(wanted);
+  wanted_level_.store(static_cast<std::uint32_t>(wanted * 1e6 + 0.5));
   requests_.fetch_or(level_request);
   return true;
 }
