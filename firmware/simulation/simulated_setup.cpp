@@ -11,9 +11,9 @@ hal::SensorSetup simulated_sensors(const RigDescription& description) {
     const Channel channel = model::channel_at(i);
     const bool relative_only = channel == Channel::z_w || channel == Channel::z_b || channel == Channel::F_act;
     setup[i].fitted = is_hardware_channel(description.rig.kind, channel) && !relative_only;
-    if (description.range[i]) {
-      setup[i].lowest = description.range[i]->lower;
-      setup[i].highest = description.range[i]->upper;
+    if (const auto range = trusted_range(description, i)) {
+      setup[i].lowest = range->lower;
+      setup[i].highest = range->upper;
     }
   }
   return setup;

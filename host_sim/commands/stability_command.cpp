@@ -9,9 +9,9 @@
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/signal/spectrum.hpp"
-#include "host_sim/stability/json.hpp"
-#include "host_sim/stability/stability_report.hpp"
-#include "host_sim/stability/verdict.hpp"
+#include "host_sim/stability/report/json.hpp"
+#include "host_sim/stability/report/stability_report.hpp"
+#include "host_sim/stability/report/verdict.hpp"
 
 namespace host_sim {
 namespace {

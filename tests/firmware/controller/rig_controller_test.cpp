@@ -522,7 +522,7 @@ TEST(RigController, SaysWhatTripped) {
       "wild.toml", support::with(support::hil_text, "virtual_damping = 1140.0", "virtual_damping = 700.0") +
                        "[limits]\nspeed = 1.5\n");
   const Ended ended = controller(
-      {"--rig", rig, "--simulated", "--virtual-time", "--out", (folder / "run.csv").string(), "--road", "iso8608:C"});
+      {"--rig", rig, "--simulated", "--virtual-time", "--out", (folder / "run.csv").string(), "--road", "iso8608:A"});
   EXPECT_EQ(ended.status, 7);
   EXPECT_NE(last_line(ended.output).find("ended by energy ("), std::string::npos) << last_line(ended.output);
   EXPECT_LT(host_sim::read_recording(folder / "run.csv", {}, 1000.0).size(), 2000U);
