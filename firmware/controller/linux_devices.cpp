@@ -153,8 +153,8 @@ class LinuxDevices final : public Devices {
   std::string open_interlocks(const GpioDescription& gpio) {
     std::vector<std::unique_ptr<EdgeLine>> lines;
     for (const auto& [name, line] : gpio.interlocks) {
-      auto opened = EdgeLine::open(
-          {gpio.chip, line, pulls_down(gpio.interlock_bias), bias_of(gpio.interlock_bias), consumer});
+      auto opened =
+          EdgeLine::open({gpio.chip, line, pulls_down(gpio.interlock_bias), bias_of(gpio.interlock_bias), consumer});
       if (!opened) return opened.trouble;
       const auto state = opened.device->read();
       const std::string shows = !state ? "CANNOT BE READ" : state->now ? "OPEN" : "closed";

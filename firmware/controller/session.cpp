@@ -29,8 +29,13 @@ constexpr std::size_t journal_records = 8192;  // eight seconds at 1 kHz: a disk
 // After the run the disk gets this long for the last rows. systemd waits 60 s (TimeoutStopSec).
 constexpr hal::Time disk_patience = hal::milliseconds(5000);
 
-std::string words(const Trip& trip) {
+std::string words(const Trip& trip, const RigDescription& rig) {
   std::string text(name(trip.reason));
+  if (trip.interlock >= 0) {
+    const auto i = static_cast<std::size_t>(trip.interlock);
+    const bool named = rig.hardware.gpio && i < rig.hardware.gpio->interlocks.size();
+    return text + " " + (named ? one_line(rig.hardware.gpio->interlocks[i].name) : std::to_string(i + 1));
+  }
   if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
   if (!is_fault(trip.reason)) return text;
   char numbers[96];
@@ -251,9 +256,9 @@ Status Session::finish() {
     }
   }
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
-              loop_.held()      ? "held where it stopped"
-              : loop_.at_rest() ? "at rest"
-                                : "NOT AT REST",
+              !loop_.at_rest() ? "NOT AT REST"
+              : loop_.held()   ? "held where it stopped"
+                               : "at rest",
               static_cast<unsigned long long>(recorder_->rows()), options_.out.c_str());
   if (!written) {  // the recording's thread cannot be joined
     std::fflush(stdout);
@@ -274,7 +279,7 @@ void Session::print_counters() const {
 }
 
 Status Session::verdict_of_run(std::string& why) const {
-  why = words(loop_.trip());
+  why = words(loop_.trip(), rig_);
   if (is_fault(loop_.trip().reason)) return Status::safe_stop;
   if (loop_.trip().reason == Reason::stop_requested && supervisor_->cause() == Cause::heap) {
     why = "heap taken in the loop, " + std::to_string(broken_seals()) + " times";

@@ -41,6 +41,7 @@ Settings control_settings(const RigDescription& description) {
 
 Arming arming_settings(const RigDescription& description) {
   Arming arming = description.controller.arming;
+  if (arming.preload <= 0.0) arming.preload = 0.1 * control_settings(description).limits.force;
   if (description.rig.kind != model::RigKind::hil) arming.force_ramp = 0.0;
   return arming;
 }

@@ -273,7 +273,6 @@ void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& 
 void read_arming(DescriptionTable& top, model::RigKind kind, const Waivers& waivers,
                  ControllerDescription& controller) {
   Arming& arming = controller.arming;
-  arming.preload = 0.1 * controller.force;
   if (kind != model::RigKind::quarter_car) arming.probe_amplitude = 2e-3;
   auto table = top.table("arming");
   if (!table) return;

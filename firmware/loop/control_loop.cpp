@@ -71,7 +71,7 @@ void ControlLoop::step() {
   watch_motion();
 
   const unsigned requests = requests_.exchange(0);
-  if ((requests & level_request) != 0) player_.level(wanted_level_.load());
+  if ((requests & level_request) != 0) player_.level(static_cast<double>(wanted_level_.load()) / 1e6);
   const bool stands = mode_ == Mode::safe && at_rest();
   if (stands && (requests & (acknowledge_request | rest_request)) != 0) rig_.stop_button.release();
   std::optional<Trip> hazard = find_hazard(now);
@@ -147,7 +147,7 @@ void ControlLoop::watch_motion() {
 
 bool ControlLoop::level(double wanted) {
   if (!(wanted >= 0.0 && wanted <= ReferencePlayer::highest_level)) return false;
-  wanted_level_.store(wanted);
+  wanted_level_.store(static_cast<std::uint32_t>(wanted * 1e6 + 0.5));
   requests_.fetch_or(level_request);
   return true;
 }
@@ -158,8 +158,8 @@ std::optional<Trip> ControlLoop::find_hazard(hal::Time now) {
     if (*hazard) (*hazard)->time = now;
   }
   // The first that matters; one that lasts from the trip must not hide another.
-  const std::array<std::optional<Trip>, 6> all{find_stop(now),          find_open_interlock(now), samples_.hazard(),
-                                               samples_.limit_hazard(), late,                     motion_hazard_};
+  const std::array<std::optional<Trip>, 6> all{
+      find_stop(now), find_open_interlock(now), samples_.hazard(), samples_.limit_hazard(), late, motion_hazard_};
   const std::optional<Trip>* first = nullptr;
   for (const std::optional<Trip>& hazard : all) {
     if (!hazard) continue;

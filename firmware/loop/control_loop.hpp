@@ -161,7 +161,7 @@ class ControlLoop {
   ReturnToRest return_{};
 
   std::atomic<unsigned> requests_{0};
-  std::atomic<double> wanted_level_{1.0};
+  std::atomic<std::uint32_t> wanted_level_{0};  ///< in millionths: a board has no atomic double
   Mode mode_ = Mode::idle;
   Trip trip_{};
   Trip second_{};

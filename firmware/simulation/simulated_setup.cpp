@@ -25,6 +25,8 @@ hal::simulated::Construction simulated_construction(const RigDescription& descri
   construction.start = start;
   construction.sensors = simulated_sensors(description);
   construction.ducts = description.rig.has_fdva ? static_cast<std::size_t>(description.rig.fdva.ducts) : 0;
+  construction.drive_enable = true;
+  if (description.hardware.gpio) construction.interlocks = description.hardware.gpio->interlocks.size();
   construction.safe_position = hal::Openings::from_bits(description.controller.safe_ducts);
   return construction;
 }
