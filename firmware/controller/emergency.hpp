@@ -44,9 +44,9 @@ class EmergencyReturn {
   void make_valves_safe();
 
   /// And the command to rest as after a trip: braked, then back at the given rate (firmware::ReturnToRest), one write a
-  /// period, for periods_at_most(). Faults that last three periods, or that are no time-out, end it. A stop button that is
-  /// pressed, an interlock that is open, or either that cannot be read turns it into braking and holding, and takes the
-  /// drive's enable at once. Whatever the end, the drive has lost its enable.
+  /// period, for periods_at_most(). Faults that last three periods, or that are no time-out, end it. A stop button that
+  /// is pressed, an interlock that is open, or either that cannot be read turns it into braking and holding, and takes
+  /// the drive's enable at once. Whatever the end, the drive has lost its enable.
   [[nodiscard]] End go();
 
   /// Twice the slowest way back from the end of the stroke, and a second.

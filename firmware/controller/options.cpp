@@ -14,6 +14,9 @@ const char* const usage =
   rig_controller --rig RIG.toml --check     lines, converters, rights, limits: everything but motion
   rig_controller --list                     GPIO chips and lines, converters and triggers that are there
 
+  --overwrite       an earlier recording of that name; without it the run is refused
+  --part-minutes M  a new file every M minutes: RUN.csv, RUN-0002.csv, …
+  --cycles N        the road N times, with a joint without a jump; 0: until it is stopped
   --histogram FILE  wake-up latency, step time and sample age as `cyclictest -h` writes them
   --no-realtime     run without real-time rights; the recording says so
   --simulated       the rig's model in place of its devices, in real time
@@ -54,12 +57,14 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       options.realtime = false;
     } else if (word == "--simulated") {
       options.simulated = true;
+    } else if (word == "--overwrite") {
+      options.overwrite = true;
     } else if (word == "--virtual-time") {
       options.virtual_time = true;
     } else {
       const bool known = word == "--rig" || word == "--out" || word == "--road" || word == "--speed" ||
                          word == "--duration" || word == "--histogram" || word == "--seed" || word == "--replay" ||
-                         word == "--bandwidth" || word == "--cut-off";
+                         word == "--bandwidth" || word == "--cut-off" || word == "--part-minutes" || word == "--cycles";
       if (!known) {
         trouble = "unknown option " + std::string(word) + ", see rig_controller --help";
         return options;
@@ -84,6 +89,8 @@ Options read_options(int argc, char** argv, std::string& trouble) {
         fits = read(value, number) && number > 0.0;
         *frequency = number;
       }
+      if (word == "--part-minutes") fits = read(value, options.part_minutes) && options.part_minutes > 0.0;
+      if (word == "--cycles") fits = read(value, options.cycles);
       if (word == "--seed") fits = read(value, options.seed);
       if (!fits) trouble = std::string(word) + " " + std::string(value) + " does not fit, expected a number above 0";
     }

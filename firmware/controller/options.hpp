@@ -20,6 +20,9 @@ struct Options {
   bool realtime = true;
   bool simulated = false;           ///< the rig's model instead of devices
   bool virtual_time = false;        ///< simulated, and nobody sleeps
+  bool overwrite = false;           ///< an earlier recording
+  double part_minutes = 0.0;        ///< length of a part of the recording [min]; 0: one part
+  std::uint64_t cycles = 1;         ///< of the road; 0: without end
   std::string replay;               ///< the recording in place of devices; empty: none
   std::optional<double> bandwidth;  ///< of an ISO 8608 road [Hz]
   std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]

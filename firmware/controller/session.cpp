@@ -35,12 +35,13 @@ std::string words(const Trip& trip) {
   return text + numbers;
 }
 
-FootPointMotion motion_of(const Options& options, const RigDescription& rig, std::size_t rows) {
-  const std::size_t samples = samples_of(options.duration, rig.sample_rate);
+FootPointMotion motion_of(const Options& options, const RigDescription& rig, const ReplayedRun* replayed) {
+  const bool as_long = replayed != nullptr && replayed->to_its_end && options.cycles == 1;
+  const std::size_t samples = as_long ? replayed->samples : samples_of(options.duration, rig.sample_rate);
   const RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
-  auto motion =
-      excitation(rig.rig, motion_over(road, rig, rows > 0 ? rows : samples, read_csv_recording), rig.sample_rate);
-  if (rows > 0 && rig.rig.kind != model::RigKind::hil && !motion.empty() && motion.front().position != 0.0) {
+  auto motion = excitation(rig.rig, motion_over(road, rig, samples, read_csv_recording), rig.sample_rate);
+  const bool lacks_the_way = replayed != nullptr && !replayed->with_the_way && rig.rig.kind != model::RigKind::hil;
+  if (lacks_the_way && !motion.empty() && motion.front().position != 0.0) {
     throw UsageError("--replay of a road that begins elsewhere than at 0: its recording lacks the way there");
   }
   return motion;
@@ -80,8 +81,8 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       command_(opened_.command),
       roles_(remembering(opened_, command_)),
       valves_(valve_plan(rig)),
-      motion_(motion_of(options, rig, devices.rows())),
-      reference_(motion_),
+      motion_(motion_of(options, rig, devices.replayed())),
+      reference_(motion_, options.cycles, rig.period()),
       storage_(journal_records),
       journal_(storage_),
       loop_(settings_, rig.rig, roles_, reference_, valves_, journal_),
@@ -134,14 +135,17 @@ bool Session::acquire_rights() {
 
 bool Session::open_recording() {
   std::string trouble;
-  recorder_ = std::make_unique<Recorder>(
-      options_.out, rig_, roles_.sensors.setup(),
-      std::vector<std::string>{"rig_controller " + std::string(version) + ": " +
-                                   std::string(model::name(rig_.rig.kind)) + ", " + options_.road + ", seed " +
-                                   std::to_string(options_.seed) + (options_.simulated ? ", SIMULATED RIG" : "") +
-                                   (options_.replay.empty() ? "" : ", REPLAY of " + one_line(options_.replay)),
-                               rights_},
-      trouble);
+  Recorder::Setup setup;
+  setup.file = options_.out;
+  setup.comments = {"rig_controller " + std::string(version) + ": " + std::string(model::name(rig_.rig.kind)) + ", " +
+                        options_.road + ", seed " + std::to_string(options_.seed) +
+                        (options_.simulated ? ", SIMULATED RIG" : "") +
+                        (options_.replay.empty() ? "" : ", REPLAY of " + one_line(options_.replay)),
+                    rights_};
+  setup.overwrite = options_.overwrite;
+  setup.rows_per_part = static_cast<std::uint64_t>(options_.part_minutes * 60.0 * rig_.sample_rate);
+  if (options_.cycles != 1) setup.cycle_samples = reference_.cycle_samples();
+  recorder_ = std::make_unique<Recorder>(setup, rig_, roles_.sensors.setup(), trouble);
   if (trouble.empty()) return true;
   std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
   return false;
@@ -152,22 +156,41 @@ void Session::drive() {
   std::uint64_t periods = 0;
   if (!options_.simulated && options_.replay.empty()) drain(roles_, settings_.period);
   seal_heap(true);
-  loop_.arm();
-  loop_.start();
   for (;;) {
     const hal::Time seen = await_period();
+    lead();
     loop_.step();
     if (broken_seals() > 0) supervisor_->end_run(Cause::heap);
     spans_->step.add((machine_.now() - woken_).ns);
-    if (loop_.mode() == Mode::armed) loop_.start();
     progress_.periods.store(++periods, std::memory_order_relaxed);
     if (options_.virtual_time) wait_for_recording();
     if (loop_.mode() != Mode::safe) continue;
+    if (devices_.replayed() != nullptr && periods >= devices_.replayed()->rows) break;  // nothing more was recorded
     if (safe_since == hal::never) safe_since = seen;
     if (loop_.at_rest() || (seen - safe_since).seconds() > longest_return_) break;
   }
   at_rest_.store(loop_.at_rest());
   seal_heap(false);
+}
+
+/// Asks the loop for what leads to a run, or for what led the recording that is replayed.
+void Session::lead() {
+  const std::size_t row = progress_.periods.load(std::memory_order_relaxed);
+  const Mode mode = loop_.mode();
+  const ReplayedRun* replayed = devices_.replayed();
+  if (replayed == nullptr || replayed->modes.empty()) {
+    if (row == 0) loop_.arm();
+    if (row == 0 || mode == Mode::armed) loop_.start();
+    return;
+  }
+  if (row == replayed->stop_requested) loop_.stop();
+  if (row >= replayed->modes.size()) return;
+  const Mode next = replayed->modes[row];
+  const bool goes = next == Mode::ready || next == Mode::running;
+  if (mode == Mode::idle && next != Mode::idle) loop_.arm();
+  if (goes && (mode == Mode::idle || mode == Mode::arming || mode == Mode::armed)) loop_.start();
+  if (mode == Mode::running && next == Mode::holding) loop_.hold();
+  if (mode == Mode::holding && next == Mode::running) loop_.resume();
 }
 
 /// Sleeps until the period is due. With warm-up: sleeps until a moment before, warms the caches over and over while
@@ -225,9 +248,13 @@ Status Session::finish() {
       if (status == Status::done) status = Status::cannot_write;
     }
   }
+  if (written) recorder_->end(why);
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
-              loop_.held() ? "held where it stopped" : loop_.at_rest() ? "at rest" : "NOT AT REST", static_cast<unsigned long long>(recorder_->rows()),
-              options_.out.c_str());
+              devices_.replayed() != nullptr ? "as recorded"
+              : loop_.held()                 ? "held where it stopped"
+              : loop_.at_rest()              ? "at rest"
+                                             : "NOT AT REST",
+              static_cast<unsigned long long>(recorder_->rows()), options_.out.c_str());
   if (!written) {  // the recording's thread cannot be joined
     std::fflush(stdout);
     ::_exit(static_cast<int>(status));

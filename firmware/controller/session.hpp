@@ -9,6 +9,7 @@
 
 #include "firmware/controller/auxiliary_thread.hpp"
 #include "firmware/controller/cache_warmup.hpp"
+#include "firmware/controller/cycle_reference.hpp"
 #include "firmware/controller/devices.hpp"
 #include "firmware/controller/emergency.hpp"
 #include "firmware/controller/options.hpp"
@@ -20,7 +21,6 @@
 #include "firmware/controller/supervisor.hpp"
 #include "firmware/controller/wake_lead.hpp"
 #include "firmware/loop/control_loop.hpp"
-#include "firmware/loop/reference.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace firmware::controller {
@@ -49,6 +49,7 @@ class Session {
   [[nodiscard]] bool open_recording();
   void start_threads();
   void drive();
+  void lead();
   [[nodiscard]] hal::Time await_period();
   void wait_for_recording() const;
   [[nodiscard]] Status finish();
@@ -67,7 +68,7 @@ class Session {
   const hal::Rig roles_;
   const ValvePlan valves_;
   const std::vector<Motion> motion_;
-  TableReference reference_;
+  CycleReference reference_;
   std::vector<Record> storage_;
   Journal journal_;
   ControlLoop loop_;

@@ -46,6 +46,8 @@ enum class Reason : unsigned char {
   late,                   ///< too many late periods in a row
 };
 
+inline constexpr Reason last_reason = Reason::late;
+
 [[nodiscard]] constexpr std::string_view name(Reason reason) {
   constexpr auto names = std::to_array<std::string_view>({"none",
                                                           "reference_ended",

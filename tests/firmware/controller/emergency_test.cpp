@@ -111,7 +111,8 @@ struct Scene {
   Beats beats;
   Sensors sensors;
   Ramps ramps{};
-  EmergencyReturn emergency_return{{clock, sensors, valves, command, button, beats, enable, door}, command, clock, ramps, 0.125, h};
+  EmergencyReturn emergency_return{
+      {clock, sensors, valves, command, button, beats, enable, door}, command, clock, ramps, 0.125, h};
 };
 
 // Braked at no more than the deceleration that the stroke asks for, back at no more than the given rate, at rest at the
@@ -179,7 +180,8 @@ TEST(EmergencyReturn, IsBoundedInTime) {
   EXPECT_LT(scene.drive.commands.size(), 4000U);
 }
 
-// Fault. A press on the way back, a door that opens: braked within the braking distance, held there, without power at once.
+// Fault. A press on the way back, a door that opens: braked within the braking distance, held there, without power at
+// once.
 TEST(EmergencyReturn, HoldsWhereSomebodyStopsIt) {
   for (const bool by_button : {true, false}) {
     Scene scene;
