@@ -38,6 +38,12 @@ class Devices {
   [[nodiscard]] virtual std::string warnings() const { return {}; }
   /// What was replayed; nothing for devices.
   [[nodiscard]] virtual const ReplayedRun* replayed() const { return nullptr; }
+  /// The contacts of the stop button, and when each one opened last; empty: it has none.
+  struct StopContact {
+    std::string line;
+    hal::Time opened = hal::never;
+  };
+  [[nodiscard]] virtual std::vector<StopContact> stop_contacts() const { return {}; }
   /// What was opened, a line each.
   [[nodiscard]] virtual std::string text() const = 0;
 };

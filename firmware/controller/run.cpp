@@ -1,5 +1,8 @@
 #include "firmware/controller/run.hpp"
 
+#include <unistd.h>
+
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -18,10 +21,63 @@
 namespace firmware::controller {
 namespace {
 
+/// Presses that nobody has tried are not there. Waits for a press and its release, and shows when each contact opened.
+bool press_stop(const hal::Rig& roles, const Devices& devices) {
+  constexpr hal::Time patience = hal::milliseconds(30'000);
+  if (devices.stop_contacts().empty()) return true;  // a waiver says why
+  if (::isatty(STDIN_FILENO) == 0) {
+    std::fputs("  stop button: NOT PRESSED, there is no terminal to ask for it\n", stdout);
+    return false;
+  }
+  std::fputs("  stop button: press it now, and release it (30 s)\n", stdout);
+  std::fflush(stdout);
+  hal::linux::MonotonicClock clock;
+  const hal::Time asked = clock.now();
+  bool pressed = false, released = false;
+  while (clock.now() - asked < patience && !released) {
+    clock.sleep_until(clock.now() + hal::milliseconds(5));
+    roles.stop_button.release();
+    const hal::Result<bool> now = roles.stop_button.pressed();
+    if (!now) {
+      std::fputs("  stop button: CANNOT BE READ, or its contacts contradict each other\n", stdout);
+      return false;
+    }
+    released = pressed && !*now;
+    pressed = pressed || *now;
+  }
+  bool all = true;
+  for (const auto& [line, opened] : devices.stop_contacts()) {
+    const bool seen = opened != hal::never && opened >= asked;
+    all = all && seen;
+    if (seen) {
+      std::printf("  stop button: contact '%s' opened after %.3f s\n", line.c_str(), (opened - asked).seconds());
+    } else {
+      std::printf("  stop button: contact '%s' DID NOT OPEN\n", line.c_str());
+    }
+  }
+  if (pressed && !released) std::fputs("  stop button: NOT RELEASED\n", stdout);
+  return all && released;
+}
+
+/// Every interlock closed, now.
+bool interlocks_closed(const hal::Rig& roles, const RigDescription& rig) {
+  static_cast<void>(!roles.interlocks.open());  // what opened before does not count
+  const hal::Result<std::uint32_t> open = roles.interlocks.open();
+  if (!open) std::fputs("  interlocks: CANNOT BE READ\n", stdout);
+  if (!open || !rig.hardware.gpio) return static_cast<bool>(open);
+  const auto& interlocks = rig.hardware.gpio->interlocks;
+  for (std::size_t i = 0; i < interlocks.size(); ++i) {
+    std::printf("  interlock %s: %s\n", interlocks[i].name.c_str(), (*open >> i & 1U) != 0 ? "OPEN" : "closed");
+  }
+  return *open == 0;
+}
+
 Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
   const hal::Rig roles = devices.roles();
   const ValvePlan valves = valve_plan(rig);
-  const auto wrong = ControlLoop::check(control_settings(rig), rig.rig, roles, valves);
+  Settings settings = control_settings(rig);
+  settings.arming = arming_settings(rig);
+  const auto wrong = ControlLoop::check(settings, rig.rig, roles, valves);
   lock_memory(verdict);
   look_at_machine(verdict, rig.hardware.schedule.cpu);
   schedule_loop(verdict, rig.hardware.schedule.priority, rig.hardware.schedule.cpu);
@@ -48,7 +104,9 @@ Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
     std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
     return Status::unfit_input;
   }
-  const bool ready = sensors && verdict.granted();
+  const bool closed = interlocks_closed(roles, rig);
+  const bool stops = press_stop(roles, devices);
+  const bool ready = sensors && closed && stops && verdict.granted();
   std::printf("rig_controller: %s\n", ready ? "everything but motion is in order" : "NOT READY: see above");
   return ready ? Status::done : Status::refused;
 }

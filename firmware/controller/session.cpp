@@ -26,8 +26,13 @@ constexpr std::size_t journal_records = 8192;  // eight seconds at 1 kHz: a disk
 // After the run the disk gets this long for the last rows. systemd waits 60 s (TimeoutStopSec).
 constexpr hal::Time disk_patience = hal::milliseconds(5000);
 
-std::string words(const Trip& trip) {
+std::string words(const Trip& trip, const RigDescription& rig) {
   std::string text(name(trip.reason));
+  if (trip.interlock >= 0) {
+    const auto i = static_cast<std::size_t>(trip.interlock);
+    const bool named = rig.hardware.gpio && i < rig.hardware.gpio->interlocks.size();
+    return text + " " + (named ? one_line(rig.hardware.gpio->interlocks[i].name) : std::to_string(i + 1));
+  }
   if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
   if (!is_fault(trip.reason)) return text;
   char numbers[96];
@@ -53,8 +58,9 @@ hal::Rig remembering(const hal::Rig& opened, RememberedCommand& command) {
           opened.stop_button, opened.heartbeat, opened.drive_enable, opened.interlocks};
 }
 
-Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles) {
+Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles, bool devices) {
   Settings settings = control_settings(rig);
+  if (devices) settings.arming = arming_settings(rig);
   if (const auto wrong = ControlLoop::check(settings, rig.rig, roles, valve_plan(rig)); !wrong.empty()) {
     throw InputError(rig.source, 0, "the description does not fit the devices", wrong);
   }
@@ -76,7 +82,7 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       devices_(devices),
       verdict_(verdict),
       realtime_(options.realtime && !options.virtual_time),
-      settings_(fitting_settings(rig, devices.roles())),
+      settings_(fitting_settings(rig, devices.roles(), !options.simulated && options.replay.empty())),
       opened_(devices.roles()),
       command_(opened_.command),
       roles_(remembering(opened_, command_)),
@@ -142,6 +148,7 @@ bool Session::open_recording() {
                         (options_.simulated ? ", SIMULATED RIG" : "") +
                         (options_.replay.empty() ? "" : ", REPLAY of " + one_line(options_.replay)),
                     rights_};
+  for (const auto& [name, sentence] : rig_.waivers) setup.comments.push_back("WAIVER " + name + ": " + sentence);
   setup.overwrite = options_.overwrite;
   setup.rows_per_part = static_cast<std::uint64_t>(options_.part_minutes * 60.0 * rig_.sample_rate);
   if (options_.cycles != 1) setup.cycle_samples = reference_.cycle_samples();
@@ -251,9 +258,9 @@ Status Session::finish() {
   if (written) recorder_->end(why);
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
               devices_.replayed() != nullptr ? "as recorded"
+              : !loop_.at_rest()             ? "NOT AT REST"
               : loop_.held()                 ? "held where it stopped"
-              : loop_.at_rest()              ? "at rest"
-                                             : "NOT AT REST",
+                                             : "at rest",
               static_cast<unsigned long long>(recorder_->rows()), options_.out.c_str());
   if (!written) {  // the recording's thread cannot be joined
     std::fflush(stdout);
@@ -274,7 +281,7 @@ void Session::print_counters() const {
 }
 
 Status Session::verdict_of_run(std::string& why) const {
-  why = words(loop_.trip());
+  why = words(loop_.trip(), rig_);
   if (is_fault(loop_.trip().reason)) return Status::safe_stop;
   if (loop_.trip().reason == Reason::stop_requested && supervisor_->cause() == Cause::heap) {
     why = "heap taken in the loop, " + std::to_string(broken_seals()) + " times";

@@ -28,6 +28,12 @@ Settings control_settings(const RigDescription& description) {
   return settings;
 }
 
+Arming arming_settings(const RigDescription& description) {
+  Arming arming = description.controller.arming;
+  if (description.rig.kind != model::RigKind::hil) arming.force_ramp = 0.0;
+  return arming;
+}
+
 ValvePlan valve_plan(const RigDescription& description) {
   const auto& fdva = description.rig.fdva;
   const auto first = hal::Openings::first(description.rig.has_fdva ? static_cast<std::size_t>(fdva.open_ducts) : 0);

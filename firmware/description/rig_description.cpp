@@ -219,9 +219,11 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_parameters(top, description.rig);
   read_effects(top, description.rig);
   read_sensors(top, description);
+  read_waivers(top, description.waivers);
   read_controller(top, description.rig, description.controller);
+  read_arming(top, description.rig.kind, description.waivers, description.controller);
   read_delay_budget(top, description.rig.kind, description.delay_budget);
-  read_hardware(top, description.rig, description.hardware);
+  read_hardware(top, description.rig, description.waivers, description.hardware);
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);

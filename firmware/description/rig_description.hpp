@@ -13,6 +13,7 @@
 
 #include "firmware/description/channel_map.hpp"
 #include "firmware/description/hardware_description.hpp"
+#include "firmware/loop/settings.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
 #include "model/rig_model.hpp"
@@ -44,6 +45,7 @@ struct ControllerDescription {
     model::OpenDucts open;  ///< from then on
   };
   std::vector<Switching> valve_plan;  ///< by time; empty: fdva.open_ducts throughout
+  Arming arming{.tare_time = 0.5, .position_tolerance = 5e-3, .force_ramp = 0.5};  ///< preload 0: a tenth of `force`
 };
 
 /// Delays of a hil loop that no effect of the rig models [s]. `rigtwin stability` adds them to the loop; a simulation
@@ -66,9 +68,10 @@ struct RigDescription {
   ChannelMap channels;
   ControllerDescription controller;
   DelayBudget delay_budget;
-  HardwareDescription hardware;  ///< used by rig_controller only
-  std::string source;            ///< file name as given by the user
-  std::string text;              ///< its contents, for reports
+  HardwareDescription hardware;                ///< used by rig_controller only
+  std::map<std::string, std::string> waivers;  ///< [waivers]: what the rig goes without, and the sentence that says so
+  std::string source;                          ///< file name as given by the user
+  std::string text;                            ///< its contents, for reports
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }
 };
@@ -106,5 +109,9 @@ struct ParameterPath {
 
 /// The same from text; `source` stands for the file in messages.
 [[nodiscard]] RigDescription parse_rig(std::string_view text, std::string_view source);
+
+/// InputError where a rig of devices lacks what makes it safe – stop button, heartbeat, drive enable – and no waiver
+/// says why it may.
+void check_wiring(const RigDescription& description);
 
 }  // namespace firmware

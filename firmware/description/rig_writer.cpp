@@ -133,6 +133,15 @@ void write_controller(Text& out, const RigDescription& description) {
     }
     out.line("plan", "[" + plan + "]");
   }
+  const Arming& arming = controller.arming;
+  out.table("arming");
+  out.line("tare_time", real(arming.tare_time));
+  out.line("preload", real(arming.preload));
+  out.line("position_tolerance", real(arming.position_tolerance));
+  out.line("probe_amplitude", real(arming.probe_amplitude));
+  out.line("force_ramp", real(arming.force_ramp));
+  out.table("waivers");
+  for (const auto& [key, sentence] : description.waivers) out.line(key, basic_string_of(sentence));
   const DelayBudget& budget = description.delay_budget;
   out.table("delay_budget");
   if (budget.sensor_age > 0.0) out.line("sensor_age", real(budget.sensor_age));
@@ -156,6 +165,7 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
   if (hardware.gpio) {
     const GpioDescription& gpio = *hardware.gpio;
+    const GpioDescription ordinary{};
     out.table("gpio");
     out.line("chip", basic_string_of(gpio.chip));
     std::string valves;
@@ -163,9 +173,19 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
     if (!gpio.valves.empty()) out.line("valves", "[" + valves + "]");
     if (gpio.valves_active_low) out.line("valves_active_low", "true");
     if (!gpio.stop.empty()) out.line("stop", basic_string_of(gpio.stop));
-    if (gpio.stop_active_low) out.line("stop_active_low", "true");
-    if (!gpio.stop_bias.empty()) out.line("stop_bias", basic_string_of(gpio.stop_bias));
+    if (!gpio.stop_2.empty()) out.line("stop_2", basic_string_of(gpio.stop_2));
+    if (gpio.stop_bias != ordinary.stop_bias) out.line("stop_bias", basic_string_of(gpio.stop_bias));
+    if (gpio.stop_active_low != pulls_down(gpio.stop_bias)) {
+      out.line("stop_active_low", gpio.stop_active_low ? "true" : "false");
+    }
+    if (!gpio.enable.empty()) out.line("enable", basic_string_of(gpio.enable));
+    if (gpio.enable_active_low) out.line("enable_active_low", "true");
     if (!gpio.heartbeat.empty()) out.line("heartbeat", basic_string_of(gpio.heartbeat));
+    if (gpio.interlock_bias != ordinary.interlock_bias) {
+      out.line("interlock_bias", basic_string_of(gpio.interlock_bias));
+    }
+    out.table("gpio.interlocks");
+    for (const auto& [name, line] : gpio.interlocks) out.line(basic_string_of(name), basic_string_of(line));
   }
   if (hardware.converters) {
     const ConverterDescription& converters = *hardware.converters;

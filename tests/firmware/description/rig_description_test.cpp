@@ -386,7 +386,7 @@ TEST(RigDescription, RefusesDevicesThatCannotBe) {
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = ['x']"), "valves = [", "a list of 6 line names");
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = [1, 2, 3, 4, 5, 6]"), "valves = [1", "is not a text");
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = 'x'"), "valves = 'x'", "gpio.valves is not a list");
-  expect_refused(text("[gpio]\nchip = 'a'\nstop_bias = 'up'"), "stop_bias", "'pull-up' or 'pull-down'");
+  expect_refused(text("[gpio]\nchip = 'a'\nstop_bias = 'up'"), "stop_bias", "one of pull-down, pull-up,");
   expect_refused(text("[gpio]\nchip = 'a'\nstop_active_low = 1"), "stop_active_low", "neither true nor false");
   expect_refused(text("[converters.G]\ndevice = 'a'"), "[converters.G]", "unknown key 'converters.G'");
   expect_refused(text("[converters.F]\ndevice = 'a'\ninput = 'b'\nscale = 0"), "scale = 0", "converters.F.scale is 0");
@@ -395,6 +395,76 @@ TEST(RigDescription, RefusesDevicesThatCannotBe) {
                  "[converters.c", "lowest_counts < highest_counts");
   expect_refused(text("[lasers.x_act]\nport = 'a'"), "[lasers.x_act]", "has no 'range'");
   expect_refused(text("[lasers.x_act]\nport = 'a'\nrange = 1\naddress = 0"), "address", "expected 1 to 127");
+}
+
+// The pull gives the level of a cut wire, so a description in which that reads "released" is refused, as is an enable
+// that is on without a program. Only a sentence by somebody who answers for it changes that.
+TEST(RigDescription, RefusesWiringThatFailsDangerous) {
+  const auto text = [](std::string_view entry, std::string_view waiver = "") {
+    return std::string(hil_text) + "[gpio]\nchip = 'a'\nstop = 's'\n" + std::string(entry) + "\n" +
+           (waiver.empty() ? "" : "[waivers]\n" + std::string(waiver) + "\n");
+  };
+  const auto gpio = [&](std::string_view entry) { return *parse_rig(text(entry), "rig").hardware.gpio; };
+  EXPECT_EQ(gpio("").stop_bias, "pull-down");
+  EXPECT_TRUE(gpio("").stop_active_low) << "a contact to supply: cut or pressed is low";
+  EXPECT_FALSE(gpio("stop_bias = 'pull-up'").stop_active_low) << "a contact to ground: cut or pressed is high";
+  EXPECT_TRUE(gpio("stop_bias = 'external-pull-down'").stop_active_low);
+  EXPECT_EQ(refusal_of(text("stop_active_low = true")), "accepted");
+  for (const std::string_view dangerous : {"stop_active_low = false", "stop_bias = 'pull-up'\nstop_active_low = true",
+                                           "stop_bias = 'external-pull-down'\nstop_active_low = false"}) {
+    expect_refused(text(dangerous), "stop_active_low", "a cut wire at gpio.stop would read released");
+    EXPECT_EQ(refusal_of(text(dangerous, "stop_fails_dangerous = 'a button without drive'")), "accepted");
+  }
+  expect_refused(text("stop_active_low = false", "stop_fails_dangerous = 'yes'"), "stop_fails_dangerous",
+                 "is no sentence");
+  expect_refused(text("enable_active_low = true"), "enable_active_low", "would give the drive power");
+  EXPECT_EQ(refusal_of(text("enable_active_low = true", "enable_active_low = 'inverted by the relay'")), "accepted");
+  expect_refused(text("stop_2 = 's'"), "stop_2", "no second contact");
+  expect_refused(text("interlock_bias = 'up'"), "interlock_bias", "unknown gpio.interlock_bias");
+  expect_refused(text("[gpio.interlocks]\ndoor = 1"), "door = 1", "");
+  expect_refused(text("", "no_heart = 'there is no such waiver'"), "no_heart", "unknown key");
+}
+
+// A rig of devices has a stop button, a heartbeat and an enable, or a sentence that says why not.
+TEST(RigDescription, AsksForWhatMakesDevicesSafe) {
+  const auto wrong = [](std::string_view more) {
+    const RigDescription rig = parse_rig(std::string(hil_text) + std::string(more), "rig.toml");
+    try {
+      firmware::check_wiring(rig);
+    } catch (const firmware::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  const std::string gpio = "[gpio]\nchip = 'a'\n";
+  EXPECT_NE(wrong("").find("no table [gpio]"), std::string::npos);
+  EXPECT_NE(wrong(gpio).find("[gpio] has no stop, expected"), std::string::npos) << wrong(gpio);
+  EXPECT_EQ(wrong(gpio).rfind("rig.toml:", 0), 0U) << wrong(gpio);
+  EXPECT_NE(wrong(gpio + "stop = 's'\n").find("[gpio] has no heartbeat, expected"), std::string::npos);
+  EXPECT_NE(wrong(gpio + "stop = 's'\nheartbeat = 'h'\n").find("[gpio] has no enable, expected"), std::string::npos);
+  EXPECT_EQ(wrong(gpio + "stop = 's'\nheartbeat = 'h'\nenable = 'e'\n"), "accepted");
+  EXPECT_EQ(wrong(gpio + "[waivers]\nno_stop = 'a hand pump only'\nno_heartbeat = 'a hand pump only'\n"
+                         "no_enable = 'a hand pump only'\n"),
+            "accepted");
+}
+
+// [arming]: bounds, and defaults that follow from kind and limits.
+TEST(RigDescription, ReadsWhatArmingLooksAt) {
+  const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
+  const firmware::Arming usual = parse_rig(text("[limits]\nforce = 8e3"), "rig").controller.arming;
+  EXPECT_EQ(usual.tare_time, 0.5);
+  EXPECT_EQ(usual.preload, 800.0);
+  EXPECT_EQ(usual.position_tolerance, 5e-3);
+  EXPECT_EQ(usual.probe_amplitude, 2e-3);
+  EXPECT_EQ(usual.force_ramp, 0.5);
+  expect_refused(text("[arming]\nprobe_amplitude = 0"), "probe_amplitude", "does not find a wrong sign");
+  EXPECT_EQ(refusal_of(text("[arming]\nprobe_amplitude = 0\n[waivers]\nno_probe = 'signs were measured'")), "accepted");
+  expect_refused(text("[arming]\nprobe_amplitude = 0.2"), "probe_amplitude", "does not fit");
+  expect_refused(text("[arming]\nposition_tolerance = 5.0"), "position_tolerance", "does not fit");
+  expect_refused(text("[arming]\npreload = 30e3"), "preload", "does not fit");
+  expect_refused(text("[arming]\ntare_time = 0"), "tare_time", "does not fit");
+  expect_refused(text("[arming]\nforce_ramp = -1"), "force_ramp", "does not fit");
+  expect_refused(text("[arming]\ntare = 1"), "tare = 1", "unknown key 'arming.tare'");
 }
 
 TEST(RigDescription, RefusesAControllerThatCannotWork) {
