@@ -82,6 +82,7 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       devices_(devices),
       verdict_(verdict),
       realtime_(options.realtime && !options.virtual_time),
+      operated_(options.wait || !(options.start || options.simulated || !options.replay.empty())),
       settings_(fitting_settings(rig, devices.roles(), !options.simulated && options.replay.empty())),
       opened_(devices.roles()),
       command_(opened_.command),
@@ -112,10 +113,15 @@ Status Session::run() {
   if (!open_recording()) return Status::cannot_write;
   recording_ =
       std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay);
-  supervisor_ =
-      std::make_unique<Supervisor>(others, Supervisor::Parts{loop_, journal_, *recording_, progress_, longest_return_});
+  socket_ = std::make_unique<ControlSocket>(loop_, *recording_, progress_);
+  if (!open_socket()) {
+    static_cast<void>(recording_->finish(disk_patience));
+    return Status::refused;
+  }
+  supervisor_ = std::make_unique<Supervisor>(
+      others, Supervisor::Parts{loop_, journal_, *recording_, progress_, *socket_, longest_return_});
   notify("READY=1");
-  std::printf("running: %s\n", options_.out.c_str());
+  std::printf(operated_ ? "waiting for the operator; recording: %s\n" : "running: %s\n", options_.out.c_str());
   std::fflush(stdout);
   drive();
   return finish();
@@ -158,9 +164,15 @@ bool Session::open_recording() {
   return false;
 }
 
+bool Session::open_socket() {
+  if (!operated_ && options_.socket.empty()) return true;
+  const std::string trouble = socket_->listen(options_.socket.empty() ? std::string(usual_socket) : options_.socket);
+  if (trouble.empty()) return true;
+  std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+  return false;
+}
+
 void Session::drive() {
-  hal::Time safe_since = hal::never;
-  std::uint64_t periods = 0;
   if (!options_.simulated && options_.replay.empty()) drain(roles_, settings_.period);
   seal_heap(true);
   for (;;) {
@@ -169,15 +181,37 @@ void Session::drive() {
     loop_.step();
     if (broken_seals() > 0) supervisor_->end_run(Cause::heap);
     spans_->step.add((machine_.now() - woken_).ns);
-    progress_.periods.store(++periods, std::memory_order_relaxed);
+    publish();
     if (options_.virtual_time) wait_for_recording();
-    if (loop_.mode() != Mode::safe) continue;
-    if (devices_.replayed() != nullptr && periods >= devices_.replayed()->rows) break;  // nothing more was recorded
-    if (safe_since == hal::never) safe_since = seen;
-    if (loop_.at_rest() || (seen - safe_since).seconds() > longest_return_) break;
+    if (is_over(seen)) break;
   }
   at_rest_.store(loop_.at_rest());
   seal_heap(false);
+}
+
+void Session::publish() {
+  progress_.mode.store(loop_.mode(), std::memory_order_relaxed);
+  progress_.reason.store(loop_.trip().reason, std::memory_order_relaxed);
+  progress_.second.store(loop_.second().reason, std::memory_order_relaxed);
+  progress_.enabled.store(loop_.enabled(), std::memory_order_relaxed);
+  progress_.at_rest.store(loop_.at_rest(), std::memory_order_relaxed);
+  progress_.held.store(loop_.held(), std::memory_order_relaxed);
+  progress_.position.store(loop_.command().position, std::memory_order_relaxed);
+  progress_.periods.fetch_add(1, std::memory_order_release);
+}
+
+/// The rig is safe and at rest, or has had its time; with an operator: and somebody or something ends the program.
+bool Session::is_over(hal::Time seen) {
+  if (loop_.mode() != Mode::safe) {
+    safe_since_ = hal::never;
+    return false;
+  }
+  const ReplayedRun* replayed = devices_.replayed();
+  const std::uint64_t periods = progress_.periods.load(std::memory_order_relaxed);
+  if (replayed != nullptr && periods >= replayed->rows) return true;  // nothing more was recorded
+  if (safe_since_ == hal::never) safe_since_ = seen;
+  if (operated_ && supervisor_->cause() == Cause::none && !trapped()) return false;
+  return loop_.at_rest() || (seen - safe_since_).seconds() > longest_return_;
 }
 
 /// Asks the loop for what leads to a run, or for what led the recording that is replayed.
@@ -185,6 +219,7 @@ void Session::lead() {
   const std::size_t row = progress_.periods.load(std::memory_order_relaxed);
   const Mode mode = loop_.mode();
   const ReplayedRun* replayed = devices_.replayed();
+  if (operated_) return;
   if (replayed == nullptr || replayed->modes.empty()) {
     if (row == 0) loop_.arm();
     if (row == 0 || mode == Mode::armed) loop_.start();

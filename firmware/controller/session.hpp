@@ -9,6 +9,7 @@
 
 #include "firmware/controller/auxiliary_thread.hpp"
 #include "firmware/controller/cache_warmup.hpp"
+#include "firmware/controller/control_socket.hpp"
 #include "firmware/controller/cycle_reference.hpp"
 #include "firmware/controller/devices.hpp"
 #include "firmware/controller/emergency.hpp"
@@ -33,7 +34,7 @@ void drain(const hal::Rig& roles, hal::Time period);
 ///
 ///   loop          the caller's; real-time priority, the loop's CPU: steps the control loop, nothing else
 ///   recording     ordinary priority, other CPUs: journal → file; the only one that waits for the disk
-///   supervision   ordinary priority, other CPUs: signals, systemd's watchdog, lost records
+///   supervision   ordinary priority, other CPUs: signals, systemd's watchdog, the operator's socket, lost records
 class Session {
  public:
   Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict);
@@ -47,8 +48,10 @@ class Session {
  private:
   [[nodiscard]] bool acquire_rights();
   [[nodiscard]] bool open_recording();
-  void start_threads();
   void drive();
+  [[nodiscard]] bool open_socket();
+  [[nodiscard]] bool is_over(hal::Time seen);
+  void publish();
   void lead();
   [[nodiscard]] hal::Time await_period();
   void wait_for_recording() const;
@@ -62,6 +65,7 @@ class Session {
   Devices& devices_;
   Verdict& verdict_;
   const bool realtime_;
+  const bool operated_;  ///< somebody arms and starts by the socket
   const Settings settings_;
   const hal::Rig opened_;
   RememberedCommand command_;
@@ -82,9 +86,11 @@ class Session {
   const double longest_return_;  ///< [s]
   LoopProgress progress_;
   std::string rights_;  ///< for the recording's comments
-  hal::Time woken_{};   ///< of this period
+  hal::Time safe_since_ = hal::never;
+  hal::Time woken_{};  ///< of this period
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<RecordingThread> recording_;
+  std::unique_ptr<ControlSocket> socket_;
   std::unique_ptr<Supervisor> supervisor_;
 };
 

@@ -487,6 +487,95 @@ TEST(RigController, RecordsTheWholeSession) {
   for (std::size_t k = 0; k < run.size(); ++k) EXPECT_EQ(run.time[k], static_cast<double>(k) / 1000.0);
 }
 
+/// A controller with a simulated rig that waits for its operator.
+struct Operated {
+  TemporaryFolder folder;
+  std::string socket = folder / "control";
+  Controller running;
+  explicit Operated(const std::vector<std::string>& more = {})
+      : running([&] {
+          std::vector<std::string> words{"--rig",           patient_rig(folder), "--simulated", "--no-realtime",
+                                         "--wait",          "--socket",          socket,        "--out",
+                                         folder / "run.csv"};
+          words.insert(words.end(), more.begin(), more.end());
+          return words;
+        }()) {}
+  [[nodiscard]] Ended ask(const std::string& words) const {
+    const std::string line = std::string(RIG_CONTROLLER_PROGRAM) + " --socket " + socket + " " + words;
+    return Controller({"-c", "exec " + line}, "/bin/sh").program.wait();
+  }
+  [[nodiscard]] bool comes_to(const std::string& state) const {
+    for (int i = 0; i < 1000; ++i) {
+      if (ask("state").output.find("\"state\": \"" + state + "\"") != std::string::npos) return true;
+    }
+    return false;
+  }
+};
+
+// The operator arms, starts, holds, goes on, scales and stops by the socket; each answer is one line of JSON. A run
+// that was acknowledged is started again by the same program, into a recording of its own.
+TEST(RigController, IsOperatedByItsSocket) {
+  Operated rig;
+  ASSERT_TRUE(rig.running.says("waiting for the operator"));
+  const Ended idle = rig.ask("state");
+  EXPECT_EQ(idle.status, 0) << idle.errors;
+  EXPECT_THAT(idle.output, AllOf(HasSubstr("{\"ok\": true"), HasSubstr("\"state\": \"idle\"")));
+  EXPECT_EQ(std::count(idle.output.begin(), idle.output.end(), '\n'), 1);
+
+  const Ended early = rig.ask("start");
+  EXPECT_EQ(early.status, 6);
+  EXPECT_THAT(early.output, HasSubstr("\"error\": \"start needs state armed, the rig is idle\""));
+  EXPECT_EQ(rig.ask("jump").status, 2);
+  EXPECT_EQ(rig.ask("level 3").status, 6);
+
+  for (int run = 1; run <= 2; ++run) {
+    EXPECT_EQ(rig.ask("arm").status, 0);
+    ASSERT_TRUE(rig.comes_to("armed"));
+    EXPECT_EQ(rig.ask("start").status, 0);
+    ASSERT_TRUE(rig.comes_to("running"));
+    EXPECT_EQ(rig.ask("level 0.8").status, 0);
+    EXPECT_EQ(rig.ask("mark a knock, left").status, 0);
+    EXPECT_EQ(rig.ask("hold").status, 0);
+    ASSERT_TRUE(rig.comes_to("holding"));
+    EXPECT_EQ(rig.ask("resume").status, 0);
+    ASSERT_TRUE(rig.comes_to("running"));
+    EXPECT_EQ(rig.ask("stop").status, 0);
+    ASSERT_TRUE(rig.comes_to("safe"));
+    for (int i = 0; i < 1000 && rig.ask("state").output.find("\"at_rest\": true") == std::string::npos; ++i) {
+    }
+    EXPECT_EQ(rig.ask("acknowledge").status, 0);
+    ASSERT_TRUE(rig.comes_to("idle"));
+  }
+  ::kill(rig.running.program.id(), SIGTERM);
+  const Ended ended = rig.running.program.wait();
+  EXPECT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_FALSE(std::filesystem::exists(rig.socket));
+  for (const char* part : {"run.csv", "run-0002.csv"}) {
+    const std::string text = TemporaryFolder::read(rig.folder / part);
+    EXPECT_THAT(text, AllOf(HasSubstr("\n# mark: a knock, left, 20"), HasSubstr("\n# mark: operator: level 0.8, 20")));
+    const auto level = column(rig.folder / part, "level");
+    EXPECT_LT(*std::min_element(level.begin(), level.end()), 1.0);
+    EXPECT_GT(host_sim::read_recording(rig.folder / part, {}, 100.0).size(), 10U);
+  }
+  EXPECT_EQ(rig.ask("state").status, 6) << "nobody listens";
+}
+
+// The socket belongs to one program, and only its user and the group rig may connect.
+TEST(RigController, SharesItsSocketWithNobody) {
+  Operated rig;
+  ASSERT_TRUE(rig.running.says("waiting for the operator"));
+  struct stat status {};
+  ASSERT_EQ(::stat(rig.socket.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0660U);
+  const Ended second = controller({"--rig", patient_rig(rig.folder), "--simulated", "--no-realtime", "--wait",
+                                   "--socket", rig.socket, "--out", rig.folder / "second.csv"});
+  EXPECT_EQ(second.status, 6);
+  EXPECT_THAT(second.errors, HasSubstr("another rig_controller listens there"));
+  EXPECT_EQ(second.error_lines(), 1);
+  ::kill(rig.running.program.id(), SIGTERM);
+  EXPECT_EQ(rig.running.program.wait().status, 0);
+}
+
 // An earlier recording is not overwritten silently.
 TEST(RigController, KeepsAnEarlierRecording) {
   const TemporaryFolder folder;
@@ -614,6 +703,10 @@ TEST(RigController, RefusesInOneLine) {
   };
   const std::vector<Case> cases{
       {{"--rig", hil}, 2, "--out is missing"},
+      {{"--rig", hil, "--out", out, "--wait", "--start"}, 2, "--wait and --start"},
+      {{"--rig", hil, "--out", out, "--simulated", "--virtual-time", "--wait"}, 2, "--wait needs a rig in real time"},
+      {{"--socket", "/no/such/socket", "arm"}, 6, "no program listens there"},
+      {{"--socket", "/no/such/socket", "jump"}, 2, "unknown command 'jump'"},
       {{"--out", out}, 2, "--rig is missing"},
       {{"--rig", hil, "--out", out, "--fast"}, 2, "unknown option --fast"},
       {{"--rig", hil, "--out", out, "--histogram", out}, 2, "--histogram and --out name one file"},
