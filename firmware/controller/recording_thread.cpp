@@ -24,6 +24,11 @@ void print(const Spans& spans, double allowed_delay) {
   std::fflush(stdout);
 }
 
+void RecordingThread::mark(const std::string& text) {
+  const std::lock_guard<std::mutex> lock(marks_mutex_);
+  marks_.push_back(text);
+}
+
 bool RecordingThread::finish(hal::Time patience) {
   end_.store(true);
   hal::linux::MonotonicClock clock;
@@ -48,6 +53,11 @@ void RecordingThread::write() {
       taken_.fetch_add(1, std::memory_order_relaxed);
       spans_.age.add((record->time - oldest_sample(*record)).ns);
       recorder_.take(*record);
+    }
+    {
+      const std::lock_guard<std::mutex> lock(marks_mutex_);
+      for (const std::string& text : marks_) recorder_.mark(text);
+      marks_.clear();
     }
     const bool more = taken == write_records;
     last = end && !more;

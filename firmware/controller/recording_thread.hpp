@@ -4,6 +4,9 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
 
 #include "firmware/controller/auxiliary_thread.hpp"
 #include "firmware/controller/recorder.hpp"
@@ -29,6 +32,8 @@ class RecordingThread {
   /// stalls; this object and the recorder must then stay.
   [[nodiscard]] bool finish(hal::Time patience);
 
+  /// Has a comment written between the rows. From any thread but the loop's.
+  void mark(const std::string& text);
   /// Has the histograms printed. From any thread.
   void print_soon() { print_.store(true); }
 
@@ -44,6 +49,8 @@ class RecordingThread {
   double allowed_delay_;  ///< [s]; 0: unknown
   std::atomic<bool> end_{false};
   std::atomic<bool> print_{false};
+  std::mutex marks_mutex_;
+  std::vector<std::string> marks_;
   std::atomic<bool> written_{false};
   std::atomic<bool> failed_{false};
   std::atomic<std::uint64_t> taken_{0};

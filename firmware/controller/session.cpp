@@ -43,22 +43,28 @@ std::string words(const Trip& trip, const RigDescription& rig) {
   return text + numbers;
 }
 
-FootPointMotion motion_of(const Options& options, const RigDescription& rig, std::size_t rows) {
-  const std::size_t samples = samples_of(options.duration, rig.sample_rate);
+FootPointMotion motion_of(const Options& options, const RigDescription& rig, const ReplayedRun* replayed) {
+  const bool as_long = replayed != nullptr && replayed->to_its_end && options.cycles == 1;
+  const std::size_t samples = as_long ? replayed->samples : samples_of(options.duration, rig.sample_rate);
   const RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
-  auto motion =
-      excitation(rig.rig, motion_over(road, rig, rows > 0 ? rows : samples, read_csv_recording), rig.sample_rate);
-  if (rows > 0 && rig.rig.kind != model::RigKind::hil && !motion.empty() && motion.front().position != 0.0) {
+  auto motion = excitation(rig.rig, motion_over(road, rig, samples, read_csv_recording), rig.sample_rate);
+  const bool lacks_the_way = replayed != nullptr && !replayed->with_the_way && rig.rig.kind != model::RigKind::hil;
+  if (lacks_the_way && !motion.empty() && motion.front().position != 0.0) {
     throw UsageError("--replay of a road that begins elsewhere than at 0: its recording lacks the way there");
   }
   return motion;
 }
 
 /// Looked at as a whole before anything moves. A replay shows what was, and is not looked at.
-FootPointMotion fitting_motion(const Options& options, const RigDescription& rig, std::size_t rows) {
-  FootPointMotion motion = motion_of(options, rig, rows);
-  if (!options.replay.empty()) return motion;
-  if (const std::string objection = run_objection(rig, motion); !objection.empty()) {
+FootPointMotion fitting_motion(const Options& options, const RigDescription& rig, const ReplayedRun* replayed) {
+  FootPointMotion motion = motion_of(options, rig, replayed);
+  if (replayed != nullptr) return motion;
+  FootPointMotion joined;  // with the joint between two cycles
+  if (options.cycles != 1) {
+    CycleReference twice(motion, 2, rig.period());
+    for (std::uint64_t k = 0; const auto there = twice.at(k); ++k) joined.push_back(*there);
+  }
+  if (const std::string objection = run_objection(rig, joined.empty() ? motion : joined); !objection.empty()) {
     throw InputError(options.road, 0, objection, "a run within the limits of " + rig.source);
   }
   return motion;
@@ -94,13 +100,14 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       devices_(devices),
       verdict_(verdict),
       realtime_(options.realtime && !options.virtual_time),
+      operated_(options.wait || !(options.start || options.simulated || !options.replay.empty())),
       settings_(fitting_settings(rig, devices.roles(), !options.simulated && options.replay.empty())),
       opened_(devices.roles()),
       command_(opened_.command),
       roles_(remembering(opened_, command_)),
       valves_(valve_plan(rig)),
-      motion_(fitting_motion(options, rig, devices.rows())),
-      reference_(motion_),
+      motion_(fitting_motion(options, rig, devices.replayed())),
+      reference_(motion_, options.cycles, rig.period()),
       storage_(journal_records),
       journal_(storage_),
       loop_(settings_, rig.rig, roles_, reference_, valves_, journal_),
@@ -125,10 +132,15 @@ Status Session::run() {
   if (!open_recording()) return Status::cannot_write;
   recording_ =
       std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay);
-  supervisor_ =
-      std::make_unique<Supervisor>(others, Supervisor::Parts{loop_, journal_, *recording_, progress_, longest_return_});
+  socket_ = std::make_unique<ControlSocket>(loop_, *recording_, progress_);
+  if (!open_socket()) {
+    static_cast<void>(recording_->finish(disk_patience));
+    return Status::refused;
+  }
+  supervisor_ = std::make_unique<Supervisor>(
+      others, Supervisor::Parts{loop_, journal_, *recording_, progress_, *socket_, longest_return_});
   notify("READY=1");
-  std::printf("running: %s\n", options_.out.c_str());
+  std::printf(operated_ ? "waiting for the operator; recording: %s\n" : "running: %s\n", options_.out.c_str());
   std::fflush(stdout);
   drive();
   return finish();
@@ -165,39 +177,92 @@ bool Session::keeps_allowed_delay() {
 
 bool Session::open_recording() {
   std::string trouble;
-  std::vector<std::string> comments{"rig_controller " + std::string(version) + ": " +
-                                        std::string(model::name(rig_.rig.kind)) + ", " + options_.road + ", seed " +
-                                        std::to_string(options_.seed) + (options_.simulated ? ", SIMULATED RIG" : "") +
-                                        (options_.replay.empty() ? "" : ", REPLAY of " + one_line(options_.replay)),
-                                    rights_};
-  for (const auto& [name, sentence] : rig_.waivers) comments.push_back("WAIVER " + name + ": " + one_line(sentence));
-  recorder_ = std::make_unique<Recorder>(options_.out, rig_, roles_.sensors.setup(), comments, trouble);
+  Recorder::Setup setup;
+  setup.file = options_.out;
+  setup.comments = {"rig_controller " + std::string(version) + ": " + std::string(model::name(rig_.rig.kind)) + ", " +
+                        options_.road + ", seed " + std::to_string(options_.seed) +
+                        (options_.simulated ? ", SIMULATED RIG" : "") +
+                        (options_.replay.empty() ? "" : ", REPLAY of " + one_line(options_.replay)),
+                    rights_};
+  for (const auto& [name, sentence] : rig_.waivers) setup.comments.push_back("WAIVER " + name + ": " + sentence);
+  setup.overwrite = options_.overwrite;
+  setup.rows_per_part = static_cast<std::uint64_t>(options_.part_minutes * 60.0 * rig_.sample_rate);
+  if (options_.cycles != 1) setup.cycle_samples = reference_.cycle_samples();
+  recorder_ = std::make_unique<Recorder>(setup, rig_, roles_.sensors.setup(), trouble);
+  if (trouble.empty()) return true;
+  std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+  return false;
+}
+
+bool Session::open_socket() {
+  if (!operated_ && options_.socket.empty()) return true;
+  const std::string trouble = socket_->listen(options_.socket.empty() ? std::string(usual_socket) : options_.socket);
   if (trouble.empty()) return true;
   std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
   return false;
 }
 
 void Session::drive() {
-  hal::Time safe_since = hal::never;
-  std::uint64_t periods = 0;
   if (!options_.simulated && options_.replay.empty()) drain(roles_, settings_.period);
   seal_heap(true);
-  loop_.arm();
-  loop_.start();
   for (;;) {
     const hal::Time seen = await_period();
+    lead();
     loop_.step();
     if (broken_seals() > 0) supervisor_->end_run(Cause::heap);
     spans_->step.add((machine_.now() - woken_).ns);
-    if (loop_.mode() == Mode::armed) loop_.start();
-    progress_.periods.store(++periods, std::memory_order_relaxed);
+    publish();
     if (options_.virtual_time) wait_for_recording();
-    if (loop_.mode() != Mode::safe) continue;
-    if (safe_since == hal::never) safe_since = seen;
-    if (loop_.at_rest() || (seen - safe_since).seconds() > longest_return_) break;
+    if (is_over(seen)) break;
   }
   at_rest_.store(loop_.at_rest());
   seal_heap(false);
+}
+
+void Session::publish() {
+  progress_.mode.store(loop_.mode(), std::memory_order_relaxed);
+  progress_.reason.store(loop_.trip().reason, std::memory_order_relaxed);
+  progress_.second.store(loop_.second().reason, std::memory_order_relaxed);
+  progress_.enabled.store(loop_.enabled(), std::memory_order_relaxed);
+  progress_.at_rest.store(loop_.at_rest(), std::memory_order_relaxed);
+  progress_.held.store(loop_.held(), std::memory_order_relaxed);
+  progress_.position.store(loop_.command().position, std::memory_order_relaxed);
+  progress_.periods.fetch_add(1, std::memory_order_release);
+}
+
+/// The rig is safe and at rest, or has had its time; with an operator: and somebody or something ends the program.
+bool Session::is_over(hal::Time seen) {
+  if (loop_.mode() != Mode::safe) {
+    safe_since_ = hal::never;
+    return false;
+  }
+  const ReplayedRun* replayed = devices_.replayed();
+  const std::uint64_t periods = progress_.periods.load(std::memory_order_relaxed);
+  if (replayed != nullptr && periods >= replayed->rows) return true;  // nothing more was recorded
+  if (safe_since_ == hal::never) safe_since_ = seen;
+  if (operated_ && supervisor_->cause() == Cause::none && !trapped()) return false;
+  return loop_.at_rest() || (seen - safe_since_).seconds() > longest_return_;
+}
+
+/// Asks the loop for what leads to a run, or for what led the recording that is replayed.
+void Session::lead() {
+  const std::size_t row = progress_.periods.load(std::memory_order_relaxed);
+  const Mode mode = loop_.mode();
+  const ReplayedRun* replayed = devices_.replayed();
+  if (operated_) return;
+  if (replayed == nullptr || replayed->modes.empty()) {
+    if (row == 0) loop_.arm();
+    if (row == 0 || mode == Mode::armed) loop_.start();
+    return;
+  }
+  if (row == replayed->stop_requested) loop_.stop();
+  if (row >= replayed->modes.size()) return;
+  const Mode next = replayed->modes[row];
+  const bool goes = next == Mode::ready || next == Mode::running;
+  if (mode == Mode::idle && next != Mode::idle) loop_.arm();
+  if (goes && (mode == Mode::idle || mode == Mode::arming || mode == Mode::armed)) loop_.start();
+  if (mode == Mode::running && next == Mode::holding) loop_.hold();
+  if (mode == Mode::holding && next == Mode::running) loop_.resume();
 }
 
 /// Sleeps until the period is due. With warm-up: sleeps until a moment before, warms the caches over and over while
@@ -255,10 +320,12 @@ Status Session::finish() {
       if (status == Status::done) status = Status::cannot_write;
     }
   }
+  if (written) recorder_->end(why);
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
-              !loop_.at_rest() ? "NOT AT REST"
-              : loop_.held()   ? "held where it stopped"
-                               : "at rest",
+              devices_.replayed() != nullptr ? "as recorded"
+              : !loop_.at_rest()             ? "NOT AT REST"
+              : loop_.held()                 ? "held where it stopped"
+                                             : "at rest",
               static_cast<unsigned long long>(recorder_->rows()), options_.out.c_str());
   if (!written) {  // the recording's thread cannot be joined
     std::fflush(stdout);

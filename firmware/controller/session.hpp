@@ -9,6 +9,8 @@
 
 #include "firmware/controller/auxiliary_thread.hpp"
 #include "firmware/controller/cache_warmup.hpp"
+#include "firmware/controller/control_socket.hpp"
+#include "firmware/controller/cycle_reference.hpp"
 #include "firmware/controller/devices.hpp"
 #include "firmware/controller/emergency.hpp"
 #include "firmware/controller/options.hpp"
@@ -20,7 +22,6 @@
 #include "firmware/controller/supervisor.hpp"
 #include "firmware/controller/wake_lead.hpp"
 #include "firmware/loop/control_loop.hpp"
-#include "firmware/loop/reference.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace firmware::controller {
@@ -33,7 +34,7 @@ void drain(const hal::Rig& roles, hal::Time period);
 ///
 ///   loop          the caller's; real-time priority, the loop's CPU: steps the control loop, nothing else
 ///   recording     ordinary priority, other CPUs: journal → file; the only one that waits for the disk
-///   supervision   ordinary priority, other CPUs: signals, systemd's watchdog, lost records
+///   supervision   ordinary priority, other CPUs: signals, systemd's watchdog, the operator's socket, lost records
 class Session {
  public:
   Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict);
@@ -48,8 +49,11 @@ class Session {
   [[nodiscard]] bool acquire_rights();
   [[nodiscard]] bool keeps_allowed_delay();
   [[nodiscard]] bool open_recording();
-  void start_threads();
   void drive();
+  [[nodiscard]] bool open_socket();
+  [[nodiscard]] bool is_over(hal::Time seen);
+  void publish();
+  void lead();
   [[nodiscard]] hal::Time await_period();
   void wait_for_recording() const;
   [[nodiscard]] Status finish();
@@ -62,13 +66,14 @@ class Session {
   Devices& devices_;
   Verdict& verdict_;
   const bool realtime_;
+  const bool operated_;  ///< somebody arms and starts by the socket
   const Settings settings_;
   const hal::Rig opened_;
   RememberedCommand command_;
   const hal::Rig roles_;
   const ValvePlan valves_;
   const std::vector<Motion> motion_;
-  TableReference reference_;
+  CycleReference reference_;
   std::vector<Record> storage_;
   Journal journal_;
   ControlLoop loop_;
@@ -82,9 +87,11 @@ class Session {
   const double longest_return_;  ///< [s]
   LoopProgress progress_;
   std::string rights_;  ///< for the recording's comments
-  hal::Time woken_{};   ///< of this period
+  hal::Time safe_since_ = hal::never;
+  hal::Time woken_{};  ///< of this period
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<RecordingThread> recording_;
+  std::unique_ptr<ControlSocket> socket_;
   std::unique_ptr<Supervisor> supervisor_;
 };
 

@@ -47,6 +47,7 @@ void Supervisor::supervise() {
     seen = periods;
     if (parts_.recording.failed()) end_run(Cause::disk);
     if (parts_.journal.lost() > 0) end_run(Cause::lost_records);
+    parts_.socket.serve();
     await_signal();
   }
 }

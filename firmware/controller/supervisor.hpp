@@ -1,4 +1,4 @@
-// The thread that supervises a session: signals, systemd's watchdog, the state of the recording.
+// The thread that supervises a session: signals, systemd's watchdog, the operator's socket, lost records.
 #pragma once
 
 #include <signal.h>
@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "firmware/controller/auxiliary_thread.hpp"
+#include "firmware/controller/control_socket.hpp"
 #include "firmware/controller/recording_thread.hpp"
 #include "firmware/loop/control_loop.hpp"
 #include "firmware/loop/journal.hpp"
@@ -24,13 +25,9 @@ enum class Cause : int { none, signal, disk, lost_records, heap };
 /// reason to end: SIGPIPE (a reader went away), SIGXFSZ (a full disk), SIGTSTP, SIGTTIN, SIGTTOU (the terminal).
 void block_signals();
 
-/// What the loop's thread tells the others after each period.
-struct LoopProgress {
-  std::atomic<std::uint64_t> periods{0};
-};
-
 /// Ordinary priority, and never waits for the disk or the console. Ends the run on a signal, on lost records and on a
-/// recording that cannot be written; tells systemd that the program is alive for as long as the loop makes periods.
+/// recording that cannot be written; serves the socket; tells systemd that the program is alive for as long as the loop
+/// makes periods.
 class Supervisor {
  public:
   struct Parts {
@@ -38,6 +35,7 @@ class Supervisor {
     const Journal& journal;
     RecordingThread& recording;
     const LoopProgress& progress;
+    ControlSocket& socket;
     double longest_return;  ///< [s]
   };
   Supervisor(const cpu_set_t& cpus, const Parts& parts);

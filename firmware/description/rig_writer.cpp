@@ -150,6 +150,8 @@ void write_controller(Text& out, const RigDescription& description) {
   out.line("position_tolerance", real(arming.position_tolerance));
   out.line("probe_amplitude", real(arming.probe_amplitude));
   out.line("force_ramp", real(arming.force_ramp));
+  out.table("waivers");
+  for (const auto& [key, sentence] : description.waivers) out.line(key, basic_string_of(sentence));
   const DelayBudget& budget = description.delay_budget;
   out.table("delay_budget");
   if (budget.sensor_age > 0.0) out.line("sensor_age", real(budget.sensor_age));

@@ -133,6 +133,7 @@ void ControlLoop::keep_time(hal::Time now) {
 }
 
 /// While the drive has power it must go where it is told, in every state. Without power it may stand or be moved.
+/// Arming has checks of its own for sensors that do not answer.
 void ControlLoop::watch_motion() {
   motion_hazard_.reset();
   if (!enabled_) {
@@ -141,6 +142,10 @@ void ControlLoop::watch_motion() {
     return;
   }
   motion_hazard_ = motion_guard_.follow(command_guard_.last(), samples_);
+  if (mode_ == Mode::arming) {
+    frozen_guard_.start();
+    return;
+  }
   const std::optional<Trip> frozen = frozen_guard_.follow(samples_, motion_guard_.expected(), command_guard_.last());
   if (!motion_hazard_) motion_hazard_ = frozen;
 }

@@ -104,7 +104,10 @@ TEST(FrozenGuard, NeverTripsOnAQuantisedQuarterCar) {
       auto state = model.start(0.0);
       std::vector<Channel> channels;
       for (const auto& [channel, count] : counts) channels.push_back(channel);
-      Watched watched(parameters, channels);
+      Supervision half;  // of the thresholds: a margin of two
+      half.frozen_speed *= 0.5;
+      half.frozen_acceleration *= 0.5;
+      Watched watched(parameters, channels, half);
       for (int k = 0; k < 8000; ++k) {
         // faded in over two seconds: the rig's own motion shall not help
         const double fade = std::min(1.0, 0.5 * h * k);
