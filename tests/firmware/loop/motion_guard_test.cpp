@@ -243,6 +243,7 @@ TEST(MotionGuardJourney, EndsARunOfADriveThatDoesNotFollow) {
     std::vector<Record> storage(8);
     firmware::Journal journal(storage);
     firmware::ControlLoop loop(scene.settings, scene.parameters, rig.roles(), reference, scene.valves, journal);
+    loop.arm();
     loop.start();
     double farthest = 0.0;
     loop.run([&] {
