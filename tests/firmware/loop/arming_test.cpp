@@ -125,15 +125,15 @@ TEST(Arming, RefusesARigThatIsNotAsDescribed) {
   refuse("F has the wrong sign", RigKind::hil, Reason::arming_polarity_F,
          [](Scene& s) { s.deviations.force_sign = -1.0; });
   refuse("F in kilonewtons", RigKind::hil, Reason::arming_polarity_F, [](Scene& s) { s.deviations.force_sign = 1e-3; });
-  refuse("F does not answer", RigKind::hil, Reason::arming_polarity_F, [](Scene& s) { s.deviations.force_sign = 0.0; });
+  refuse("F hardly answers", RigKind::hil, Reason::arming_polarity_F, [](Scene& s) { s.deviations.force_sign = 0.01; });
   refuse("F ten times too large", RigKind::hil, Reason::arming_polarity_F,
          [](Scene& s) { s.deviations.force_sign = 10.0; });
   refuse("x_act has the wrong sign", RigKind::hil, Reason::arming_polarity_x_act,
          [](Scene& s) { s.deviations.position_sign = -1.0; });
   refuse("x_act has the wrong sign", RigKind::component_bench, Reason::arming_polarity_x_act,
          [](Scene& s) { s.deviations.position_sign = -1.0; });
-  refuse("x_act does not follow", RigKind::component_bench, Reason::arming_polarity_x_act,
-         [](Scene& s) { s.deviations.position_sign = 0.0; });
+  refuse("x_act hardly follows", RigKind::component_bench, Reason::arming_polarity_x_act,
+         [](Scene& s) { s.deviations.position_sign = 0.01; });
   refuse("x_act twice too large", RigKind::component_bench, Reason::arming_polarity_x_act,
          [](Scene& s) { s.deviations.position_sign = 2.0; });
   refuse("a preload of 2845 N", RigKind::hil, Reason::arming_preload,
