@@ -32,7 +32,11 @@ class CommandOutput {
     return do_write(command);
   }
 
+  /// The position that the output shows now [m], rounded as its converter rounds. refused: this output cannot tell.
+  [[nodiscard]] Result<double> read_back() { return do_read_back(); }
+
  private:
+  virtual Result<double> do_read_back() { return Fault::refused; }
   virtual Result<void> do_write(const Command& command) = 0;
 };
 

@@ -3,7 +3,9 @@
 
 #include "hal/clock.hpp"
 #include "hal/command_output.hpp"
+#include "hal/drive_enable.hpp"
 #include "hal/heartbeat.hpp"
+#include "hal/interlocks.hpp"
 #include "hal/sensor_source.hpp"
 #include "hal/stop_button.hpp"
 #include "hal/valve_bank.hpp"
@@ -18,6 +20,8 @@ struct Rig {
   CommandOutput& command;
   StopButton& stop_button;
   Heartbeat& heartbeat;
+  DriveEnable& drive_enable;
+  Interlocks& interlocks;
 };
 
 }  // namespace hal

@@ -8,7 +8,7 @@ namespace hal {
 
 /// The stop button. A press is latched: also one shorter than a period counts, until release() is called.
 ///
-/// Any fault: the line may be cut; the caller takes it for a press.
+/// Any fault: the caller takes it for a press. refused: the two contacts of the button contradict each other.
 class StopButton {
  public:
   virtual ~StopButton() = default;

@@ -17,6 +17,7 @@ hal::simulated::Construction construction(const Settings& settings, const hal::S
 Settings at_once(Settings settings) {
   settings.ramps.rest = 0.0;
   settings.ramps.settling = 0.0;
+  settings.arming = {};
   return settings;
 }
 
@@ -38,6 +39,7 @@ CacheWarmup::CacheWarmup(const ControlLoop& loop, const Journal& journal, const 
       journal_(journal),
       rig_(idle_plant_, construction(settings, sensors)),
       stand_in_(at_once(settings), parameters, rig_.roles(), idle_plant_, ValvePlan(), records_) {
+  stand_in_.arm();
   stand_in_.start();
 }
 

@@ -2,14 +2,28 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "firmware/controller/options.hpp"
 #include "firmware/description/rig_description.hpp"
+#include "firmware/loop/mode.hpp"
 #include "hal/rig.hpp"
 
 namespace firmware::controller {
+
+/// What led the run of a recording that is replayed.
+struct ReplayedRun {
+  std::size_t rows = 0;      ///< of the recording
+  std::size_t samples = 0;   ///< of the run
+  bool to_its_end = true;    ///< the run ended with its road
+  bool with_the_way = true;  ///< the recording begins before the run
+  /// Of each row; empty: the recording is the run alone.
+  std::vector<Mode> modes;
+  std::size_t stop_requested = SIZE_MAX;  ///< the row in whose period the run was asked to stop
+};
 
 /// The back-end that was chosen, opened.
 class Devices {
@@ -22,8 +36,14 @@ class Devices {
   [[nodiscard]] virtual hal::Rig roles() = 0;
   /// Lines on what a user should know, once the run has lasted; empty: nothing.
   [[nodiscard]] virtual std::string warnings() const { return {}; }
-  /// Of a recording that is replayed; 0: devices.
-  [[nodiscard]] virtual std::size_t rows() const { return 0; }
+  /// What was replayed; nothing for devices.
+  [[nodiscard]] virtual const ReplayedRun* replayed() const { return nullptr; }
+  /// The contacts of the stop button, and when each one opened last; empty: it has none.
+  struct StopContact {
+    std::string line;
+    hal::Time opened = hal::never;
+  };
+  [[nodiscard]] virtual std::vector<StopContact> stop_contacts() const { return {}; }
   /// What was opened, a line each.
   [[nodiscard]] virtual std::string text() const = 0;
 };

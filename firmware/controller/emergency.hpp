@@ -6,7 +6,7 @@
 #include "firmware/loop/settings.hpp"
 #include "hal/clock.hpp"
 #include "hal/command_output.hpp"
-#include "hal/valve_bank.hpp"
+#include "hal/rig.hpp"
 
 namespace firmware::controller {
 
@@ -34,23 +34,29 @@ class RememberedCommand final : public hal::CommandOutput {
 /// as the roles' own are such.
 class EmergencyReturn {
  public:
-  enum class End : unsigned char { at_rest, command_lost, not_in_time };
+  enum class End : unsigned char { at_rest, held, command_lost, not_in_time };
 
-  EmergencyReturn(hal::ValveBank& valves, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
+  /// Valves, drive enable, stop button and interlocks of the rig; its clock is not asked.
+  EmergencyReturn(const hal::Rig& rig, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
                   double half_stroke, double period);
 
   /// Valves to the safe position, whatever comes of it.
   void make_valves_safe();
 
   /// And the command to rest as after a trip: braked, then back at the given rate (firmware::ReturnToRest), one write a
-  /// period, for periods_at_most(). Faults that last three periods, or that are no time-out, end it.
+  /// period, for periods_at_most(). Faults that last three periods, or that are no time-out, end it. A stop button that
+  /// is pressed, an interlock that is open, or either that cannot be read turns it into braking and holding, and takes
+  /// the drive's enable at once. Whatever the end, the drive has lost its enable.
   [[nodiscard]] End go();
 
   /// Twice the slowest way back from the end of the stroke, and a second.
   [[nodiscard]] int periods_at_most() const;
 
  private:
-  hal::ValveBank& valves_;
+  [[nodiscard]] bool stopped_by_hand();
+  void take_power();
+
+  hal::Rig rig_;
   RememberedCommand& command_;
   hal::Clock& clock_;
   Ramps ramps_;
@@ -68,12 +74,15 @@ struct Emergency {
   double period = 1e-3;  ///< [s]
 };
 
-/// From here on SIGSEGV, SIGBUS, SIGILL, SIGFPE and SIGABRT end in the safe state before they end the program.
+/// From here on SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGSYS, SIGTRAP and SIGABRT end in the safe state before they end the
+/// program. Each thread needs an AlternateStack for its own stack overflow.
 ///
 /// In the loop's thread (the one that calls this) the handler itself returns the command to rest. In any other one the
 /// loop goes on: it is asked to stop, which makes the valves safe and moves the command to rest, and the handler waits
-/// for that. Either is bounded in time; a trap in the handler, or an alarm, ends what hangs. The last line says what
-/// became of the command; then the program dies as it would have.
+/// for that. While the command returns, systemd is told
+/// that the program lives and how long it takes, and an abort from outside is ignored. Either is bounded in time; a
+/// trap in the handler, or an alarm, ends what hangs. The last line says what became of the command; then the program
+/// dies as it would have.
 void catch_traps(const Emergency& emergency);
 
 /// The run is over: a trap only ends the program.
@@ -86,6 +95,9 @@ struct ForgetTraps {
   ForgetTraps& operator=(const ForgetTraps&) = delete;
   ~ForgetTraps() { forget_traps(); }
 };
+
+/// Whether a trap's return to rest has begun.
+[[nodiscard]] bool emergency_under_way();
 
 /// Whether a thread other than the loop's has trapped.
 [[nodiscard]] bool trapped();

@@ -1,5 +1,6 @@
 #include "firmware/controller/heap_seal.hpp"
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 
@@ -45,6 +46,29 @@ void* calloc(std::size_t count, std::size_t size) {
 void* realloc(void* memory, std::size_t size) {
   firmware::controller::look();
   return __libc_realloc(memory, size);
+}
+// Blocks with an alignment, as operator new(std::align_val_t) takes them.
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* memory);
+void* memalign(std::size_t alignment, std::size_t size) {
+  firmware::controller::look();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  firmware::controller::look();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+  firmware::controller::look();
+  if (alignment < sizeof(void*) || (alignment & (alignment - 1)) != 0) return EINVAL;
+  void* block = __libc_memalign(alignment, size);
+  if (block == nullptr) return ENOMEM;
+  *memory = block;
+  return 0;
+}
+void free(void* memory) {
+  if (memory != nullptr) firmware::controller::look();  // free(nullptr) touches no heap
+  __libc_free(memory);
 }
 // NOLINTEND(readability-identifier-naming)
 }

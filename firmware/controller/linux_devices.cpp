@@ -1,9 +1,13 @@
+#include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/controller/devices.hpp"
 #include "firmware/controller/replay_devices.hpp"
 #include "firmware/controller/simulated_devices.hpp"
+#include "firmware/description/input_error.hpp"
 #include "firmware/simulation/simulated_rig.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/gpio_roles.hpp"
@@ -29,9 +33,24 @@ class NoWatchdog final : public hal::Heartbeat {
   hal::Result<void> do_beat() override { return {}; }
 };
 
+/// Only where a waiver says why.
+class NoStop final : public hal::StopButton {
+ private:
+  hal::Result<Level> do_read() override { return Level{}; }
+};
+
 class LinuxDevices final : public Devices {
  public:
-  [[nodiscard]] hal::Rig roles() override { return {clock_, *sensors_, *valves_, *command_, *stop_, *heartbeat_}; }
+  [[nodiscard]] hal::Rig roles() override {
+    return {clock_, *sensors_, *valves_, *command_, *stop_, *heartbeat_, *enable_, *interlocks_};
+  }
+
+  [[nodiscard]] std::vector<StopContact> stop_contacts() const override {
+    if (!gpio_stop_) return {};
+    std::vector<StopContact> contacts{{stop_line_, gpio_stop_->opened().first}};
+    if (!stop_2_line_.empty()) contacts.push_back({stop_2_line_, gpio_stop_->opened().second});
+    return contacts;
+  }
 
   [[nodiscard]] std::string warnings() const override {
     std::string text;
@@ -60,9 +79,9 @@ class LinuxDevices final : public Devices {
  private:
   std::string open_lines(const RigDescription& rig) {
     if (!rig.hardware.gpio)
-      return rig.source + ": no table [gpio], expected chip, valves, stop and heartbeat of the rig";
+      return rig.source + ": no table [gpio], expected chip, valves, stop, enable and heartbeat of the rig";
     const GpioDescription& gpio = *rig.hardware.gpio;
-    if (gpio.stop.empty()) return rig.source + ": [gpio] has no stop, expected the line of the stop button";
+    check_wiring(rig);
     const auto ducts = rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0;
     if (ducts != gpio.valves.size()) return rig.source + ": [gpio] has no valves, expected a line for each duct";
     if (ducts > 0) {
@@ -74,21 +93,83 @@ class LinuxDevices final : public Devices {
     } else {
       valves_ = std::make_unique<NoValves>();
     }
-    const Bias bias = gpio.stop_bias == "pull-up"     ? Bias::pull_up
-                      : gpio.stop_bias == "pull-down" ? Bias::pull_down
-                                                      : Bias::as_is;
-    auto line = EdgeLine::open({gpio.chip, gpio.stop, gpio.stop_active_low, bias, consumer});
+    for (const auto& step : {&LinuxDevices::open_enable, &LinuxDevices::open_stop, &LinuxDevices::open_interlocks,
+                             &LinuxDevices::open_heartbeat}) {
+      std::string trouble = (this->*step)(gpio);
+      if (!trouble.empty()) return trouble;
+    }
+    for (const auto& [name, sentence] : rig.waivers) text_ += "WAIVER " + name + ": " + one_line(sentence) + "\n";
+    return {};
+  }
+
+  static Bias bias_of(std::string_view bias) {
+    return bias == "pull-up" ? Bias::pull_up : bias == "pull-down" ? Bias::pull_down : Bias::as_is;
+  }
+
+  std::string open_enable(const GpioDescription& gpio) {
+    if (gpio.enable.empty()) {
+      enable_ = std::make_unique<hal::NoEnable>();
+      text_ += "drive enable: NONE: nobody takes the power from the drive\n";
+      return {};
+    }
+    auto line = OutputLines::open({gpio.chip, {gpio.enable}, gpio.enable_active_low, 0, consumer});
     if (!line) return line.trouble;
-    stop_ = std::make_unique<GpioStopButton>(std::move(line.device), clock_);
+    enable_ = std::make_unique<GpioDriveEnable>(std::move(line.device));
+    text_ += "drive enable: line '" + gpio.enable + "', off\n";
+    return {};
+  }
+
+  std::string open_stop(const GpioDescription& gpio) {
+    if (gpio.stop.empty()) {
+      stop_ = std::make_unique<NoStop>();
+      text_ += "stop button: NONE\n";
+      return {};
+    }
+    const Bias bias = bias_of(gpio.stop_bias);
+    auto first = EdgeLine::open({gpio.chip, gpio.stop, gpio.stop_active_low, bias, consumer});
+    if (!first) return first.trouble;
+    Opened<EdgeLine> second;
+    if (!gpio.stop_2.empty()) {
+      second = EdgeLine::open({gpio.chip, gpio.stop_2, gpio.stop_active_low, bias, consumer});
+      if (!second) return second.trouble;
+    }
+    auto button = std::make_unique<GpioStopButton>(std::move(first.device), std::move(second.device), clock_);
+    gpio_stop_ = button.get();
+    stop_ = std::move(button);
+    stop_line_ = gpio.stop;
+    stop_2_line_ = gpio.stop_2;
     const auto pressed = stop_->pressed();
     if (!pressed || *pressed) {
       return "stop button, line '" + gpio.stop + "' of chip '" + gpio.chip +
-             "': " + (pressed ? "is pressed; release it, or correct stop_active_low" : "cannot be read");
+             "': " + (pressed ? "is pressed, or its wire is cut; release it, or mend the wiring" : "cannot be read");
     }
-    text_ += "stop button: line '" + gpio.stop + "', not pressed\n";
+    text_ += "stop button: line '" + gpio.stop + "'" +
+             (gpio.stop_2.empty() ? ", ONE CONTACT: a short circuit across it is not seen"
+                                  : " and line '" + gpio.stop_2 + "'") +
+             ", not pressed\n";
+    return {};
+  }
+
+  std::string open_interlocks(const GpioDescription& gpio) {
+    std::vector<std::unique_ptr<EdgeLine>> lines;
+    for (const auto& [name, line] : gpio.interlocks) {
+      auto opened =
+          EdgeLine::open({gpio.chip, line, pulls_down(gpio.interlock_bias), bias_of(gpio.interlock_bias), consumer});
+      if (!opened) return opened.trouble;
+      const auto state = opened.device->read();
+      const std::string shows = !state ? "CANNOT BE READ" : state->now ? "OPEN" : "closed";
+      text_ += "interlock " + name + ": line '" + line + "', " + shows + "\n";
+      lines.push_back(std::move(opened.device));
+    }
+    if (lines.empty()) text_ += "interlocks: NONE\n";
+    interlocks_ = std::make_unique<GpioInterlocks>(std::move(lines));
+    return {};
+  }
+
+  std::string open_heartbeat(const GpioDescription& gpio) {
     if (gpio.heartbeat.empty()) {
       heartbeat_ = std::make_unique<NoWatchdog>();
-      text_ += "heartbeat: NONE: nobody makes the valves safe when this program hangs\n";
+      text_ += "heartbeat: NONE: nobody makes the rig safe when this program hangs\n";
       return {};
     }
     auto beat = OutputLines::open({gpio.chip, {gpio.heartbeat}, false, 0, consumer});
@@ -109,7 +190,7 @@ class LinuxDevices final : public Devices {
                ", expected one device for each measured channel";
       }
       setup[channel].fitted = true;
-      if (const auto& range = rig.range[channel]) {
+      if (const auto range = trusted_range(rig, channel)) {
         setup[channel].lowest = range->lower;
         setup[channel].highest = range->upper;
       }
@@ -166,7 +247,11 @@ class LinuxDevices final : public Devices {
   MonotonicClock clock_;
   hal::Time period_{};
   std::unique_ptr<hal::ValveBank> valves_;
-  std::unique_ptr<GpioStopButton> stop_;
+  std::unique_ptr<hal::StopButton> stop_;
+  const GpioStopButton* gpio_stop_ = nullptr;
+  std::string stop_line_, stop_2_line_;
+  std::unique_ptr<hal::DriveEnable> enable_;
+  std::unique_ptr<hal::Interlocks> interlocks_;
   std::unique_ptr<hal::Heartbeat> heartbeat_;
   std::unique_ptr<Sensors> sensors_;
   std::vector<const Rf60xLaser*> lasers_;

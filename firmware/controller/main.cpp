@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "firmware/controller/control_socket.hpp"
 #include "firmware/controller/run.hpp"
 #include "firmware/description/input_error.hpp"
 #include "firmware/description/version.hpp"
@@ -17,6 +18,9 @@ int main(int argc, char** argv) {
   if (options.task == Options::Task::help) {
     std::fputs(usage, stdout);
     return 0;
+  }
+  if (options.task == Options::Task::ask) {
+    return ask_controller(options.socket.empty() ? std::string(usual_socket) : options.socket, options.request);
   }
   if (options.task == Options::Task::version) {
     std::printf("rig_controller %s\n", firmware::version.data());

@@ -12,8 +12,15 @@ const char* const usage =
   rig_controller --rig RIG.toml --out RUN.csv [--road iso8608:B | --road FILE.csv] [--speed 27.78]
                  [--duration 60] [--seed 1] [--bandwidth HZ] [--cut-off HZ]
   rig_controller --rig RIG.toml --check     lines, converters, rights, limits: everything but motion
+  rig_controller COMMAND                    to the program that drives the rig, see below
   rig_controller --list                     GPIO chips and lines, converters and triggers that are there
 
+  --start           arm and start at once: I stand beside the rig. Without it the program waits for arm and start
+  --socket PATH     of the operator's commands (/run/rigtwin/control.sock)
+  --wait            with --simulated: wait for the operator there too
+  --overwrite       an earlier recording of that name; without it the run is refused
+  --part-minutes M  a new file every M minutes: RUN.csv, RUN-0002.csv, …
+  --cycles N        the road N times, with a joint without a jump; 0: until it is stopped
   --histogram FILE  wake-up latency, step time and sample age as `cyclictest -h` writes them
   --no-realtime     run without real-time rights; the recording says so
   --simulated       the rig's model in place of its devices, in real time
@@ -23,7 +30,11 @@ const char* const usage =
 
 Roads are those of `rigtwin simulate`: ISO 8608 classes A … H, or z_r [m] over t [s] or s [m] in a CSV file.
 
-Signals: TERM, INT stop the run in good order; USR1 prints the histograms.
+Commands of the operator, each answered by one line of JSON: state, arm, disarm, start, hold, resume, stop, acknowledge
+(after the reason for the safe state is gone), rest (from where a stop has left the rig), level 0.8 (0 to 1.5), mark TEXT
+(a line in the recording).
+
+Signals that end a program stop the run in good order; USR1 prints the histograms.
 Exit status: 0 done, 2 wrong usage, 3 unfit rig description, 4 cannot write, 5 internal, 6 devices or rights are missing,
 7 safe stop: the last line says why.
 )";
@@ -42,7 +53,10 @@ Options read_options(int argc, char** argv, std::string& trouble) {
   Options options;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
-    if (word == "--check") {
+    if (!word.starts_with('-')) {
+      options.task = Options::Task::ask;
+      options.request += (options.request.empty() ? "" : " ") + std::string(word);
+    } else if (word == "--check") {
       options.task = Options::Task::check;
     } else if (word == "--list") {
       options.task = Options::Task::list;
@@ -54,12 +68,19 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       options.realtime = false;
     } else if (word == "--simulated") {
       options.simulated = true;
+    } else if (word == "--start") {
+      options.start = true;
+    } else if (word == "--wait") {
+      options.wait = true;
+    } else if (word == "--overwrite") {
+      options.overwrite = true;
     } else if (word == "--virtual-time") {
       options.virtual_time = true;
     } else {
       const bool known = word == "--rig" || word == "--out" || word == "--road" || word == "--speed" ||
                          word == "--duration" || word == "--histogram" || word == "--seed" || word == "--replay" ||
-                         word == "--bandwidth" || word == "--cut-off";
+                         word == "--bandwidth" || word == "--cut-off" || word == "--part-minutes" ||
+                         word == "--cycles" || word == "--socket";
       if (!known) {
         trouble = "unknown option " + std::string(word) + ", see rig_controller --help";
         return options;
@@ -84,6 +105,9 @@ Options read_options(int argc, char** argv, std::string& trouble) {
         fits = read(value, number) && number > 0.0;
         *frequency = number;
       }
+      if (word == "--part-minutes") fits = read(value, options.part_minutes) && options.part_minutes > 0.0;
+      if (word == "--socket") options.socket = value;
+      if (word == "--cycles") fits = read(value, options.cycles);
       if (word == "--seed") fits = read(value, options.seed);
       if (!fits) trouble = std::string(word) + " " + std::string(value) + " does not fit, expected a number above 0";
     }
@@ -94,6 +118,10 @@ Options read_options(int argc, char** argv, std::string& trouble) {
   if (options.task == Task::run && options.out.empty()) trouble = "--out is missing, expected the recording's name";
   if (!options.histogram.empty() && options.histogram == options.out) {
     trouble = "--histogram and --out name one file, expected two";
+  }
+  if (options.wait && options.start) trouble = "--wait and --start: expected one of them";
+  if (options.wait && (options.virtual_time || !options.replay.empty())) {
+    trouble = "--wait needs a rig in real time: nobody waits in virtual time";
   }
   if (options.virtual_time && !options.simulated) trouble = "--virtual-time needs --simulated: a rig has its own time";
   if (!options.replay.empty()) {

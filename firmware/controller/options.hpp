@@ -8,7 +8,7 @@
 namespace firmware::controller {
 
 struct Options {
-  enum class Task : unsigned char { run, check, list, help, version };
+  enum class Task : unsigned char { run, check, list, ask, help, version };
   Task task = Task::run;
   std::string rig;
   std::string out;
@@ -20,6 +20,13 @@ struct Options {
   bool realtime = true;
   bool simulated = false;           ///< the rig's model instead of devices
   bool virtual_time = false;        ///< simulated, and nobody sleeps
+  bool start = false;               ///< arm and start at once, without an operator at the socket
+  bool wait = false;                ///< for the operator, with a simulated rig too
+  std::string socket;               ///< of the operator; empty: the usual one, if the program waits
+  std::string request;              ///< to the program that listens there, Task::ask
+  bool overwrite = false;           ///< an earlier recording
+  double part_minutes = 0.0;        ///< length of a part of the recording [min]; 0: one part
+  std::uint64_t cycles = 1;         ///< of the road; 0: without end
   std::string replay;               ///< the recording in place of devices; empty: none
   std::optional<double> bandwidth;  ///< of an ISO 8608 road [Hz]
   std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]

@@ -1,35 +1,110 @@
 #include "firmware/controller/recorder.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/sha256.hpp"
 #include "firmware/recording/recording.hpp"
 
 namespace firmware::controller {
+namespace {
 
-Recorder::Recorder(const std::string& file, const RigDescription& rig, const hal::SensorSetup& sensors,
-                   const std::vector<std::string>& comments, std::string& trouble)
-    : columns_(rig, sensors) {
+constexpr double standing_rows = 1.0;  // [s] of standing still in safe that are recorded; waiting may take hours
+
+/// The file's text as comments, with its hash. Empty if it is gone.
+std::string as_comments(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) return {};
+  std::string comments =
+      "# description: " + one_line(file) + ", SHA-256 " + sha256(text.str()) + "; its text, behind '|':\n";
+  std::istringstream lines(text.str());
+  for (std::string line; std::getline(lines, line);) comments += "# | " + line + "\n";
+  return comments;
+}
+
+/// Opens a new file; an existing one only if it may be overwritten, or is no regular file (a pipe, /dev/null).
+int open_new(const std::string& file, bool overwrite) {
+  struct stat status {};
+  const bool replaces = ::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+  if (replaces && !overwrite) {
+    errno = EEXIST;
+    return -1;
+  }
+  return ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+}
+
+}  // namespace
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+std::string part_name(const std::string& file, std::uint64_t part) {
+  if (part <= 1) return file;
+  const std::filesystem::path whole(file);
+  char number[32];
+  std::snprintf(number, sizeof number, "-%04llu", static_cast<unsigned long long>(part));
+  return (whole.parent_path() / (whole.stem().string() + number + whole.extension().string())).string();
+}
+
+Recorder::Recorder(const Setup& setup, const RigDescription& rig, const hal::SensorSetup& sensors, std::string& trouble)
+    : setup_(setup), columns_(rig, sensors), description_(as_comments(rig.source)) {
+  if (open_part() && flush()) return;
+  trouble = setup_.file + ": " + std::strerror(error()) +
+            (error() == EEXIST ? ", expected a new name or --overwrite" : ", expected a file that can be written");
+}
+
+Recorder::~Recorder() {
+  if (file_ >= 0) ::close(file_);
+}
+
+bool Recorder::open_part() {
+  const std::uint64_t part = parts_.load() + 1;
+  const std::string file = part_name(setup_.file, part);
+  if (file_ >= 0) {
+    buffer_ += "# continued in " + part_name(setup_.file, part) + ", " + utc_now() + "\n";
+    if (!sync()) return false;
+    ::close(file_);
+  }
+  file_ = open_new(file, setup_.overwrite);
+  if (file_ < 0) {
+    error_ = errno;
+    return false;
+  }
+  parts_ = part;
+  length_ = 0;
+  part_rows_ = 0;
+  has_run_ = false;
   buffer_ += "# " + std::string(recording_mark) + "\n";
-  for (const std::string& comment : comments) buffer_ += "# " + comment + "\n";
+  for (const std::string& comment : setup_.comments) buffer_ += "# " + one_line(comment) + "\n";
+  buffer_ += "# part " + std::to_string(part) + ", begun " + utc_now() + "\n";
+  buffer_ += "# mode: " + mode_legend() + "\n# reason: " + reason_legend() + "\n" + description_;
   buffer_ += "t";
   for (const RunColumns::Column& column : columns_.columns()) {
     buffer_ += "," + column.name;
     if (!column.unit.empty()) buffer_ += " [" + column.unit + "]";
   }
+  if (setup_.cycle_samples > 0) buffer_ += ",cycle";
   buffer_ += '\n';
-  file_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file_ < 0 || !flush()) {
-    trouble = file + ": " + std::strerror(file_ < 0 ? errno : error_) + ", expected a file that can be written";
-  }
-}
-
-Recorder::~Recorder() {
-  if (file_ >= 0) ::close(file_);
+  return true;
 }
 
 void Recorder::number(double value) {
@@ -38,20 +113,50 @@ void Recorder::number(double value) {
   buffer_.append(text, end.ptr);
 }
 
+bool Recorder::worth_a_row(const Record& record) {
+  if (record.mode == Mode::idle) return false;
+  const bool stands = record.mode == Mode::safe && mode_ == Mode::safe && record.command == stands_;
+  standing_ = stands ? standing_ + 1 : 0;
+  stands_ = record.command;
+  return static_cast<double>(standing_) * columns_.period() <= standing_rows;
+}
+
 void Recorder::take(const Record& record) {
-  if (record.mode != Mode::running) return;
-  if (begin_ == hal::never || record.sample == 0) begin_ = record.due;
+  const bool row = worth_a_row(record);
+  const bool begins = mode_ == Mode::idle && record.mode != Mode::idle;
+  mode_ = record.mode;
+  if (!row || error() != 0) {
+    lost_ += row ? 1 : 0;
+    return;
+  }
+  const bool full = setup_.rows_per_part > 0 && part_rows_ >= setup_.rows_per_part;
+  if (begins && has_run_) begin_ = hal::never;
+  if ((full || (begins && has_run_)) && !open_part()) {
+    ++lost_;
+    return;
+  }
+  has_run_ = has_run_ || in_run(record.mode);
+  if (begin_ == hal::never) begin_ = record.due;
   number((record.due - begin_).seconds());
   for (const RunColumns::Column& column : columns_.columns()) {
     buffer_ += ',';
     number(RunColumns::value(column, record));
   }
+  if (setup_.cycle_samples > 0) {
+    buffer_ += ',';
+    number(in_run(record.mode) ? static_cast<double>(1 + run_samples_ / setup_.cycle_samples) : 0.0);
+    if (record.sample == 0) run_samples_ = 0;
+    if (record.mode == Mode::running) ++run_samples_;
+  }
   buffer_ += '\n';
   ++collected_;
+  ++part_rows_;
 }
 
+void Recorder::mark(const std::string& text) { buffer_ += "# mark: " + one_line(text) + ", " + utc_now() + "\n"; }
+
 bool Recorder::flush() {
-  if (error_ != 0) {
+  if (error() != 0) {
     lost_ += collected_;
     collected_ = 0;
     buffer_.clear();
@@ -68,7 +173,7 @@ bool Recorder::flush() {
     }
   }
   std::uint64_t missing = 0;
-  if (error_ != 0) {  // back to the end of the last whole row
+  if (error() != 0) {  // back to the end of the last whole row
     const std::size_t end = buffer_.rfind('\n', done == 0 ? 0 : done - 1);
     const std::size_t whole = done == 0 || end == std::string::npos ? 0 : end + 1;
     for (std::size_t i = whole; i < buffer_.size(); ++i) missing += buffer_[i] == '\n' ? 1 : 0;
@@ -80,13 +185,19 @@ bool Recorder::flush() {
   lost_ += missing < collected_ ? missing : collected_;
   collected_ = 0;
   buffer_.clear();
-  return error_ == 0;
+  return error() == 0;
 }
 
 bool Recorder::sync() {
   if (!flush()) return false;
   if (::fdatasync(file_) != 0 && errno != EINVAL && errno != EROFS) error_ = errno;  // a pipe has nothing to sync
-  return error_ == 0;
+  return error() == 0;
+}
+
+void Recorder::end(const std::string& why) {
+  if (error() != 0) return;
+  buffer_ += "# ended by " + one_line(why) + ", " + utc_now() + "\n";
+  sync();
 }
 
 }  // namespace firmware::controller

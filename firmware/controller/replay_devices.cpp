@@ -1,5 +1,6 @@
 #include "firmware/controller/replay_devices.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -22,7 +23,7 @@ class ReplayDevices final : public Devices {
 
   [[nodiscard]] hal::Rig roles() override { return rig_.roles(); }
   [[nodiscard]] std::string text() const override { return "REPLAY of " + file_ + ", no devices\n"; }
-  [[nodiscard]] std::size_t rows() const override { return times_.size(); }
+  [[nodiscard]] const ReplayedRun* replayed() const override { return &run_; }
 
  private:
   hal::replay::Recording played(const RigDescription& rig) {
@@ -38,6 +39,7 @@ class ReplayDevices final : public Devices {
     }
     hal::replay::Recording played;
     played.time = times_;
+    played.stop_pressed = find_the_run();
     const hal::SensorSetup setup = simulated_sensors(rig);
     for (std::size_t i = 0; i < model::channel_count; ++i) {
       const std::vector<double>& values = recorded.channels[i];
@@ -55,8 +57,31 @@ class ReplayDevices final : public Devices {
     return played;
   }
 
+  /// What led the run, and when the stop button was pressed.
+  hal::Time find_the_run() {
+    run_.rows = run_.samples = times_.size();
+    run_.with_the_way = !recorded_.mode.empty();
+    if (!run_.with_the_way) return hal::never;
+    run_.samples = 0;
+    hal::Time pressed = hal::never;
+    for (std::size_t k = 0; k < times_.size(); ++k) {
+      const auto mode = static_cast<Mode>(std::clamp(recorded_.mode[k], 0.0, static_cast<double>(Mode::safe)));
+      run_.modes.push_back(mode);
+      run_.samples += in_run(mode) ? 1 : 0;
+      const double reason = recorded_.reason.empty() ? 0.0 : recorded_.reason[k];
+      const bool first = k == 0 || recorded_.reason.empty() || recorded_.reason[k - 1] != reason;
+      if (!first) continue;
+      const auto is = [reason](Reason wanted) { return reason == static_cast<double>(wanted); };
+      if (is(Reason::stop_button) && pressed == hal::never) pressed = times_[k];
+      if (is(Reason::stop_requested)) run_.stop_requested = k;
+      if (reason != 0.0) run_.to_its_end = is(Reason::reference_ended);
+    }
+    return pressed;
+  }
+
   std::string file_;
   AsRecorded recorded_;
+  ReplayedRun run_;
   std::vector<hal::Time> times_;
   std::array<std::vector<hal::Time>, model::channel_count> taken_;
   hal::replay::Rig rig_;

@@ -1,9 +1,11 @@
 // The part of a rig description that only rig_controller uses: devices and scheduling.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace firmware {
@@ -16,18 +18,36 @@ struct ScheduleDescription {
   double wake_early = 200e-6;  ///< before a period, to rehearse it, at most so long [s] and a quarter of it; 0: not
   double allowed_delay =
       0.0;  ///< of sample age and computation together [s]: what `rigtwin stability` says is left; 0: unknown
+  std::string proven;  ///< "sha256:…": loop_fingerprint() of the description that `rigtwin stability` found stable
 };
 
 /// [gpio]: lines of one chip, by label and names.
 struct GpioDescription {
   std::string chip;
-  std::vector<std::string> valves;  ///< duct 1 first
-  bool valves_active_low = false;   ///< open is the low level
-  std::string stop;                 ///< empty: no stop button
-  bool stop_active_low = false;     ///< pressed is the low level
-  std::string stop_bias;            ///< "pull-up", "pull-down", or empty
-  std::string heartbeat;            ///< empty: no watchdog
+  std::vector<std::string> valves;      ///< duct 1 first
+  bool valves_active_low = false;       ///< open is the low level
+  std::string stop;                     ///< empty: no stop button
+  std::string stop_2;                   ///< its second contact; empty: none
+  std::string stop_bias = "pull-down";  ///< what a contact that is open, or its cut wire, leaves: one of line_biases
+  bool stop_active_low = true;          ///< pressed is the low level
+  std::string enable;                   ///< output that gives the drive power; empty: none
+  bool enable_active_low = false;       ///< on is the low level
+  struct Interlock {
+    std::string name, line;
+  };
+  std::vector<Interlock> interlocks;         ///< normally closed contacts
+  std::string interlock_bias = "pull-down";  ///< as stop_bias; open is the level of the pull
+  std::string heartbeat;                     ///< empty: no watchdog
+  std::size_t source_line = 0;               ///< of the table in its file
 };
+
+/// How an input is held where no contact does: by the chip, or by a resistor outside. The pull gives the level of an
+/// open contact and of a cut wire.
+inline constexpr std::array<std::string_view, 4> line_biases{"pull-down", "pull-up", "external-pull-down",
+                                                             "external-pull-up"};
+[[nodiscard]] constexpr bool pulls_down(std::string_view bias) {
+  return bias == "pull-down" || bias == "external-pull-down";
+}
 
 /// [converters]
 struct ConverterDescription {

@@ -1,5 +1,6 @@
 #include "firmware/description/rig_description.hpp"
 
+#include <cmath>
 #include <fstream>
 
 #include "firmware/description/input_error.hpp"
@@ -195,6 +196,18 @@ void check_physics(const toml::table& top, const RigDescription& description) {
 
 }  // namespace
 
+std::optional<MeasuringRange> trusted_range(const RigDescription& description, std::size_t channel) {
+  std::optional<MeasuringRange> range = description.range[channel];
+  if (!range || !description.hardware.converters) return range;
+  for (const auto& input : description.hardware.converters->inputs) {
+    const double count = std::abs(input.scale);
+    if (input.channel != channel || range->upper - range->lower <= 2.0 * count) continue;
+    range->lower += 0.5 * count;
+    range->upper -= 0.5 * count;
+  }
+  return range;
+}
+
 RigDescription parse_rig(std::string_view text, std::string_view source) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
     throw InputError(source, 0, "the file is empty", "a rig description, beginning with kind and sample_rate");
@@ -219,9 +232,11 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_parameters(top, description.rig);
   read_effects(top, description.rig);
   read_sensors(top, description);
+  read_waivers(top, description.waivers);
   read_controller(top, description.rig, description.controller);
+  read_arming(top, description.rig.kind, description.waivers, description.controller);
   read_delay_budget(top, description.rig.kind, description.delay_budget);
-  read_hardware(top, description.rig, description.hardware);
+  read_hardware(top, description.rig, description.waivers, description.hardware);
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);

@@ -13,6 +13,7 @@
 
 #include "firmware/description/channel_map.hpp"
 #include "firmware/description/hardware_description.hpp"
+#include "firmware/loop/settings.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
 #include "model/rig_model.hpp"
@@ -35,8 +36,10 @@ struct ControllerDescription {
   double stroke = 0.250;     ///< whole travel of cylinder or machine [m], half of it to each side of the middle
   double speed = 0.7;        ///< of cylinder or machine [m/s]
   double force = 25e3;       ///< [N]
+  bool force_given = false;  ///< by the description; else control_settings() keeps it within the measuring range
   double energy_gain = 1.0;  ///< hil: energy that the interface may feed, in terms of what the dampers take
   double ramp = 0.05;  ///< speed at which the command goes to the start of a run, and to rest in the safe state [m/s]
+  Settings loop{};  ///< every other setting of the control loop that the description has; not its period and the above
   double cross_over = 0.0;          ///< of the velocity estimate [Hz]; 0: the firmware's own default
   model::OpenDucts safe_ducts = 0;  ///< open in the safe state
   struct Switching {
@@ -44,6 +47,7 @@ struct ControllerDescription {
     model::OpenDucts open;  ///< from then on
   };
   std::vector<Switching> valve_plan;  ///< by time; empty: fdva.open_ducts throughout
+  Arming arming{.tare_time = 0.5, .position_tolerance = 5e-3, .force_ramp = 0.5};  ///< preload 0: a tenth of `force`
 };
 
 /// Delays of a hil loop that no effect of the rig models [s]. `rigtwin stability` adds them to the loop; a simulation
@@ -66,12 +70,17 @@ struct RigDescription {
   ChannelMap channels;
   ControllerDescription controller;
   DelayBudget delay_budget;
-  HardwareDescription hardware;  ///< used by rig_controller only
-  std::string source;            ///< file name as given by the user
-  std::string text;              ///< its contents, for reports
+  HardwareDescription hardware;                ///< used by rig_controller only
+  std::map<std::string, std::string> waivers;  ///< [waivers]: what the rig goes without, and the sentence that says so
+  std::string source;                          ///< file name as given by the user
+  std::string text;                            ///< its contents, for reports
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }
 };
+
+/// [range] of a channel without half a count of its converter at each end: a count stands for all values within half of
+/// it, so a sample so near to an end may lie beyond. A range narrower than two counts has no such ends and stays.
+[[nodiscard]] std::optional<MeasuringRange> trusted_range(const RigDescription& description, std::size_t channel);
 
 /// A parameter as rig descriptions, tolerances and results name it: "body.mass".
 struct ParameterPath {
@@ -106,5 +115,9 @@ struct ParameterPath {
 
 /// The same from text; `source` stands for the file in messages.
 [[nodiscard]] RigDescription parse_rig(std::string_view text, std::string_view source);
+
+/// InputError where a rig of devices lacks what makes it safe – stop button, heartbeat, drive enable – and no waiver
+/// says why it may.
+void check_wiring(const RigDescription& description);
 
 }  // namespace firmware

@@ -1,10 +1,17 @@
 #include "firmware/description/rig_description_controller.hpp"
 
+#include <algorithm>
+#include <map>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_settings.hpp"
 #include "firmware/description/number_text.hpp"
+#include "firmware/description/spelling.hpp"
 #include "firmware/loop/valve_plan.hpp"
+#include "hal/interlocks.hpp"
 
 namespace firmware {
 namespace {
@@ -26,7 +33,62 @@ model::OpenDucts read_ducts(DescriptionTable& table, std::string_view key, int i
   return model::first_ducts(static_cast<int>(*n));
 }
 
-void read_gpio(DescriptionTable& table, const model::RigParameters<double>& rig, GpioDescription& gpio) {
+using Waivers = std::map<std::string, std::string>;
+
+/// A bias under the key, if it is there.
+void read_bias(DescriptionTable& table, std::string_view key, std::string& bias) {
+  if (!table.has(key)) return;
+  bias = table.text(key);
+  if (std::find(line_biases.begin(), line_biases.end(), bias) != line_biases.end()) return;
+  table.fail(key, "unknown " + table.path(key) + " " + in_quotes(bias), "one of " + listed(line_biases));
+}
+
+/// The pull gives the level of a cut wire: that one must be "pressed".
+void read_stop(DescriptionTable& table, const Waivers& waivers, GpioDescription& gpio) {
+  if (table.has("stop")) gpio.stop = table.text("stop");
+  if (table.has("stop_2")) gpio.stop_2 = table.text("stop_2");
+  if (!gpio.stop_2.empty() && (gpio.stop.empty() || gpio.stop == gpio.stop_2)) {
+    table.fail("stop_2", "gpio.stop_2 is no second contact", "a line beside gpio.stop");
+  }
+  read_bias(table, "stop_bias", gpio.stop_bias);
+  gpio.stop_active_low = pulls_down(gpio.stop_bias);
+  if (!table.has("stop_active_low")) return;
+  const bool wanted = table.truth("stop_active_low");
+  if (wanted != gpio.stop_active_low && !waivers.contains("stop_fails_dangerous")) {
+    table.fail("stop_active_low", "a cut wire at gpio.stop would read released",
+               "stop_active_low = " + std::string(gpio.stop_active_low ? "true" : "false") + " with stop_bias '" +
+                   gpio.stop_bias + "' and a normally closed contact, or [waivers] stop_fails_dangerous = \"why\"");
+  }
+  gpio.stop_active_low = wanted;
+}
+
+void read_enable(DescriptionTable& table, const Waivers& waivers, GpioDescription& gpio) {
+  if (table.has("enable")) gpio.enable = table.text("enable");
+  if (!table.has("enable_active_low")) return;
+  gpio.enable_active_low = table.truth("enable_active_low");
+  if (gpio.enable_active_low && !waivers.contains("enable_active_low")) {
+    table.fail("enable_active_low", "a line without a program would give the drive power",
+               "enable_active_low = false, or [waivers] enable_active_low = \"why\"");
+  }
+}
+
+void read_interlocks(DescriptionTable& table, GpioDescription& gpio) {
+  read_bias(table, "interlock_bias", gpio.interlock_bias);
+  auto interlocks = table.table("interlocks");
+  if (!interlocks) return;
+  for (const auto& [key, node] : interlocks->raw()) {
+    const std::string name(key.str());
+    if (gpio.interlocks.size() == hal::Interlocks::capacity) {
+      interlocks->fail(node, "[gpio.interlocks] has too many", "at most 32");
+    }
+    gpio.interlocks.push_back({name, interlocks->text(name)});
+  }
+  interlocks->accept_all_keys();
+}
+
+void read_gpio(DescriptionTable& table, const model::RigParameters<double>& rig, const Waivers& waivers,
+               GpioDescription& gpio) {
+  gpio.source_line = table.line();
   gpio.chip = table.text("chip");
   if (table.has("valves")) {
     const toml::node& node = table.need("valves", "");
@@ -43,14 +105,9 @@ void read_gpio(DescriptionTable& table, const model::RigParameters<double>& rig,
     }
   }
   if (table.has("valves_active_low")) gpio.valves_active_low = table.truth("valves_active_low");
-  if (table.has("stop")) gpio.stop = table.text("stop");
-  if (table.has("stop_active_low")) gpio.stop_active_low = table.truth("stop_active_low");
-  if (table.has("stop_bias")) {
-    gpio.stop_bias = table.text("stop_bias");
-    if (gpio.stop_bias != "pull-up" && gpio.stop_bias != "pull-down") {
-      table.fail("stop_bias", "unknown gpio.stop_bias " + in_quotes(gpio.stop_bias), "'pull-up' or 'pull-down'");
-    }
-  }
+  read_stop(table, waivers, gpio);
+  read_enable(table, waivers, gpio);
+  read_interlocks(table, gpio);
   if (table.has("heartbeat")) gpio.heartbeat = table.text("heartbeat");
   table.finish();
 }
@@ -92,22 +149,80 @@ void read_converters(DescriptionTable& table, ConverterDescription& converters) 
   table.finish();
 }
 
+/// The settings of loop_settings() that stand in this table.
+void read_loop_settings(DescriptionTable& table, std::string_view name, Settings& settings) {
+  for (const LoopSetting& setting : loop_settings()) {
+    if (setting.table != name) continue;
+    double value = setting.get(settings);
+    if (setting.whole) {
+      const auto bound = [](double number) { return static_cast<int>(number); };
+      if (table.has(setting.key)) value = table.whole_in(setting.key, bound(setting.lowest), bound(setting.highest));
+    } else {
+      table.number_in(setting.key, value, setting.lowest, setting.highest, setting.what);
+    }
+    setting.set(settings, value);
+  }
+}
+
+/// Bounds are wide for a test rig and narrow enough to find a value in other units: 250.0 for a stroke of 250 mm
+/// switched the limit off.
+void read_limits(DescriptionTable& top, ControllerDescription& controller) {
+  auto table = top.table("limits");
+  if (!table) return;
+  table->number_in("stroke", controller.stroke, 1e-3, 2.0, "the whole travel of the drive in m (not mm)");
+  table->number_in("speed", controller.speed, 1e-3, 100.0, "a speed in m/s");
+  controller.force_given = table->has("force");
+  table->number_in("force", controller.force, 1.0, 1e6, "a force in N (not kN)");
+  table->number_in("ramp", controller.ramp, 1e-4, 1.0, "the speed to the start and back to rest in m/s");
+  table->number_in("energy_gain", controller.energy_gain, 1e-3, 100.0, "an energy ratio; 1 is the border of stability");
+  if (controller.ramp > controller.speed) {
+    table->fail(table->has("ramp") ? "ramp" : "speed", "limits.ramp is faster than limits.speed",
+                "a ramp of at most " + shortest(controller.speed) + " m/s");
+  }
+  read_loop_settings(*table, "limits", controller.loop);
+  const Limits& limits = controller.loop.limits;
+  const auto within = [&](std::string_view key, double value, std::string_view of, double lowest, double highest) {
+    if (!table->has(key) || (value >= lowest && value <= highest)) return;
+    table->fail(key, table->path(key) + " = " + shortest(value) + " does not fit limits." + std::string(of),
+                shortest(lowest) + " to " + shortest(highest));
+  };
+  within("measured_stroke", limits.measured_stroke, "stroke", controller.stroke, 2.0 * controller.stroke);
+  within("measured_speed", limits.measured_speed, "speed", controller.speed, 10.0 * controller.speed);
+  within("following", limits.following, "stroke", 0.0, 0.49 * controller.stroke);
+  table->finish();
+}
+
+void read_supervision(DescriptionTable& top, Settings& settings) {
+  for (const std::string_view name : {"supervision", "motion"}) {
+    auto table = top.table(name);
+    if (!table) continue;
+    read_loop_settings(*table, name, settings);
+    table->finish();
+  }
+}
+
 }  // namespace
+
+/// A waiver is a sentence by somebody who answers for it, not a switch.
+void read_waivers(DescriptionTable& top, std::map<std::string, std::string>& waivers) {
+  auto table = top.table("waivers");
+  if (!table) return;
+  for (const std::string_view name : waiver_names) {
+    if (!table->has(name)) continue;
+    const std::string sentence = table->text(name);
+    if (std::count(sentence.begin(), sentence.end(), ' ') < 2) {
+      table->fail(name, table->path(name) + " is no sentence",
+                  "at least three words that say why the rig may go without, such as \"hand pump only, no drive\"");
+    }
+    waivers[std::string(name)] = sentence;
+  }
+  table->finish();
+}
 
 void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig,
                      ControllerDescription& controller) {
-  if (auto limits = top.table("limits")) {
-    if (limits->has("stroke")) controller.stroke = limits->positive("stroke");
-    if (limits->has("speed")) controller.speed = limits->positive("speed");
-    if (limits->has("force")) controller.force = limits->positive("force");
-    if (limits->has("ramp")) controller.ramp = limits->positive("ramp");
-    if (limits->has("energy_gain")) controller.energy_gain = limits->positive("energy_gain");
-    if (controller.ramp > controller.speed) {
-      limits->fail(limits->has("ramp") ? "ramp" : "speed", "limits.ramp is faster than limits.speed",
-                   "a ramp of at most " + shortest(controller.speed) + " m/s");
-    }
-    limits->finish();
-  }
+  read_limits(top, controller);
+  read_supervision(top, controller.loop);
   if (auto estimator = top.table("estimator")) {
     if (estimator->has("cross_over")) controller.cross_over = estimator->positive("cross_over");
     estimator->finish();
@@ -155,17 +270,47 @@ void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& 
   table->finish();
 }
 
-void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, HardwareDescription& hardware) {
+void read_arming(DescriptionTable& top, model::RigKind kind, const Waivers& waivers,
+                 ControllerDescription& controller) {
+  Arming& arming = controller.arming;
+  if (kind != model::RigKind::quarter_car) arming.probe_amplitude = 2e-3;
+  auto table = top.table("arming");
+  if (!table) return;
+  const auto within = [&](std::string_view key, double& value, double lowest, double highest, std::string_view what) {
+    if (!table->has(key)) return;
+    value = table->number(key);
+    if (value >= lowest && value <= highest) return;
+    table->fail(key, table->path(key) + " = " + shortest(value) + " does not fit",
+                std::string(what) + " of " + shortest(lowest) + " to " + shortest(highest));
+  };
+  within("tare_time", arming.tare_time, 0.05, 10.0, "a time in s");
+  within("preload", arming.preload, 1.0, controller.force, "a force in N, up to limits.force,");
+  within("position_tolerance", arming.position_tolerance, 1e-4, 0.1 * controller.stroke,
+         "a length in m, up to a tenth of limits.stroke,");
+  within("probe_amplitude", arming.probe_amplitude, 0.0, 0.1 * controller.stroke,
+         "a length in m, up to a tenth of limits.stroke,");
+  within("force_ramp", arming.force_ramp, 0.0, 10.0, "a time in s");
+  if (arming.probe_amplitude == 0.0 && kind != model::RigKind::quarter_car && !waivers.contains("no_probe")) {
+    table->fail("probe_amplitude", "arming without a probe does not find a wrong sign",
+                "a length above 0 m, or [waivers] no_probe = \"why\"");
+  }
+  table->finish();
+}
+
+void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, const Waivers& waivers,
+                   HardwareDescription& hardware) {
   if (auto controller = top.table("controller")) {
     ScheduleDescription& schedule = hardware.schedule;
     if (controller->has("priority")) schedule.priority = controller->whole_in("priority", 1, 99);
     if (controller->has("cpu")) schedule.cpu = controller->whole_in("cpu", 0, 1023);
     if (controller->has("late_in_a_row")) schedule.late_in_a_row = controller->whole_in("late_in_a_row", 1, 1000000);
     if (controller->has("wake_early")) schedule.wake_early = controller->not_negative("wake_early");
-    if (controller->has("allowed_delay")) schedule.allowed_delay = controller->positive("allowed_delay");
+    controller->number_in("allowed_delay", schedule.allowed_delay, 1e-6, 0.5,
+                          "the longest sample age and computation in s, as rigtwin stability --write-limits writes it");
+    if (controller->has("proven")) schedule.proven = controller->text("proven");
     controller->finish();
   }
-  if (auto gpio = top.table("gpio")) read_gpio(*gpio, rig, hardware.gpio.emplace());
+  if (auto gpio = top.table("gpio")) read_gpio(*gpio, rig, waivers, hardware.gpio.emplace());
   if (auto converters = top.table("converters")) read_converters(*converters, hardware.converters.emplace());
   if (auto lasers = top.table("lasers")) {
     for_each_named_channel(*lasers, [&](std::size_t channel, DescriptionTable& entry) {
@@ -178,6 +323,24 @@ void read_hardware(DescriptionTable& top, const model::RigParameters<double>& ri
       hardware.lasers.push_back(std::move(laser));
     });
     lasers->finish();
+  }
+}
+
+void check_wiring(const RigDescription& description) {
+  if (!description.hardware.gpio) {
+    throw InputError(description.source, 0, "no table [gpio]", "the lines of stop, heartbeat, enable and valves");
+  }
+  const GpioDescription& gpio = *description.hardware.gpio;
+  struct Line {
+    const std::string& line;
+    std::string_view key, waiver, what;
+  };
+  for (const Line& wanted : {Line{gpio.stop, "stop", "no_stop", "the line of the stop button"},
+                             Line{gpio.heartbeat, "heartbeat", "no_heartbeat", "the line of a watchdog outside"},
+                             Line{gpio.enable, "enable", "no_enable", "the line that gives the drive power"}}) {
+    if (!wanted.line.empty() || description.waivers.contains(std::string(wanted.waiver))) continue;
+    throw InputError(description.source, gpio.source_line, "[gpio] has no " + std::string(wanted.key),
+                     std::string(wanted.what) + ", or [waivers] " + std::string(wanted.waiver) + " = \"why\"");
   }
 }
 

@@ -2,13 +2,27 @@
 // rig_controller [controller], [gpio], [converters], [lasers].
 #pragma once
 
+#include <array>
+#include <map>
+#include <string>
+#include <string_view>
+
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/rig_description_table.hpp"
 
 namespace firmware {
 
+/// What [waivers] may hold: what a rig goes without that a safe rig has.
+inline constexpr std::array<std::string_view, 8> waiver_names{"no_heartbeat",         "no_enable",         "no_stop",
+                                                              "stop_fails_dangerous", "enable_active_low", "no_probe",
+                                                              "unproven_stability",   "no_following_error"};
+
+void read_waivers(DescriptionTable& top, std::map<std::string, std::string>& waivers);
 void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig, ControllerDescription& controller);
 void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& budget);
-void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, HardwareDescription& hardware);
+void read_arming(DescriptionTable& top, model::RigKind kind, const std::map<std::string, std::string>& waivers,
+                 ControllerDescription& controller);
+void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig,
+                   const std::map<std::string, std::string>& waivers, HardwareDescription& hardware);
 
 }  // namespace firmware

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/loop_settings.hpp"
 #include "firmware/description/number_text.hpp"
 #include "firmware/description/quantity.hpp"
 
@@ -119,9 +120,18 @@ void write_controller(Text& out, const RigDescription& description) {
   out.table("limits");
   out.line("stroke", real(controller.stroke));
   out.line("speed", real(controller.speed));
-  out.line("force", real(controller.force));
+  if (controller.force_given || controller.force != ControllerDescription{}.force)
+    out.line("force", real(controller.force));
   out.line("ramp", real(controller.ramp));
   if (description.rig.kind == RigKind::hil) out.line("energy_gain", real(controller.energy_gain));
+  const Settings usual{};
+  std::string_view open = "limits";
+  for (const LoopSetting& setting : loop_settings()) {
+    if (setting.table != open) out.table(std::string(open = setting.table));
+    const double value = setting.get(controller.loop);
+    if (value == setting.get(usual)) continue;
+    out.line(std::string(setting.key), setting.whole ? std::to_string(static_cast<int>(value)) : real(value));
+  }
   out.table("estimator");
   if (controller.cross_over > 0.0) out.line("cross_over", real(controller.cross_over));
   out.table("valves");
@@ -133,6 +143,15 @@ void write_controller(Text& out, const RigDescription& description) {
     }
     out.line("plan", "[" + plan + "]");
   }
+  const Arming& arming = controller.arming;
+  out.table("arming");
+  out.line("tare_time", real(arming.tare_time));
+  if (arming.preload > 0.0) out.line("preload", real(arming.preload));
+  out.line("position_tolerance", real(arming.position_tolerance));
+  out.line("probe_amplitude", real(arming.probe_amplitude));
+  out.line("force_ramp", real(arming.force_ramp));
+  out.table("waivers");
+  for (const auto& [key, sentence] : description.waivers) out.line(key, basic_string_of(sentence));
   const DelayBudget& budget = description.delay_budget;
   out.table("delay_budget");
   if (budget.sensor_age > 0.0) out.line("sensor_age", real(budget.sensor_age));
@@ -154,8 +173,10 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   }
   if (schedule.wake_early != usual.wake_early) out.line("wake_early", real(schedule.wake_early));
   if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
+  if (!schedule.proven.empty()) out.line("proven", basic_string_of(schedule.proven));
   if (hardware.gpio) {
     const GpioDescription& gpio = *hardware.gpio;
+    const GpioDescription ordinary{};
     out.table("gpio");
     out.line("chip", basic_string_of(gpio.chip));
     std::string valves;
@@ -163,9 +184,19 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
     if (!gpio.valves.empty()) out.line("valves", "[" + valves + "]");
     if (gpio.valves_active_low) out.line("valves_active_low", "true");
     if (!gpio.stop.empty()) out.line("stop", basic_string_of(gpio.stop));
-    if (gpio.stop_active_low) out.line("stop_active_low", "true");
-    if (!gpio.stop_bias.empty()) out.line("stop_bias", basic_string_of(gpio.stop_bias));
+    if (!gpio.stop_2.empty()) out.line("stop_2", basic_string_of(gpio.stop_2));
+    if (gpio.stop_bias != ordinary.stop_bias) out.line("stop_bias", basic_string_of(gpio.stop_bias));
+    if (gpio.stop_active_low != pulls_down(gpio.stop_bias)) {
+      out.line("stop_active_low", gpio.stop_active_low ? "true" : "false");
+    }
+    if (!gpio.enable.empty()) out.line("enable", basic_string_of(gpio.enable));
+    if (gpio.enable_active_low) out.line("enable_active_low", "true");
     if (!gpio.heartbeat.empty()) out.line("heartbeat", basic_string_of(gpio.heartbeat));
+    if (gpio.interlock_bias != ordinary.interlock_bias) {
+      out.line("interlock_bias", basic_string_of(gpio.interlock_bias));
+    }
+    out.table("gpio.interlocks");
+    for (const auto& [name, line] : gpio.interlocks) out.line(basic_string_of(name), basic_string_of(line));
   }
   if (hardware.converters) {
     const ConverterDescription& converters = *hardware.converters;

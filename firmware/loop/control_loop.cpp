@@ -1,5 +1,6 @@
 #include "firmware/loop/control_loop.hpp"
 
+#include <array>
 #include <limits>
 
 #include "model/require.hpp"
@@ -11,7 +12,19 @@ using model::Channel;
 using model::CoreIndex;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-bool moving(Mode mode) { return mode == Mode::ready || mode == Mode::running; }
+constexpr double follow_time = 0.02;  ///< smoothing of the position that the command follows without power [s]
+
+/// What arming may expect of the rig that is described.
+ArmingChecks::Expected expected_of(const model::RigParameters<double>& parameters) {
+  ArmingChecks::Expected expected;
+  expected.force_answers = parameters.kind == model::RigKind::hil;
+  expected.returns = parameters.kind != model::RigKind::quarter_car;
+  expected.lowest_stiffness = parameters.suspension.stiffness;
+  expected.highest_stiffness =
+      parameters.suspension.stiffness + (parameters.has_fdva ? parameters.fdva.coupling_stiffness : 0.0);
+  if (parameters.kind == model::RigKind::quarter_car) expected.position = Channel::z_r;
+  return expected;
+}
 
 }  // namespace
 
@@ -34,13 +47,18 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
       period_(settings.period.seconds()),
       kind_(parameters.kind),
       rig_(rig),
-      reference_(reference),
       valves_(valves),
       journal_(journal),
       samples_(settings.limits, settings.period, rig.sensors),
       estimator_(samples_, parameters.tyre.stiffness, settings.observers, period_),
       command_guard_(settings.limits, period_, settings.ramps.rest),
-      energy_guard_(settings.limits, parameters.machine.virtual_damping, parameters.tyre.damping, period_) {
+      energy_guard_(settings.limits, parameters.machine.virtual_damping, parameters.tyre.damping, period_,
+                    settings.supervision.growth_time),
+      motion_guard_(settings.limits, settings.supervision, parameters, period_),
+      frozen_guard_(settings.supervision, parameters),
+      lateness_guard_(settings.limits, settings.supervision, settings.period),
+      arming_(settings, expected_of(parameters)),
+      player_(reference, period_) {
   model::require(check(settings, parameters, rig, valves).empty(), "a control loop of parts that fit");
   if (hil()) car_.emplace(parameters, period_, model::ModelledPart::virtual_car);
 }
@@ -50,40 +68,54 @@ void ControlLoop::step() {
   keep_time(now);
   samples_.take(rig_.sensors.read(), now);
   estimator_.step(samples_);
+  watch_motion();
 
   const unsigned requests = requests_.exchange(0);
-  const bool acknowledged = (requests & acknowledge_request) != 0 && mode_ == Mode::safe && at_rest();
-  if (acknowledged) rig_.stop_button.release();
+  if ((requests & level_request) != 0) player_.level(static_cast<double>(wanted_level_.load()) / 1e6);
+  const bool stands = mode_ == Mode::safe && at_rest();
+  if (stands && (requests & (acknowledge_request | rest_request)) != 0) rig_.stop_button.release();
   std::optional<Trip> hazard = find_hazard(now);
-  if (!hazard && (requests & stop_request) != 0) {
-    hazard = Trip{Reason::stop_requested, std::nullopt, 0.0, 0.0, now};
+  if (!hazard && (requests & stop_request) != 0 && mode_ != Mode::safe) {
+    hazard = Trip{.reason = Reason::stop_requested, .time = now};
   }
-  if (acknowledged && !hazard) mode_ = next(mode_, Event::acknowledge);
-  if ((requests & start_request) != 0 && mode_ == Mode::idle) get_ready();
-  if (mode_ == Mode::ready && !hazard && reference_begins_ && move_.arrived() && settling_left_ == 0) {
-    mode_ = next(mode_, Event::in_position);
-    sample_ = 0;
+  if (stands && !hazard) {
+    if ((requests & acknowledge_request) != 0) {
+      mode_ = next(mode_, Event::acknowledge);
+    } else if ((requests & rest_request) != 0) {
+      return_ =
+          ReturnToRest(command_guard_.last().position, 0.0, settings_.ramps, 0.5 * settings_.limits.stroke, period_);
+      held_ = false;
+      expects_trip_ = false;
+    }
   }
+  if ((requests & arm_request) != 0 && mode_ == Mode::idle) begin_arming(now);
+  if (mode_ == Mode::arming && !hazard) hazard = look_at_arming(now);
+  take_up(requests, hazard.has_value());
 
   Record record;
   record.period = periods_++;
-  record.sample = mode_ == Mode::running ? sample_ : 0;
+  record.sample = in_run(mode_) ? sample_ : 0;
   record.time = now;
   record.due = due_ - settings_.period;
   record.late = lateness_;
   record.mode = mode_;
-  if (car_alive_) car_->receive_force(car_state_, samples_.value(Channel::F));
+  if (car_alive_) car_->receive_force(car_state_, entering_force());
   note_values(record);
 
-  if (hazard) trip(*hazard);
+  const bool runs = in_run(mode_);
+  if (hazard && matters(*hazard)) trip(*hazard);
   compute(now);
   act(now);
-  if (mode_ == Mode::running) ++sample_;
+  if (runs && in_run(mode_)) ++sample_;
 
   counters_.missed_frames = samples_.missed_frames();
   counters_.bridged_samples = samples_.bridged_count();
   counters_.limited_commands = command_guard_.limited_count();
   record.trip = trip_;
+  record.second = second_.reason;
+  record.enabled = enabled_;
+  record.level = player_.level();
+  record.tare = tare();
   record.command = command_;
   record.openings = openings_;
   record.counters = counters_;
@@ -93,34 +125,136 @@ void ControlLoop::step() {
 void ControlLoop::keep_time(hal::Time now) {
   if (due_ == hal::never) due_ = now;
   lateness_ = now - due_;
-  if (lateness_ > hal::seconds(settings_.limits.late_after * period_)) {
+  if (lateness_guard_.follow(lateness_)) {
     ++counters_.late_periods;
-    if (late_in_a_row_ < settings_.limits.late_in_a_row) ++late_in_a_row_;
     due_ = now;
-  } else {
-    late_in_a_row_ = 0;
   }
   due_ += settings_.period;
 }
 
+/// While the drive has power it must go where it is told, in every state. Without power it may stand or be moved.
+/// Arming has checks of its own for sensors that do not answer.
+void ControlLoop::watch_motion() {
+  motion_hazard_.reset();
+  if (!enabled_) {
+    motion_guard_.start(command_guard_.last().position);
+    frozen_guard_.start();
+    return;
+  }
+  motion_hazard_ = motion_guard_.follow(command_guard_.last(), samples_);
+  if (mode_ == Mode::arming) {
+    frozen_guard_.start();
+    return;
+  }
+  const std::optional<Trip> frozen = frozen_guard_.follow(samples_, motion_guard_.expected(), command_guard_.last());
+  if (!motion_hazard_) motion_hazard_ = frozen;
+}
+
+bool ControlLoop::level(double wanted) {
+  if (!(wanted >= 0.0 && wanted <= ReferencePlayer::highest_level)) return false;
+  wanted_level_.store(static_cast<std::uint32_t>(wanted * 1e6 + 0.5));
+  requests_.fetch_or(level_request);
+  return true;
+}
+
 std::optional<Trip> ControlLoop::find_hazard(hal::Time now) {
+  std::optional<Trip> late = lateness_guard_.hazard();
+  for (std::optional<Trip>* hazard : {&late, &motion_hazard_}) {
+    if (*hazard) (*hazard)->time = now;
+  }
+  // The first that matters; one that lasts from the trip must not hide another.
+  const std::array<std::optional<Trip>, 6> all{
+      find_stop(now), find_open_interlock(now), samples_.hazard(), samples_.limit_hazard(), late, motion_hazard_};
+  const std::optional<Trip>* first = nullptr;
+  for (const std::optional<Trip>& hazard : all) {
+    if (!hazard) continue;
+    if (matters(*hazard)) return hazard;
+    if (first == nullptr) first = &hazard;
+  }
+  return first != nullptr ? *first : std::nullopt;
+}
+
+std::optional<Trip> ControlLoop::find_stop(hal::Time now) {
   const hal::Result<bool> pressed = rig_.stop_button.pressed();
-  if (!pressed) return Trip{Reason::stop_button_lost, std::nullopt, 0.0, 0.0, now};
-  if (*pressed) {
-    return Trip{Reason::stop_button, std::nullopt, (now - rig_.stop_button.pressed_at()).seconds(), 0.0, now};
+  if (!pressed) {
+    const bool contradiction = pressed.fault() == hal::Fault::refused;
+    return Trip{.reason = contradiction ? Reason::stop_channels : Reason::stop_button_lost, .time = now};
   }
-  if (samples_.hazard()) return samples_.hazard();
-  if (late_in_a_row_ >= settings_.limits.late_in_a_row) {
-    return Trip{Reason::late, std::nullopt, static_cast<double>(late_in_a_row_),
-                static_cast<double>(settings_.limits.late_in_a_row), now};
+  if (!*pressed) return std::nullopt;
+  return Trip{.reason = Reason::stop_button, .value = (now - rig_.stop_button.pressed_at()).seconds(), .time = now};
+}
+
+std::optional<Trip> ControlLoop::find_open_interlock(hal::Time now) {
+  const hal::Result<std::uint32_t> open = rig_.interlocks.open();
+  if (!open) return Trip{.reason = Reason::interlocks_lost, .time = now};
+  if (*open == 0) return std::nullopt;
+  std::int8_t first = 0;
+  while ((*open >> static_cast<unsigned>(first) & 1U) == 0) ++first;
+  return Trip{.reason = Reason::interlock, .time = now, .interlock = first};
+}
+
+/// Without power and motion only a stop acts. On the way to rest the hazard that led there may last; any other acts.
+bool ControlLoop::matters(const Trip& hazard) const {
+  if (leads_drive(mode_)) return true;
+  if (mode_ == Mode::idle) return is_stop(hazard.reason) || hazard.reason == Reason::stop_requested;
+  if (expects_trip_ && hazard.reason == trip_.reason && hazard.channel == trip_.channel) return false;
+  return is_stop(hazard.reason) || !standing() || enabled_;
+}
+
+void ControlLoop::take_up(unsigned requests, bool hazard) {
+  const auto asked = [requests](unsigned request) { return (requests & request) != 0; };
+  if (asked(disarm_request) && mode_ == Mode::armed) mode_ = next(mode_, Event::disarm);
+  if (asked(start_request) && mode_ == Mode::armed) get_ready();
+  if (mode_ == Mode::ready && !hazard && reference_begins_ && move_.arrived() && settling_left_ == 0) {
+    mode_ = next(mode_, Event::in_position);
+    sample_ = 0;
   }
-  return std::nullopt;
+  if (asked(hold_request) && mode_ == Mode::running) {
+    mode_ = next(mode_, Event::hold);
+    player_.hold();
+  } else if (asked(resume_request) && mode_ == Mode::holding) {
+    mode_ = next(mode_, Event::resume);
+    player_.resume();
+  }
+}
+
+void ControlLoop::begin_arming(hal::Time now) {
+  mode_ = next(mode_, Event::arm);
+  trip_ = {};
+  second_ = {};
+  samples_.tare(Channel::F, 0.0);
+  double home = command_guard_.last().position;
+  if (settings_.arming.position_tolerance > 0.0 && !rig_.drive_enable.fitted()) {
+    const hal::Result<double> shown = rig_.command.read_back();  // the drive has power: there it is told to be
+    if (shown) home = *shown;
+  }
+  command_guard_.passed({home, 0.0, 0.0});
+  command_guard_.passed({home, 0.0, 0.0});  // at rest
+  arming_.begin(home, now);
+}
+
+std::optional<Trip> ControlLoop::look_at_arming(hal::Time now) {
+  ArmingChecks::Seen seen{.now = now, .command = command_guard_.last().position};
+  if (settings_.arming.position_tolerance > 0.0) {
+    const hal::Result<double> shown = rig_.command.read_back();
+    if (shown) seen.read_back = *shown;
+    if (!shown && shown.fault() == hal::Fault::disconnected) return Trip{.reason = Reason::command_failed, .time = now};
+    if (samples_.fitted(position_channel())) seen.position = samples_.value(position_channel());
+  }
+  if (samples_.fitted(Channel::F)) seen.force = samples_.value(Channel::F);
+  const std::optional<Trip> hazard = arming_.look(seen);
+  if (!hazard && arming_.done()) {
+    samples_.tare(Channel::F, arming_.tare());
+    mode_ = next(mode_, Event::checked);
+  }
+  return hazard;
 }
 
 void ControlLoop::get_ready() {
   mode_ = next(mode_, Event::start);
   trip_ = {};
-  const std::optional<Motion> begin = reference_.at(0);
+  second_ = {};
+  const std::optional<Motion> begin = player_.start();
   reference_begins_ = begin.has_value();
   if (!reference_begins_) return;
   if (hil()) {
@@ -134,31 +268,81 @@ void ControlLoop::get_ready() {
   settling_left_ = (hal::seconds(settings_.ramps.settling).ns + settings_.period.ns - 1) / settings_.period.ns;
 }
 
-/// The first reason counts; from here on the rig is on its way to rest.
+/// The first reason counts; what follows it in safe is kept beside it.
 void ControlLoop::trip(const Trip& trip) {
-  if (!moving(mode_)) return;
+  const double velocity = trip.reason == Reason::command_failed || !enabled_ ? 0.0 : command_guard_.velocity();
+  if (mode_ == Mode::safe) {
+    if (second_.reason == Reason::none) second_ = trip;
+    if (!held_ && !standing()) brake_and_hold(velocity);
+    return;
+  }
+  const bool stays = takes_power(trip.reason) || mode_ == Mode::idle;
   trip_ = trip;
+  second_ = {};
   mode_ = next(mode_, Event::trip);
   car_alive_ = false;
-  const double velocity = trip.reason == Reason::command_failed ? 0.0 : command_guard_.velocity();
-  return_ =
-      ReturnToRest(command_guard_.last().position, velocity, settings_.ramps, 0.5 * settings_.limits.stroke, period_);
+  held_ = false;
+  expects_trip_ = true;
+  if (stays) {
+    brake_and_hold(velocity);
+  } else {
+    return_ =
+        ReturnToRest(command_guard_.last().position, velocity, settings_.ramps, 0.5 * settings_.limits.stroke, period_);
+  }
+}
+
+void ControlLoop::brake_and_hold(double velocity) {
+  held_ = true;
+  return_ = ReturnToRest::brake_and_hold(command_guard_.last().position, velocity, settings_.ramps,
+                                         0.5 * settings_.limits.stroke, period_);
+}
+
+/// Without power the drive may be moved, or creep: the command goes with it, so that power finds no difference.
+void ControlLoop::follow_rig() {
+  command_ = {command_guard_.last().position, 0.0, 0.0};
+  const Channel channel = position_channel();
+  const bool measured = settings_.arming.position_tolerance > 0.0 && rig_.drive_enable.fitted() &&
+                        samples_.fitted(channel) && samples_.seen(channel) &&
+                        (samples_.bridged() >> model::index(channel) & 1U) == 0;
+  if (!measured) {
+    follows_ = false;
+    return;
+  }
+  const double position = samples_.value(channel), share = period_ < follow_time ? period_ / follow_time : 1.0;
+  followed_ = follows_ ? followed_ + share * (position - followed_) : position;
+  follows_ = true;
+  const double half_stroke = 0.5 * settings_.limits.stroke;
+  command_.position = followed_ > half_stroke ? half_stroke : followed_ < -half_stroke ? -half_stroke : followed_;
+}
+
+/// hil: the measured force enters the car by a smoothstep over force_ramp from the beginning of a run.
+double ControlLoop::entering_force() const {
+  const double force = samples_.value(Channel::F);
+  const double elapsed = in_run(mode_) ? static_cast<double>(sample_) * period_ : 0.0;
+  if (elapsed >= settings_.arming.force_ramp) return force;
+  const double s = elapsed / settings_.arming.force_ramp;
+  return force * (s * s * (3.0 - 2.0 * s));
 }
 
 void ControlLoop::compute(hal::Time now) {
   std::optional<hal::Command> wanted;
   energy_hazard_.reset();
-  if (mode_ == Mode::ready && reference_begins_) {
+  if (mode_ == Mode::arming) {
+    wanted = arming_.next();
+  } else if (mode_ == Mode::armed) {
+    wanted = hal::Command{command_guard_.last().position, 0.0, 0.0};
+  } else if (mode_ == Mode::ready && reference_begins_) {
     if (move_.arrived()) --settling_left_;
     wanted = move_.next();
     openings_ = valves_.at(hal::Time{});
-  } else if (mode_ == Mode::running) {
+  } else if (in_run(mode_)) {
+    const std::uint64_t sample = player_.sample();
     wanted = follow_reference();
-    openings_ = valves_.at(settings_.period * static_cast<std::int64_t>(sample_));
+    openings_ = valves_.at(settings_.period * static_cast<std::int64_t>(sample));
   }
-  if (moving(mode_)) {
+  if (leads_drive(mode_)) {
     if (!wanted) {
-      trip({Reason::reference_ended, std::nullopt, 0.0, 0.0, now});
+      trip({.reason = Reason::reference_ended, .time = now});
     } else if (energy_hazard_) {
       energy_hazard_->time = now;
       trip(*energy_hazard_);
@@ -171,13 +355,20 @@ void ControlLoop::compute(hal::Time now) {
       }
     }
   }
-  if (mode_ == Mode::idle) command_ = command_guard_.last();
-  if (mode_ == Mode::safe) command_ = return_.next();
-  if (!moving(mode_)) openings_ = rig_.valves.safe_position();
+  // In safe the enable goes one period after the last command of the way to rest, so that the drive gets there.
+  wants_power_ = (leads_drive(mode_) && (mode_ != Mode::arming || arming_.powered())) ||
+                 (mode_ == Mode::safe && !held_ && !standing());
+  if (mode_ == Mode::idle || (mode_ == Mode::safe && standing() && !enabled_)) {
+    follow_rig();
+  } else {
+    follows_ = false;
+    if (mode_ == Mode::safe) command_ = return_.next();
+  }
+  if (mode_ != Mode::ready && !in_run(mode_)) openings_ = rig_.valves.safe_position();
 }
 
 std::optional<hal::Command> ControlLoop::follow_reference() {
-  const std::optional<Motion> there = reference_.at(sample_ + 1);
+  const std::optional<Motion> there = player_.next();
   if (!there) return std::nullopt;
   if (hil()) return step_car(*there);
   return hal::Command{there->position, there->velocity, there->acceleration};
@@ -197,15 +388,18 @@ hal::Command ControlLoop::step_car(const Motion& foot_point) {
 }
 
 void ControlLoop::act(hal::Time now) {
+  if (!wants_power_) write_enable(now);  // off first, on last
   bool valves_stand = write_valves();
-  if (!valves_stand && moving(mode_)) {
-    trip({Reason::valves_failed, std::nullopt, 0.0, 0.0, now});
+  if (!valves_stand && leads_drive(mode_)) {
+    trip({.reason = Reason::valves_failed, .time = now});
     command_ = return_.next();
     openings_ = rig_.valves.safe_position();
+    wants_power_ = false;
+    write_enable(now);
     valves_stand = write_valves();
   }
 
-  if (mode_ != Mode::idle) {
+  if (mode_ != Mode::idle || follows_) {
     const hal::Result<void> written = rig_.command.write(command_);
     if (written) {
       command_guard_.passed(command_);
@@ -213,28 +407,51 @@ void ControlLoop::act(hal::Time now) {
     } else {
       ++counters_.failed_commands;
       if (failed_commands_in_a_row_ < settings_.limits.bridged_in_a_row) ++failed_commands_in_a_row_;
-      if (moving(mode_) &&
-          (written.fault() != hal::Fault::timeout || failed_commands_in_a_row_ >= settings_.limits.bridged_in_a_row)) {
+      const bool lost =
+          written.fault() != hal::Fault::timeout || failed_commands_in_a_row_ >= settings_.limits.bridged_in_a_row;
+      if (lost && (leads_drive(mode_) || (mode_ == Mode::safe && !held_ && !standing()))) {
         trip({Reason::command_failed, std::nullopt, static_cast<double>(failed_commands_in_a_row_),
               static_cast<double>(settings_.limits.bridged_in_a_row), now});
         openings_ = rig_.valves.safe_position();
+        wants_power_ = false;
         valves_stand = write_valves();
-      } else if (mode_ == Mode::safe) {  // the drive has stayed where it was: begin again from there
+      } else if (mode_ == Mode::safe && held_) {  // the drive has stayed where it was: begin again from there
+        brake_and_hold(0.0);
+      } else if (mode_ == Mode::safe && enabled_) {
         return_ =
             ReturnToRest(command_guard_.last().position, 0.0, settings_.ramps, 0.5 * settings_.limits.stroke, period_);
       }
     }
   }
+  write_enable(now);
 
-  if (!valves_stand) return;  // valves lost: without beats the watchdog makes them safe
+  if (!valves_stand || !enable_stands_) return;  // without beats the watchdog makes them safe and takes the power
   if (!rig_.heartbeat.beat()) {
     ++counters_.failed_beats;
-    if (moving(mode_)) {
-      trip({Reason::heartbeat_failed, std::nullopt, 0.0, 0.0, now});
+    if (leads_drive(mode_)) {
+      trip({.reason = Reason::heartbeat_failed, .time = now});
       openings_ = rig_.valves.safe_position();
       (void)write_valves();
     }
   }
+}
+
+/// At a change, and again after a fault.
+void ControlLoop::write_enable(hal::Time now) {
+  if (enable_stands_ && enabled_ == wants_power_) return;
+  enable_stands_ = static_cast<bool>(rig_.drive_enable.write(wants_power_));
+  if (enable_stands_) {
+    enabled_ = wants_power_;
+    return;
+  }
+  ++counters_.failed_enables;
+  if (!leads_drive(mode_)) return;
+  trip({.reason = Reason::enable_failed, .time = now});
+  openings_ = rig_.valves.safe_position();
+  (void)write_valves();
+  wants_power_ = false;
+  enable_stands_ = static_cast<bool>(rig_.drive_enable.write(false));
+  if (enable_stands_) enabled_ = false;
 }
 
 bool ControlLoop::write_valves() {

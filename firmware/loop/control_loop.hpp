@@ -6,12 +6,17 @@
 #include <optional>
 #include <string_view>
 
+#include "firmware/loop/arming_checks.hpp"
 #include "firmware/loop/command_guard.hpp"
 #include "firmware/loop/energy_guard.hpp"
+#include "firmware/loop/frozen_guard.hpp"
 #include "firmware/loop/journal.hpp"
+#include "firmware/loop/lateness_guard.hpp"
 #include "firmware/loop/mode.hpp"
+#include "firmware/loop/motion_guard.hpp"
 #include "firmware/loop/ramp.hpp"
 #include "firmware/loop/reference.hpp"
+#include "firmware/loop/reference_player.hpp"
 #include "firmware/loop/sample_guard.hpp"
 #include "firmware/loop/settings.hpp"
 #include "firmware/loop/state_estimator.hpp"
@@ -31,7 +36,9 @@ namespace firmware {
 ///   quarter_car      command is the foot point of the reference at t_{k+1}; velocities and wheel load are estimated
 ///   component_bench  command is the deflection of the reference at t_{k+1}
 ///
-/// In ready the command moves from rest to where the reference begins (hil: to no deflection, the car at rest above the
+/// While the drive has no power, the command follows the measured position, so that power finds no difference. Arming
+/// looks at the rig (ArmingChecks); only then start() leads to ready.
+/// In ready the command moves to where the reference begins (hil: to no deflection, the car at rest above the
 /// beginning of its road), the valves already stand as the run begins.
 /// Static memory, no heap after construction, no exceptions, the same work every period.
 class ControlLoop {
@@ -50,9 +57,17 @@ class ControlLoop {
   ~ControlLoop() = default;
 
   /// Requests from any thread, taken up by the next period.
-  void start() { requests_.fetch_or(start_request); }              ///< idle → ready
-  void stop() { requests_.fetch_or(stop_request); }                ///< ready, running → safe, in good order
-  void acknowledge() { requests_.fetch_or(acknowledge_request); }  ///< safe → idle, once at rest and without hazard
+  void arm() { requests_.fetch_or(arm_request); }                  ///< idle → arming → armed
+  void disarm() { requests_.fetch_or(disarm_request); }            ///< armed → idle
+  void start() { requests_.fetch_or(start_request); }              ///< armed → ready → running
+  void hold() { requests_.fetch_or(hold_request); }                ///< running → holding
+  void resume() { requests_.fetch_or(resume_request); }            ///< holding → running
+  void stop() { requests_.fetch_or(stop_request); }                ///< any → safe, in good order
+  void go_to_rest() { requests_.fetch_or(rest_request); }          ///< in safe, standing, without hazard: back to rest
+  void acknowledge() { requests_.fetch_or(acknowledge_request); }  ///< safe → idle, once standing and without hazard
+  /// Scales the reference about its beginning, 0 … ReferencePlayer::highest_level; at once before a run, within a
+  /// second or so during it. False: outside, nothing is asked for.
+  bool level(double wanted);
 
   /// One period, without sleeping: for whoever keeps the time himself, from due() to due().
   void step();
@@ -72,8 +87,15 @@ class ControlLoop {
 
   // For the thread that steps the loop; others read the journal.
   [[nodiscard]] Mode mode() const { return mode_; }
-  [[nodiscard]] const Trip& trip() const { return trip_; }  ///< why the last run ended
-  [[nodiscard]] bool at_rest() const { return mode_ == Mode::idle || (mode_ == Mode::safe && return_.arrived()); }
+  [[nodiscard]] const Trip& trip() const { return trip_; }      ///< why the rig is or was in safe
+  [[nodiscard]] const Trip& second() const { return second_; }  ///< what happened after that, first
+  /// Nothing is commanded to move any more, and the drive has no power.
+  [[nodiscard]] bool at_rest() const { return mode_ == Mode::idle || (mode_ == Mode::safe && standing() && !enabled_); }
+  /// In safe the command stays where it stopped, instead of returning to rest.
+  [[nodiscard]] bool held() const { return mode_ == Mode::safe && held_; }
+  [[nodiscard]] bool enabled() const { return enabled_; }                              ///< the drive has power
+  [[nodiscard]] double tare() const { return samples_.tare(model::Channel::F); }       ///< taken from F [N]
+  [[nodiscard]] const hal::Command& command() const { return command_guard_.last(); }  ///< for this instant
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] const StateEstimator& estimator() const { return estimator_; }
 
@@ -81,25 +103,45 @@ class ControlLoop {
   static constexpr unsigned start_request = 1;
   static constexpr unsigned stop_request = 2;
   static constexpr unsigned acknowledge_request = 4;
+  static constexpr unsigned arm_request = 8;
+  static constexpr unsigned disarm_request = 16;
+  static constexpr unsigned hold_request = 32;
+  static constexpr unsigned resume_request = 64;
+  static constexpr unsigned rest_request = 128;
+  static constexpr unsigned level_request = 256;
 
   [[nodiscard]] bool hil() const { return kind_ == model::RigKind::hil; }
+  [[nodiscard]] bool standing() const { return return_.arrived(); }
+  [[nodiscard]] model::Channel position_channel() const {
+    return kind_ == model::RigKind::quarter_car ? model::Channel::z_r : model::Channel::x_act;
+  }
 
   void keep_time(hal::Time now);
+  void watch_motion();
   [[nodiscard]] std::optional<Trip> find_hazard(hal::Time now);
+  [[nodiscard]] std::optional<Trip> find_stop(hal::Time now);
+  [[nodiscard]] std::optional<Trip> find_open_interlock(hal::Time now);
+  [[nodiscard]] bool matters(const Trip& hazard) const;
+  void take_up(unsigned requests, bool hazard);
+  [[nodiscard]] std::optional<Trip> look_at_arming(hal::Time now);
+  void begin_arming(hal::Time now);
   void get_ready();
   void trip(const Trip& trip);
+  void brake_and_hold(double velocity);
+  void follow_rig();
+  [[nodiscard]] double entering_force() const;
   void compute(hal::Time now);
   [[nodiscard]] std::optional<hal::Command> follow_reference();
   [[nodiscard]] hal::Command step_car(const Motion& foot_point);
   void act(hal::Time now);
   [[nodiscard]] bool write_valves();
+  void write_enable(hal::Time now);
   void note_values(Record& record) const;
 
   Settings settings_;
   double period_;
   model::RigKind kind_;
   hal::Rig rig_;
-  Reference& reference_;
   ValvePlan valves_;
   Journal& journal_;
   std::optional<VirtualCar> car_{};  ///< hil only
@@ -108,17 +150,31 @@ class ControlLoop {
   StateEstimator estimator_;
   CommandGuard command_guard_;
   EnergyGuard energy_guard_;
+  MotionGuard motion_guard_;
+  FrozenGuard frozen_guard_;
+  LatenessGuard lateness_guard_;
+  std::optional<Trip> motion_hazard_{};  ///< of this period, by motion and frozen guard
+  ArmingChecks arming_;
+  ReferencePlayer player_;
   std::optional<Trip> energy_hazard_{};  ///< of this period
   SmoothMove move_{};
   ReturnToRest return_{};
 
   std::atomic<unsigned> requests_{0};
+  std::atomic<std::uint32_t> wanted_level_{0};  ///< in millionths: a board has no atomic double
   Mode mode_ = Mode::idle;
   Trip trip_{};
+  Trip second_{};
+  bool held_ = false;          ///< in safe: stays where it stopped
+  bool expects_trip_ = false;  ///< in safe: the hazard of trip_ may last while the command returns to rest
+  bool enabled_ = false;       ///< as last written with success
+  bool wants_power_ = false;
+  bool enable_stands_ = true;  ///< the drive's enable is as wanted
+  double followed_ = 0.0;      ///< measured position, smoothed, while the drive has no power [m]
+  bool follows_ = false;       ///< followed_ has a value
   Counters counters_{};
   hal::Time due_ = hal::never;
   hal::Time lateness_{};  ///< of this period
-  int late_in_a_row_ = 0;
   int failed_commands_in_a_row_ = 0;
   std::uint64_t periods_ = 0;
   std::uint64_t sample_ = 0;        ///< k, in mode running

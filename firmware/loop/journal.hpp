@@ -28,26 +28,31 @@ struct Counters {
   std::uint64_t failed_commands = 0;   ///< commands that the drive did not take
   std::uint64_t failed_valves = 0;     ///< openings that the valves did not take
   std::uint64_t failed_beats = 0;      ///< beats that did not reach the watchdog
+  std::uint64_t failed_enables = 0;    ///< times that the drive's enable could not be written
 
   friend bool operator==(const Counters&, const Counters&) = default;
 };
 
 /// One period.
 struct Record {
-  std::uint64_t period = 0;   ///< since construction; a gap in this count is what the journal lost
-  std::uint64_t sample = 0;   ///< k since running began, in mode running
-  hal::Time time{};           ///< of this instant, t_k
-  hal::Time due{};            ///< when it should have begun; a late period is due when it begins
-  hal::Time late{};           ///< how long after its instant it began, of a late period too
-  Mode mode = Mode::idle;     ///< that this instant belongs to; the period that trips still belongs to the run
-  Trip trip{};                ///< why the last run ended; nothing before, and again from the next start on
-  std::uint16_t bridged = 0;  ///< bit i: channel i was bad and bridged
+  std::uint64_t period = 0;      ///< since construction; a gap in this count is what the journal lost
+  std::uint64_t sample = 0;      ///< k since running began, in modes running and holding
+  hal::Time time{};              ///< of this instant, t_k
+  hal::Time due{};               ///< when it should have begun; a late period is due when it begins
+  hal::Time late{};              ///< how long after its instant it began, of a late period too
+  Mode mode = Mode::idle;        ///< that this instant belongs to; the period that trips still belongs to the run
+  Trip trip{};                   ///< why the rig is or was in safe; nothing before, and again from the next arming on
+  Reason second = Reason::none;  ///< what happened after that, on the way to rest or at rest, first
+  bool enabled = false;          ///< the drive had power from this period on
+  std::uint16_t bridged = 0;     ///< bit i: channel i was bad and bridged
 
   /// Every channel at t_k [SI]. Measured channels as they were read (NaN: none read). In `hil` the others are the
   /// virtual car's; x_cmd is the command for t_k. NaN: neither measured nor computed.
   std::array<double, model::channel_count> values{};
   std::array<hal::Time, model::channel_count> taken{};  ///< stamps of the measured channels, else `never`
 
+  double level = 1.0;        ///< factor on the reference
+  double tare = 0.0;         ///< taken from F as it was read, for the car and the limits [N]
   double wheel_load = 0.0;   ///< soft sensor F_w,c [N]
   Velocities velocities{};   ///< estimated; in `hil` the virtual car's
   hal::Command command{};    ///< put out in this period, for t_{k+1}

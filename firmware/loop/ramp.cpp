@@ -37,6 +37,13 @@ ReturnToRest::ReturnToRest(double position, double velocity, const Ramps& ramps,
   back_ = SmoothMove(stop_position_, ramps.rest, ramps.rate, period);
 }
 
+ReturnToRest ReturnToRest::brake_and_hold(double position, double velocity, const Ramps& ramps, double half_stroke,
+                                          double period) {
+  ReturnToRest way(position, velocity, ramps, half_stroke, period);
+  way.back_ = SmoothMove(way.stop_position_, way.stop_position_, ramps.rate, period);
+  return way;
+}
+
 hal::Command ReturnToRest::next() {
   if (stopped_) return back_.next();
   ++step_;

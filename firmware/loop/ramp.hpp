@@ -42,6 +42,10 @@ class ReturnToRest {
   /// At `position` within ± half_stroke, moving with `velocity`.
   ReturnToRest(double position, double velocity, const Ramps& ramps, double half_stroke, double period);
 
+  /// To a stop by (2), and nowhere else.
+  [[nodiscard]] static ReturnToRest brake_and_hold(double position, double velocity, const Ramps& ramps,
+                                                   double half_stroke, double period);
+
   [[nodiscard]] hal::Command next();
 
   [[nodiscard]] bool arrived() const { return stopped_ && back_.arrived(); }

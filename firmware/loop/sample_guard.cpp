@@ -13,6 +13,7 @@ SampleGuard::SampleGuard(const Limits& limits, hal::Time period, const hal::Sens
 
 void SampleGuard::take(const hal::Result<hal::Frame>& frame, hal::Time now) {
   hazard_.reset();
+  limit_hazard_.reset();
   bridged_ = 0;
   frame_ = frame ? *frame : hal::Frame{};
   if (!frame) {
@@ -25,7 +26,7 @@ void SampleGuard::take(const hal::Result<hal::Frame>& frame, hal::Time now) {
     const hal::Reading& reading = frame_.channels[i];
     const Reason reason = judge(reading, now);
     if (reason == Reason::none) {
-      good_[i] = reading.value;
+      good_[i] = reading.value - tare_[i];
       seen_[i] = true;
       in_a_row_[i] = 0;
       continue;
@@ -41,7 +42,8 @@ void SampleGuard::take(const hal::Result<hal::Frame>& frame, hal::Time now) {
   for (const Channel channel : {Channel::F, Channel::F_w}) {
     if (!fitted(channel)) continue;
     const double force = value(channel);
-    if (force > force_limit_ || force < -force_limit_) report(Reason::force, channel, force, force_limit_, now);
+    const bool beyond = force > force_limit_ || force < -force_limit_;
+    if (beyond && !limit_hazard_) limit_hazard_ = Trip{Reason::force, channel, force, force_limit_, now};
   }
 }
 

@@ -27,12 +27,20 @@ class SampleGuard {
   /// One frame a period.
   void take(const hal::Result<hal::Frame>& frame, hal::Time now);
 
+  /// From here on value(channel) is what was read less this offset; frame() stays as read.
+  void tare(model::Channel channel, double offset) { tare_[model::index(channel)] = offset; }
+  [[nodiscard]] double tare(model::Channel channel) const { return tare_[model::index(channel)]; }
+
   /// The first hazard of the last frame: bad samples, lost sensors, or a force beyond its limit.
-  [[nodiscard]] const std::optional<Trip>& hazard() const { return hazard_; }
+  [[nodiscard]] const std::optional<Trip>& hazard() const { return hazard_ ? hazard_ : limit_hazard_; }
+  /// Of these the first of a limit on good samples.
+  [[nodiscard]] const std::optional<Trip>& limit_hazard() const { return limit_hazard_; }
 
   [[nodiscard]] bool fitted(model::Channel channel) const { return fitted_[model::index(channel)]; }
-  [[nodiscard]] double value(model::Channel channel) const { return good_[model::index(channel)]; }  ///< last good
-  [[nodiscard]] bool seen(model::Channel channel) const { return seen_[model::index(channel)]; }     ///< ever good
+  [[nodiscard]] double value(model::Channel channel) const {
+    return good_[model::index(channel)];
+  }                                                                                               ///< last good, tared
+  [[nodiscard]] bool seen(model::Channel channel) const { return seen_[model::index(channel)]; }  ///< ever good
 
   [[nodiscard]] const hal::Frame& frame() const { return frame_; }  ///< as read; all missing when there was none
   [[nodiscard]] std::uint16_t bridged() const { return bridged_; }  ///< bit i: channel i of the last frame was bad
@@ -48,6 +56,7 @@ class SampleGuard {
   hal::Time oldest_;
   std::array<bool, model::channel_count> fitted_{};
   std::array<double, model::channel_count> good_{};
+  std::array<double, model::channel_count> tare_{};
   std::array<bool, model::channel_count> seen_{};
   std::array<int, model::channel_count> in_a_row_{};
   hal::Frame frame_{};
@@ -55,6 +64,7 @@ class SampleGuard {
   std::uint64_t bridged_count_ = 0;
   std::uint64_t missed_frames_ = 0;
   std::optional<Trip> hazard_{};
+  std::optional<Trip> limit_hazard_{};
 };
 
 }  // namespace firmware

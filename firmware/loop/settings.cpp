@@ -6,6 +6,33 @@ namespace {
 /// Neither NaN (compares false) nor infinite (1e300 is far beyond any rig).
 bool positive(double value) { return value > 0.0 && value < 1e300; }
 bool not_negative(double value) { return value >= 0.0 && value < 1e300; }
+/// Also never_reached.
+bool positive_or_never(double value) { return value > 0.0; }
+
+std::string_view check_motion(const Limits& limits, const Supervision& supervision) {
+  if (!(limits.acceleration >= 0.0)) return "limits.acceleration: expected an acceleration above 0 m/s²";
+  if (!positive_or_never(limits.following)) return "limits.following: expected a distance above 0 m";
+  if (limits.measured_stroke != 0.0 && !(limits.measured_stroke >= limits.stroke)) {
+    return "limits.measured_stroke: expected at least limits.stroke";
+  }
+  if (limits.measured_speed != 0.0 && !(limits.measured_speed >= limits.speed)) {
+    return "limits.measured_speed: expected at least limits.speed";
+  }
+  if (!not_negative(supervision.following_time)) return "supervision.following_time: expected a time of at least 0 s";
+  if (!positive(supervision.speed_window)) return "supervision.speed_window: expected a time above 0 s";
+  if (supervision.frozen_samples < 0) return "supervision.frozen_samples: expected at least 0 samples";
+  if (!positive_or_never(supervision.frozen_way)) return "supervision.frozen_way: expected a distance above 0 m";
+  if (!positive_or_never(supervision.frozen_speed)) return "supervision.frozen_speed: expected a speed above 0 m/s";
+  if (!positive_or_never(supervision.frozen_acceleration)) {
+    return "supervision.frozen_acceleration: expected an acceleration above 0 m/s²";
+  }
+  if (!(supervision.late_leak > 0.0 && supervision.late_leak <= 1.0)) {
+    return "supervision.late_leak: expected a number of periods, above 0 and at most 1";
+  }
+  if (!positive_or_never(supervision.gap)) return "supervision.gap: expected a time above 0 s";
+  if (!positive_or_never(supervision.growth_time)) return "supervision.growth_time: expected a time above 0 s";
+  return {};
+}
 
 }  // namespace
 
@@ -27,12 +54,22 @@ std::string_view Settings::check() const {
   if (!positive(limits.energy_memory)) return "limits.energy_memory: expected a time above 0 s";
   if (!not_negative(limits.energy_quiet)) return "limits.energy_quiet: expected a width of at least 0 m";
   if (limits.energy_cycles < 1) return "limits.energy_cycles: expected at least 1 cycle";
+  if (const std::string_view wrong = check_motion(limits, supervision); !wrong.empty()) return wrong;
   const double half_stroke = 0.5 * limits.stroke;
   if (!(ramps.rest >= -half_stroke && ramps.rest <= half_stroke))
     return "ramps.rest: expected a place within the stroke";
   if (!(ramps.rate > 0.0 && ramps.rate <= limits.speed)) return "ramps.rate: expected above 0, at most limits.speed";
   if (!positive(ramps.braking)) return "ramps.braking: expected a deceleration above 0 m/s²";
   if (!not_negative(ramps.settling)) return "ramps.settling: expected a time of at least 0 s";
+  if (!not_negative(arming.tare_time) || arming.tare_time > 10.0) return "arming.tare_time: expected 0 to 10 s";
+  if (arming.tare_time > 0.0 && !positive(arming.preload)) return "arming.preload: expected a force above 0 N";
+  if (!(arming.position_tolerance >= 0.0 && arming.position_tolerance <= half_stroke))
+    return "arming.position_tolerance: expected 0 m to half the stroke";
+  if (!(arming.probe_amplitude >= 0.0 && arming.probe_amplitude <= 0.25 * half_stroke))
+    return "arming.probe_amplitude: expected 0 m to an eighth of the stroke";
+  if (arming.probe_amplitude > 0.0 && !(arming.tare_time > 0.0 && arming.position_tolerance > 0.0))
+    return "arming.probe_amplitude: expected a tare_time and a position_tolerance above 0 beside a probe";
+  if (!not_negative(arming.force_ramp)) return "arming.force_ramp: expected a time of at least 0 s";
   if (!positive(observers.cross_over)) return "observers.cross_over: expected a frequency above 0 Hz";
   if (!positive(observers.differentiation)) return "observers.differentiation: expected a frequency above 0 Hz";
   return {};

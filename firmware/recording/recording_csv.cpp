@@ -18,6 +18,7 @@
 #include "firmware/description/channel_map.hpp"
 #include "firmware/description/input_error.hpp"
 #include "firmware/description/quantity.hpp"
+#include "firmware/loop/mode.hpp"
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_file.hpp"
@@ -85,6 +86,7 @@ class CsvReader {
 
   Recording finish(std::optional<double> expected_rate) {
     take_last_row();
+    keep_the_run();
     const std::string& source = recording_.source;
     if (by_controller_ || missing_ == Missing::mark) {
       const std::vector<double>& time = recording_.time;
@@ -103,10 +105,33 @@ class CsvReader {
   AsRecorded finish_as_recorded() {
     take_last_row();
     check_time_rises(recording_, {recording_.source, first_row_});
-    return {std::move(recording_), std::move(late_), std::move(age_)};
+    return {std::move(recording_), std::move(late_), std::move(age_), std::move(mode_), std::move(reason_)};
   }
 
  private:
+  // A recording of rig_controller holds the way to the run and back as well; analyses get the run alone, from t = 0.
+  void keep_the_run() {
+    if (mode_.empty()) return;
+    const auto in_the_run = [](double mode) {
+      return mode == static_cast<double>(Mode::running) || mode == static_cast<double>(Mode::holding);
+    };
+    const auto first = std::find_if(mode_.begin(), mode_.end(), in_the_run) - mode_.begin();
+    const auto after = std::find_if_not(mode_.begin() + first, mode_.end(), in_the_run) - mode_.begin();
+    if (first == after) {
+      throw InputError(recording_.source, first_row_, "no row belongs to a run", "a recording whose run has begun");
+    }
+    for (const Column& column : columns_) {
+      if (column.values == nullptr || column.values == &mode_) continue;
+      column.values->erase(column.values->begin() + after, column.values->end());
+      column.values->erase(column.values->begin(), column.values->begin() + first);
+    }
+    // Times are whole nanoseconds, printed to the last bit, so their differences are exact as well.
+    constexpr double per_second = 1e9;
+    const double begin = std::round(recording_.time.front() * per_second);
+    for (double& time : recording_.time) time = (std::round(time * per_second) - begin) / per_second;
+    first_row_ += static_cast<std::size_t>(first);
+  }
+
   void take_last_row() {
     if (!rest_.empty() && !by_controller_) read_line(std::exchange(rest_, {}));
     const std::string& source = recording_.source;
@@ -179,6 +204,8 @@ class CsvReader {
           by_controller_ = true;
           columns_.back() = {&late_, Target{time_quantity}};
         }
+        if (own_ && headings[c].name == "mode") columns_.back() = {&mode_, Target{time_quantity}};
+        if (own_ && ages_ && headings[c].name == "reason") columns_.back() = {&reason_, Target{time_quantity}};
         for (std::size_t i = 0; own_ && ages_ && i < age_.size(); ++i) {
           if (headings[c].name == age_name(model::channel_at(i))) columns_.back() = {&age_[i], Target{1 + i}};
         }
@@ -191,6 +218,7 @@ class CsvReader {
   }
 
   void read_row(std::string_view row) {
+    if (own_ && row.starts_with('#')) return;  // a mark, or why the run ended
     if (trimmed(row).empty()) {
       if (empty_line_ == 0) empty_line_ = line_;
       return;
@@ -301,6 +329,8 @@ class CsvReader {
   bool by_controller_ = false;  // by rig_controller: it has a column late
   std::vector<double> late_;    // of each row [s]
   Missing missing_;             // what becomes of gaps
+  std::vector<double> mode_;    // of each row; empty: all rows are the run
+  std::vector<double> reason_;  // of each row
   bool ages_;                   // are read as well
   std::array<std::vector<double>, model::channel_count> age_;
 };

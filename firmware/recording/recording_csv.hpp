@@ -39,6 +39,9 @@ struct AsRecorded {
   std::vector<double> late;  ///< lateness of each row of a controller's recording [s]; empty for other recordings
   /// Age of each sample of a controller's recording [s], NaN without a sample; empty: not recorded.
   std::array<std::vector<double>, model::channel_count> age;
+  /// Of each row, as numbers (run_columns); empty: the recording holds nothing but the run.
+  std::vector<double> mode;
+  std::vector<double> reason;
 };
 [[nodiscard]] AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map);
 

@@ -19,7 +19,8 @@ hal::Time oldest_sample(const Record& record) {
 
 std::string age_name(Channel channel) { return "age_" + std::string(model::name(channel)); }
 
-RunColumns::RunColumns(const RigDescription& description, const hal::SensorSetup& sensors) {
+RunColumns::RunColumns(const RigDescription& description, const hal::SensorSetup& sensors)
+    : period_(description.period()) {
   const RigKind kind = description.rig.kind;
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     const Channel channel = model::channel_at(i);
@@ -40,6 +41,10 @@ RunColumns::RunColumns(const RigDescription& description, const hal::SensorSetup
     columns_.push_back({"v_w", "m/s", Source::velocity, 1});
     columns_.push_back({"v_b", "m/s", Source::velocity, 2});
   }
+  columns_.push_back({"mode", "", Source::mode, 0});
+  columns_.push_back({"reason", "", Source::reason, 0});
+  columns_.push_back({"level", "", Source::level, 0});
+  columns_.push_back({"enabled", "", Source::enabled, 0});
   columns_.push_back({"late", "s", Source::late, 0});
   columns_.push_back({"age", "s", Source::age, 0});
   for (std::size_t i = 0; i < model::channel_count; ++i) {
@@ -57,6 +62,14 @@ double RunColumns::value(const Column& column, const Record& record) {
       return record.wheel_load;
     case Source::velocity:
       return std::array{record.velocities.foot_point, record.velocities.wheel, record.velocities.body}[column.index];
+    case Source::mode:
+      return static_cast<double>(record.mode);
+    case Source::reason:
+      return static_cast<double>(record.trip.reason);
+    case Source::level:
+      return record.level;
+    case Source::enabled:
+      return record.enabled ? 1.0 : 0.0;
     case Source::late:
       return record.late.seconds();
     case Source::age:
@@ -66,6 +79,22 @@ double RunColumns::value(const Column& column, const Record& record) {
                                                       : (record.time - record.taken[column.index]).seconds();
   }
   return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string mode_legend() {
+  std::string text;
+  for (int i = 0; i <= static_cast<int>(Mode::safe); ++i) {
+    text += (i > 0 ? ", " : "") + std::to_string(i) + " " + std::string(name(static_cast<Mode>(i)));
+  }
+  return text;
+}
+
+std::string reason_legend() {
+  std::string text;
+  for (int i = 0; i <= static_cast<int>(last_reason); ++i) {
+    text += (i > 0 ? ", " : "") + std::to_string(i) + " " + std::string(name(static_cast<Reason>(i)));
+  }
+  return text;
 }
 
 RunRecording::RunRecording(const RigDescription& description, const hal::SensorSetup& sensors,

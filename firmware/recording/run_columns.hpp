@@ -24,12 +24,28 @@ namespace firmware {
 ///   channels   those with a sensor and those that the program computes
 ///   ducts      1 open, 0 closed, one column per duct of the rig
 ///   estimates  quarter_car only: soft sensor F_w_c of the wheel load, velocities v_r, v_w, v_b
+///   mode       number of the state (firmware::Mode); rows of running and holding are the run
+///   reason     number of the reason for the safe state (firmware::Reason), 0 before
+///   level      factor on the reference
+///   enabled    1: the drive had power from this period on
 ///   late [s]   delay of the start of the period
 ///   age [s]    of the period's oldest sample
 ///   age_F [s]  of the sample of each channel with a sensor, nan without a sample
 class RunColumns {
  public:
-  enum class Source : unsigned char { channel, duct, wheel_load, velocity, late, age, channel_age };
+  enum class Source : unsigned char {
+    channel,
+    duct,
+    wheel_load,
+    velocity,
+    mode,
+    reason,
+    level,
+    enabled,
+    late,
+    age,
+    channel_age
+  };
   struct Column {
     std::string name;
     std::string unit;  ///< empty for ducts
@@ -40,13 +56,20 @@ class RunColumns {
   RunColumns(const RigDescription& description, const hal::SensorSetup& sensors);
 
   [[nodiscard]] const std::vector<Column>& columns() const { return columns_; }
+  [[nodiscard]] double period() const { return period_; }  ///< [s]
   [[nodiscard]] static double value(const Column& column, const Record& record);
 
  private:
+  double period_;
   std::vector<Column> columns_;
 };
 
-/// Keeps the records of mode running as a recording in memory: channels, ducts and estimates, on the even grid k/rate.
+/// "0 idle, 1 arming, …": the numbers of column mode.
+[[nodiscard]] std::string mode_legend();
+/// "0 none, 1 reference_ended, …": the numbers of column reason.
+[[nodiscard]] std::string reason_legend();
+
+/// Keeps the records of a run as a recording in memory: channels, ducts and estimates, on the even grid k/rate.
 class RunRecording {
  public:
   RunRecording(const RigDescription& description, const hal::SensorSetup& sensors, std::size_t expected_rows);

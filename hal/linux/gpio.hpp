@@ -59,6 +59,7 @@ class EdgeLine {
 
   struct State {
     bool active = false;  ///< now, or at any time since the last read
+    bool now = false;     ///< the level now
     Time since = never;   ///< when that began, as far as an edge said so
   };
   /// Takes the queued edges without waiting, and looks at the level. disconnected: the chip is gone.

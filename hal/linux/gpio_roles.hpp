@@ -1,12 +1,18 @@
 // The roles of hal that GPIO lines play.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "hal/clock.hpp"
+#include "hal/drive_enable.hpp"
 #include "hal/heartbeat.hpp"
+#include "hal/interlocks.hpp"
 #include "hal/linux/gpio.hpp"
 #include "hal/stop_button.hpp"
+#include "hal/stop_channels.hpp"
 #include "hal/valve_bank.hpp"
 
 namespace hal::linux {
@@ -25,16 +31,51 @@ class GpioValveBank final : public ValveBank {
   std::unique_ptr<OutputLines> lines_;
 };
 
-/// Pressed is the line's active value; also one that was active between two reads, with the stamp of its edge.
+/// Pressed is the line's active value; also one that was active between two reads, with the stamp of its edge. A second
+/// contact of the same button is compared with the first (StopChannels); either is a press.
 class GpioStopButton final : public StopButton {
  public:
-  GpioStopButton(std::unique_ptr<EdgeLine> line, Clock& clock) : line_(std::move(line)), clock_(clock) {}
+  /// `second` may be nothing.
+  GpioStopButton(std::unique_ptr<EdgeLine> first, std::unique_ptr<EdgeLine> second, Clock& clock)
+      : first_(std::move(first)), second_(std::move(second)), clock_(clock) {}
+
+  /// When each contact opened last, or `never`; of the second `never` as well where there is none.
+  struct Contacts {
+    Time first = never, second = never;
+  };
+  [[nodiscard]] const Contacts& opened() const { return opened_; }
 
  private:
   Result<Level> do_read() override;
 
-  std::unique_ptr<EdgeLine> line_;
+  std::unique_ptr<EdgeLine> first_;
+  std::unique_ptr<EdgeLine> second_;
   Clock& clock_;
+  StopChannels channels_{};
+  Contacts opened_{};
+};
+
+/// A line that is active while the drive has power. The request carries the inactive value, and gives it back.
+class GpioDriveEnable final : public DriveEnable {
+ public:
+  explicit GpioDriveEnable(std::unique_ptr<OutputLines> line) : line_(std::move(line)) {}
+
+ private:
+  Result<void> do_write(bool on) override { return line_->write(on ? 1U : 0U); }
+
+  std::unique_ptr<OutputLines> line_;
+};
+
+/// Open is the lines' active value; also one that was active between two reads.
+class GpioInterlocks final : public Interlocks {
+ public:
+  explicit GpioInterlocks(std::vector<std::unique_ptr<EdgeLine>> lines)
+      : Interlocks(lines.size()), lines_(std::move(lines)) {}
+
+ private:
+  Result<std::uint32_t> do_read() override;
+
+  std::vector<std::unique_ptr<EdgeLine>> lines_;
 };
 
 /// A line that changes with every beat, for a watchdog outside: a program that hangs leaves it still, high or low.

@@ -141,11 +141,13 @@ Result<EdgeLine::State> EdgeLine::read() {
     gpiod_line_event event{};
     if (::gpiod_line_event_read_fd(line_->descriptor, &event) != 0) return fault_of(errno);
     if (event.event_type != GPIOD_LINE_EVENT_RISING_EDGE || state.active) continue;
-    state = {true, nanoseconds(static_cast<std::int64_t>(event.ts.tv_sec) * 1'000'000'000 + event.ts.tv_nsec)};
+    state.active = true;
+    state.since = nanoseconds(static_cast<std::int64_t>(event.ts.tv_sec) * 1'000'000'000 + event.ts.tv_nsec);
   }
   const int level = ::gpiod_line_get_value(line_->line);
   if (level < 0) return fault_of(errno);
-  state.active = state.active || level == 1;
+  state.now = level == 1;
+  state.active = state.active || state.now;
   return state;
 }
 

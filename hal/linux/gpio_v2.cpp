@@ -191,12 +191,14 @@ Result<EdgeLine::State> EdgeLine::read() {
     for (int i = 0; i < taken; ++i) {
       gpiod_edge_event* event = ::gpiod_edge_event_buffer_get_event(line_->events.get(), static_cast<unsigned long>(i));
       if (::gpiod_edge_event_get_event_type(event) != GPIOD_EDGE_EVENT_RISING_EDGE || state.active) continue;
-      state = {true, nanoseconds(static_cast<std::int64_t>(::gpiod_edge_event_get_timestamp_ns(event)))};
+      state.active = true;
+      state.since = nanoseconds(static_cast<std::int64_t>(::gpiod_edge_event_get_timestamp_ns(event)));
     }
   }
   const gpiod_line_value level = ::gpiod_line_request_get_value(line_->request.get(), line_->offset);
   if (level == GPIOD_LINE_VALUE_ERROR) return fault_of(errno);
-  state.active = state.active || level == GPIOD_LINE_VALUE_ACTIVE;
+  state.now = level == GPIOD_LINE_VALUE_ACTIVE;
+  state.active = state.active || state.now;
   return state;
 }
 

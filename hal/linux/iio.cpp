@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "hal/linux/converter_ends.hpp"
+
 namespace hal::linux {
 namespace {
 
@@ -196,7 +198,9 @@ void IioConverters::Capture::take(Device& device, Time now) {
       ::iio_channel_convert(source.channel, &n, from);
       counts = static_cast<double>(n);
     }
-    source.newest = {source.input.scale * counts + source.input.offset, taken, Quality::good};  // (1)
+    const bool end = at_end_of_converter(counts, format->bits, format->is_signed);
+    source.newest = {source.input.scale * counts + source.input.offset, taken,  // (1)
+                     end ? Quality::clipped : Quality::good};
   }
 }
 
@@ -214,7 +218,12 @@ Result<void> IioConverters::read(Frame& frame, Time now) {
 }
 
 IioCommand::IioCommand(const Wanted& wanted, Clock& clock, int file)
-    : wanted_(wanted), clock_(clock), file_(file), limit_(wanted.bounds, wanted.rest) {}
+    : wanted_(wanted), clock_(clock), file_(file), limit_(wanted.bounds, wanted.rest) {
+  const Result<double> shown = read_back();
+  if (shown && *shown >= wanted.bounds.lowest && *shown <= wanted.bounds.highest) {
+    limit_ = CommandLimit(wanted.bounds, *shown);
+  }
+}
 IioCommand::~IioCommand() { ::close(file_); }
 
 Opened<IioCommand> IioCommand::open(const Wanted& wanted, Clock& clock) {
@@ -231,7 +240,8 @@ Opened<IioCommand> IioCommand::open(const Wanted& wanted, Clock& clock) {
     return opened;
   }
   const std::string path = std::string("/sys/bus/iio/devices/") + ::iio_device_get_id(device) + "/" + attribute;
-  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (file < 0 && errno == EACCES) file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);  // cannot be read back
   if (file < 0) {
     opened.trouble = path + ": " + words_of(errno);
     return opened;
@@ -256,6 +266,19 @@ Result<void> IioCommand::do_write(const Command& command) {
     if (errno == EINTR) continue;
     return errno == EAGAIN || errno == EBUSY ? Fault::timeout : Fault::disconnected;
   }
+}
+
+/// By (1). refused: the converter does not show what it puts out.
+Result<double> IioCommand::do_read_back() {
+  char text[24];
+  ssize_t size = -1;
+  do {
+    size = ::pread(file_, text, sizeof text, 0);
+  } while (size < 0 && errno == EINTR);
+  if (size < 0) return errno == ENODEV ? Fault::disconnected : Fault::refused;
+  long counts = 0;
+  if (std::from_chars(text, text + size, counts).ec != std::errc{}) return Fault::refused;
+  return wanted_.scale * static_cast<double>(counts) + wanted_.offset;
 }
 
 std::string list_iio() {

@@ -58,7 +58,7 @@ class IioCommand final : public CommandOutput {
     double offset = 0.0;  ///< position at 0 counts [m]
     long lowest_counts = 0, highest_counts = 65535;
     CommandLimit::Bounds bounds{};
-    double rest = 0.0;  ///< where the drive is taken to be at first [m]
+    double rest = 0.0;  ///< where the drive is taken to be at first [m], if the converter does not show it
   };
   [[nodiscard]] static Opened<IioCommand> open(const Wanted& wanted, Clock& clock);
   ~IioCommand() override;
@@ -70,6 +70,7 @@ class IioCommand final : public CommandOutput {
  private:
   IioCommand(const Wanted& wanted, Clock& clock, int file);
   Result<void> do_write(const Command& command) override;
+  Result<double> do_read_back() override;
 
   Wanted wanted_;
   Clock& clock_;

@@ -18,11 +18,19 @@ struct Column {
   std::span<const Time> taken{};
 };
 
+/// An interlock that opened, and when; it stays open.
+struct Opened {
+  Time time = never;
+  std::size_t interlock = 0;  ///< below Interlocks::capacity
+};
+
 /// A recording in the caller's memory: hal reads no files. A value that is not finite is delivered as it is.
 struct Recording {
   std::span<const Time> time{};  ///< when each row was read; rising
   std::array<Column, channel_capacity> columns{};
   Time stop_pressed = never;  ///< when the stop button was pressed, if it was
+  bool drive_enable = false;  ///< the recorded rig had a drive enable
+  std::span<const Opened> interlocks_opened{};
 
   /// What is wrong with the recording, or an empty text.
   [[nodiscard]] std::string_view check() const;

@@ -20,11 +20,16 @@ Rig::Rig(const Recording& recording, const SensorSetup& setup, std::size_t ducts
       openings_(storage.openings),
       beats_(storage.beats),
       sensor_role_(*this, fitted_by(recording, setup)),
-      valve_role_(*this, ducts, safe_position) {
+      valve_role_(*this, ducts, safe_position),
+      enable_role_(*this, recording.drive_enable),
+      interlock_role_(*this) {
   require(recording.check().empty(), "a recording to be replayed is sound");
 }
 
-hal::Rig Rig::roles() { return {clock_role_, sensor_role_, valve_role_, command_role_, button_role_, heartbeat_role_}; }
+hal::Rig Rig::roles() {
+  return {clock_role_,  sensor_role_,    valve_role_,  command_role_,
+          button_role_, heartbeat_role_, enable_role_, interlock_role_};
+}
 
 Time Rig::now() const {
   if (!ended()) return recording_.time[row_];
@@ -55,7 +60,16 @@ Result<void> Rig::ValveRole::do_write(Openings openings) {
 
 Result<void> Rig::CommandRole::do_write(const Command& command) {
   rig.commands_.keep(rig.now(), command);
+  rig.held_ = command.position;
   return {};
+}
+
+Result<std::uint32_t> Rig::InterlockRole::do_read() {
+  std::uint32_t open = 0;
+  for (const Opened& opened : rig.recording_.interlocks_opened) {
+    if (opened.time <= rig.now()) open |= std::uint32_t{1} << opened.interlock;
+  }
+  return open;
 }
 
 Result<StopButton::Level> Rig::ButtonRole::do_read() {

@@ -37,6 +37,7 @@ class Rig {
   [[nodiscard]] bool ended() const { return row_ >= recording_.time.size(); }
 
   [[nodiscard]] const Track<Command>& commands() const { return commands_; }
+  [[nodiscard]] bool enabled() const { return enabled_; }  ///< as last written
   [[nodiscard]] const Track<Openings>& openings() const { return openings_; }
   [[nodiscard]] const Track<std::uint64_t>& beats() const { return beats_; }
 
@@ -60,6 +61,7 @@ class Rig {
   struct CommandRole final : CommandOutput {
     explicit CommandRole(Rig& r) : rig(r) {}
     Result<void> do_write(const Command& command) override;
+    Result<double> do_read_back() override { return rig.held_; }
     Rig& rig;
   };
   struct ButtonRole final : StopButton {
@@ -73,6 +75,22 @@ class Rig {
     Rig& rig;
   };
 
+  struct EnableRole final : DriveEnable {
+    EnableRole(Rig& r, bool was_fitted) : rig(r), recorded(was_fitted) {}
+    [[nodiscard]] bool fitted() const override { return recorded; }
+    Result<void> do_write(bool on) override {
+      rig.enabled_ = on;
+      return {};
+    }
+    Rig& rig;
+    bool recorded;
+  };
+  struct InterlockRole final : Interlocks {
+    explicit InterlockRole(Rig& r) : Interlocks(capacity), rig(r) {}
+    Result<std::uint32_t> do_read() override;
+    Rig& rig;
+  };
+
   [[nodiscard]] Time now() const;
 
   Recording recording_;
@@ -82,6 +100,8 @@ class Rig {
   Track<Openings> openings_;
   Track<std::uint64_t> beats_;
   std::uint64_t beat_count_ = 0;
+  double held_ = 0.0;  ///< position last commanded [m]
+  bool enabled_ = false;
 
   ClockRole clock_role_{*this};
   SensorRole sensor_role_;
@@ -89,6 +109,8 @@ class Rig {
   CommandRole command_role_{*this};
   ButtonRole button_role_{*this};
   HeartbeatRole heartbeat_role_{*this};
+  EnableRole enable_role_;
+  InterlockRole interlock_role_;
 };
 
 }  // namespace hal::replay

@@ -45,7 +45,7 @@ struct ChannelFault {
 
 /// A device that answers with a fault while the window lasts. A faulty output keeps what it was told before.
 struct DeviceFault {
-  enum class Device : unsigned char { sensors, valves, command, stop_button, heartbeat };
+  enum class Device : unsigned char { sensors, valves, command, stop_button, heartbeat, drive_enable, interlocks };
 
   Device device = Device::sensors;
   Fault fault = Fault::timeout;
@@ -54,6 +54,21 @@ struct DeviceFault {
 
 /// The stop button held down during the window.
 struct Press {
+  enum class Contacts : unsigned char { both, first, second };  ///< which of its contacts open
+
+  Window window{};
+  Contacts contacts = Contacts::both;
+};
+
+/// An interlock that is open during the window.
+struct OpenInterlock {
+  std::size_t interlock = 0;
+  Window window{};
+};
+
+/// The command's converter shows another position than it was told during the window.
+struct ReadBackError {
+  double offset = 0.0;  ///< [m]
   Window window{};
 };
 
@@ -69,6 +84,8 @@ struct FaultPlan {
   std::span<const ChannelFault> channels{};
   std::span<const DeviceFault> devices{};
   std::span<const Press> presses{};
+  std::span<const OpenInterlock> open_interlocks{};
+  std::span<const ReadBackError> read_back_errors{};
   std::span<const LateWake> late_wakes{};
   std::uint64_t seed = 1;
 

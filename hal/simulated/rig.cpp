@@ -13,15 +13,22 @@ Rig::Rig(Plant& plant, const Construction& construction, const FaultPlan& plan)
       now_(construction.start),
       instant_(construction.start),
       held_command_(construction.rest),
+      enabled_(!construction.drive_enable),
+      drive_(construction.rest),
       held_openings_(construction.safe_position),
       last_beat_(construction.start),
       sensor_role_(*this, construction.sensors),
-      valve_role_(*this, construction.ducts, construction.safe_position) {
+      valve_role_(*this, construction.ducts, construction.safe_position),
+      interlock_role_(*this, construction.interlocks) {
   require(construction.period > Time{}, "a simulated rig has a period above 0");
+  require(construction.coasting > 0.0, "a drive without its enable comes to a stop");
   require(plan.check().empty(), "a fault plan is sound");
 }
 
-hal::Rig Rig::roles() { return {clock_role_, sensor_role_, valve_role_, command_role_, button_role_, heartbeat_role_}; }
+hal::Rig Rig::roles() {
+  return {clock_role_,  sensor_role_,    valve_role_,  command_role_,
+          button_role_, heartbeat_role_, enable_role_, interlock_role_};
+}
 
 bool Rig::watchdog_has_acted() const {
   return construction_.watchdog > Time{} && now_ - last_beat_ > construction_.watchdog;
@@ -37,11 +44,26 @@ void Rig::pass_time(Time deadline) {
   while (instant_ + construction_.period <= woken) {
     measure();
     now_ = std::max(now_, instant_);  // the watchdog looks at the time of the step, not at the end of the sleep
-    plant_.advance(held_command_, openings());
+    move_drive();
+    plant_.advance(drive_, openings());
     instant_ += construction_.period;
     measured_ = false;
   }
   now_ = woken;
+}
+
+void Rig::move_drive() {
+  const bool powered = enabled_ && !(construction_.drive_enable && watchdog_has_acted());
+  if (powered) {
+    drive_ = held_command_;
+    return;
+  }
+  const double period = construction_.period.seconds();
+  const double slower = construction_.coasting * period;
+  double& v = drive_.velocity;
+  v = v > slower ? v - slower : v < -slower ? v + slower : 0.0;
+  drive_.acceleration = 0.0;
+  drive_.position += v * period;
 }
 
 void Rig::measure() {
@@ -81,6 +103,33 @@ Result<void> Rig::CommandRole::do_write(const Command& command) {
   return {};
 }
 
+Result<double> Rig::CommandRole::do_read_back() {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::command)) return *fault;
+  double position = rig.held_command_.position;
+  for (const ReadBackError& error : rig.plan_.read_back_errors) {
+    if (error.window.contains(rig.now_)) position += error.offset;
+  }
+  return position;
+}
+
+Result<void> Rig::EnableRole::do_write(bool on) {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::drive_enable)) return *fault;
+  if (rig.construction_.drive_enable) rig.enabled_ = on;
+  return {};
+}
+
+Result<std::uint32_t> Rig::InterlockRole::do_read() {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::interlocks)) return *fault;
+  std::uint32_t open = 0;
+  for (const OpenInterlock& opening : rig.plan_.open_interlocks) {
+    const bool began = opening.window.from <= rig.now_;
+    const bool seen_before = opening.window.until <= last_read;
+    if (began && !seen_before && opening.interlock < count()) open |= std::uint32_t{1} << opening.interlock;
+  }
+  last_read = rig.now_;
+  return open;
+}
+
 Result<StopButton::Level> Rig::ButtonRole::do_read() {
   if (const auto fault = rig.fault_of(DeviceFault::Device::stop_button)) return *fault;
   Level level;
@@ -92,6 +141,13 @@ Result<StopButton::Level> Rig::ButtonRole::do_read() {
     }
   }
   last_read = rig.now_;
+  bool first = false, second = false;
+  for (const Press& press : rig.plan_.presses) {
+    if (!press.window.contains(rig.now_)) continue;
+    first = first || press.contacts != Press::Contacts::second;
+    second = second || press.contacts != Press::Contacts::first;
+  }
+  if (!channels.agree(first, second, rig.now_)) return Fault::refused;
   return level;
 }
 

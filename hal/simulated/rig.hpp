@@ -8,18 +8,22 @@
 #include "hal/simulated/channel_faults.hpp"
 #include "hal/simulated/fault_plan.hpp"
 #include "hal/simulated/plant.hpp"
+#include "hal/stop_channels.hpp"
 
 namespace hal::simulated {
 
 /// How the simulated rig is built.
 struct Construction {
-  Time period{};             ///< grid of the plant: one advance a period [> 0]
-  Time start{};              ///< time of the first instant
-  SensorSetup sensors{};     ///< which channels are fitted, and their ranges
-  std::size_t ducts = 0;     ///< valves installed
-  Openings safe_position{};  ///< where they fall to without a heartbeat
-  Time watchdog{};           ///< valves fall to the safe position so long after the last beat; 0: no watchdog
-  Command rest{};            ///< the command that the drive holds before it is given one
+  Time period{};              ///< grid of the plant: one advance a period [> 0]
+  Time start{};               ///< time of the first instant
+  SensorSetup sensors{};      ///< which channels are fitted, and their ranges
+  std::size_t ducts = 0;      ///< valves installed
+  Openings safe_position{};   ///< where they fall to without a heartbeat
+  Time watchdog{};            ///< valves fall to the safe position so long after the last beat; 0: no watchdog
+  Command rest{};             ///< the command that the drive holds before it is given one
+  bool drive_enable = false;  ///< the drive has an enable input, off at first; false: it has power at all times
+  double coasting = 20.0;     ///< deceleration of a drive that loses its enable [m/s², > 0]
+  std::size_t interlocks = 0;
 };
 
 /// All roles of a rig around a plant, in virtual time.
@@ -27,6 +31,9 @@ struct Construction {
 /// Time passes only in Clock::sleep_until, which advances the plant through every instant of its grid up to the new
 /// time. Sensors deliver the newest instant, stamped with its time. Outputs hold until written anew. Seeded and
 /// deterministic: the same plant, plan and calls give the same bits.
+///
+/// A drive without its enable coasts to a stop and stays there, whatever is commanded; with it, it is at the held
+/// command at the end of the next period: a jump, if the command is elsewhere. A watchdog takes the enable away too.
 class Rig {
  public:
   /// The plant and the lists of the plan must outlive the rig.
@@ -42,6 +49,8 @@ class Rig {
   [[nodiscard]] Openings openings() const;                                ///< where the valves stand now
   [[nodiscard]] bool watchdog_has_acted() const;                          ///< beats have ceased for too long
   [[nodiscard]] std::uint64_t beats() const { return beats_; }
+  [[nodiscard]] bool enabled() const { return enabled_; }        ///< the drive has power
+  [[nodiscard]] const Command& drive() const { return drive_; }  ///< what the drive did last
 
  private:
   struct ClockRole final : Clock {
@@ -63,6 +72,7 @@ class Rig {
   struct CommandRole final : CommandOutput {
     explicit CommandRole(Rig& r) : rig(r) {}
     Result<void> do_write(const Command& command) override;
+    Result<double> do_read_back() override;
     Rig& rig;
   };
   struct ButtonRole final : StopButton {
@@ -70,6 +80,7 @@ class Rig {
     Result<Level> do_read() override;
     Rig& rig;
     Time last_read = never;
+    StopChannels channels{};
   };
   struct HeartbeatRole final : Heartbeat {
     explicit HeartbeatRole(Rig& r) : rig(r) {}
@@ -77,7 +88,21 @@ class Rig {
     Rig& rig;
   };
 
+  struct EnableRole final : DriveEnable {
+    explicit EnableRole(Rig& r) : rig(r) {}
+    [[nodiscard]] bool fitted() const override { return rig.construction_.drive_enable; }
+    Result<void> do_write(bool on) override;
+    Rig& rig;
+  };
+  struct InterlockRole final : Interlocks {
+    InterlockRole(Rig& r, std::size_t count) : Interlocks(count), rig(r) {}
+    Result<std::uint32_t> do_read() override;
+    Rig& rig;
+    Time last_read = never;
+  };
+
   void pass_time(Time deadline);
+  void move_drive();
   void measure();
   [[nodiscard]] std::optional<Fault> fault_of(DeviceFault::Device device) const;
 
@@ -90,6 +115,8 @@ class Rig {
   bool measured_ = false;  ///< has the plant been measured at instant_?
   Frame frame_{};          ///< what the sensors delivered at instant_
   Command held_command_;
+  bool enabled_;
+  Command drive_;  ///< where it is at instant_: it follows the command, or coasts to a stop
   Openings held_openings_;
   Time last_beat_;
   std::uint64_t beats_ = 0;
@@ -100,6 +127,8 @@ class Rig {
   CommandRole command_role_{*this};
   ButtonRole button_role_{*this};
   HeartbeatRole heartbeat_role_{*this};
+  EnableRole enable_role_{*this};
+  InterlockRole interlock_role_;
 };
 
 }  // namespace hal::simulated

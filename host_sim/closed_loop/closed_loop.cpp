@@ -24,6 +24,7 @@ Run run_closed_loop(const firmware::RigDescription& description, const firmware:
                              journal);
 
   firmware::RunRecording recording(description, construction.sensors, excitation.size());
+  loop.arm();
   loop.start();
   std::size_t periods = 0;
   loop.run([&] {

@@ -3,7 +3,7 @@
 # work after as long a sleep (rigtwin_rival), and its wake-up latency beside that of cyclictest (package rt-tests): all in turn, several
 # times within the same minutes, with the same priority, and the median of the rounds. With real-time rights where this machine grants
 # them, and says so where not. Wanted: step time at most 5 us at P99.9, wake-up latency at most 1.2 times cyclictest's at P99. The
-# loop is measured as it comes, rehearsing each period before its instant, and without ([controller] wake_early = 0). Where a host takes
+# loop is measured as it comes, warming the caches before each period, and without ([controller] wake_early = 0). Where a host takes
 # the CPU away, P99.9 is the host's: so it is counted, too, how often that many nanoseconds of reading the clock take 5 us. Nothing
 # fails: a busy machine is no fault of the program.
 set -euo pipefail
@@ -28,17 +28,17 @@ as_cyclictest=(-m "-p$priority")
 describe() { # RIG LINE… -- a rig description with more in [controller]
   { cat "host_sim/rigs/$1.toml"; printf '\n[controller]\npriority = %s\nlate_in_a_row = 1000000\n' "$priority"; shift; printf '%s\n' "$@"; }
 }
-describe paper_hil_fdva >"$folder/rehearsed.toml"
+describe paper_hil_fdva >"$folder/warmed.toml"
 describe paper_hil_fdva "wake_early = 0" >"$folder/plain.toml"
 describe paper_rig_fdva >"$folder/quarter_car.toml"
 if "$program" --rig "$folder/plain.toml" --simulated --duration 0.1 --out /dev/null 2>&1 | grep -q 'refused: no real-time rights'; then
   how=(--no-realtime)
   if chrt -f "$priority" true 2>/dev/null; then
-    rights="SCHED_FIFO by chrt, memory NOT LOCKED: this machine does not grant it; nothing is rehearsed"
+    rights="SCHED_FIFO by chrt, memory NOT LOCKED: this machine does not grant it; no warm-up"
     before=(chrt -f "$priority")
     as_cyclictest=("-p$priority")
   else
-    rights="WITHOUT real-time rights, which this machine does not grant: the figures are those of an ordinary program; nothing is rehearsed"
+    rights="WITHOUT real-time rights, which this machine does not grant: the figures are those of an ordinary program; no warm-up"
     as_cyclictest=()
   fi
 fi
@@ -52,7 +52,7 @@ note() { # FILE LINE KEY -- P50, P99 and P99.9 of a line into the lists of KEY
   for q in P50 P99 P99.9; do quantile "$1" "$2" $q >>"$folder/$3.$q"; done
 }
 for round in $(seq $rounds); do
-  for rig in rehearsed plain quarter_car; do
+  for rig in warmed plain quarter_car; do
     status=0
     "${before[@]}" "$program" --rig "$folder/$rig.toml" --simulated --duration "$each" --out /dev/null --histogram "$folder/$rig.us" \
       "${how[@]}" >"$folder/$rig" 2>&1 ||
@@ -61,30 +61,30 @@ for round in $(seq $rounds); do
     note "$folder/$rig" "step time" "$rig"
     note "$folder/$rig" "wake-up latency" "$rig.wake"
   done
-  awk '/^[0-9]/ { all += $3; if ($1 >= 5) beyond += $3 } END { print beyond + 0, all }' "$folder/rehearsed.us" >>"$folder/beyond.loop"
-  window=$(quantile "$folder/rehearsed" "step time" P50 | awk '{ print int($1 * 1000) }')
+  awk '/^[0-9]/ { all += $3; if ($1 >= 5) beyond += $3 } END { print beyond + 0, all }' "$folder/warmed.us" >>"$folder/beyond.loop"
+  window=$(quantile "$folder/warmed" "step time" P50 | awk '{ print int($1 * 1000) }')
   "${before[@]}" "$rival" "$each" $([ ${#how[@]} -gt 0 ] && echo 0 || echo "$priority") "$window" >"$folder/rival"
   awk '/nothing took/ { print $(NF - 2), $NF }' "$folder/rival" >>"$folder/beyond.nothing"
   note "$folder/rival" "rival" rival
-  note "$folder/rival" "rival, rehearsed" rival_rehearsed
+  note "$folder/rival" "rival, warmed" rival_warmed
   note "$folder/rival" nothing nothing
   if command -v cyclictest >/dev/null &&
     cyclictest -q -t1 -i1000 -l$((each * 1000)) -h100000 "${as_cyclictest[@]}" >"$folder/cyclictest"; then
     awk '/^[0-9]/ { n[NR] = $2; at[NR] = $1; all += $2; last = NR } END { for (i = 1; i <= last; ++i) if ((seen += n[i]) >= 0.99 * all) { print at[i] + 0; exit } }' \
       "$folder/cyclictest" >>"$folder/cyclictest.P99"
   fi
-  echo "round $round: step time P99.9 rehearsed $(tail -n 1 "$folder/rehearsed.P99.9"), plain $(tail -n 1 "$folder/plain.P99.9"), rival $(tail -n 1 "$folder/rival.P99.9"), nothing $(tail -n 1 "$folder/nothing.P99.9") us"
+  echo "round $round: step time P99.9 warmed $(tail -n 1 "$folder/warmed.P99.9"), plain $(tail -n 1 "$folder/plain.P99.9"), rival $(tail -n 1 "$folder/rival.P99.9"), nothing $(tail -n 1 "$folder/nothing.P99.9") us"
 done
 row() { printf '  %-44s %6.1f %6.1f %6.1f\n' "$1" "$(median "$2.P50")" "$(median "$2.P99")" "$(median "$2.P99.9")"; }
 echo "medians of the rounds, us:                        P50    P99  P99.9"
-row "hil, simulated back-end: step time" rehearsed
-row "hil, not rehearsed" plain
+row "hil, simulated back-end: step time" warmed
+row "hil, not warmed" plain
 row "quarter_car, simulated back-end: step time" quarter_car
 row "rival, after its sleep" rival
-row "rival, rehearsed" rival_rehearsed
+row "rival, warmed" rival_warmed
 row "nothing, as long as the loop's median" nothing
-awk -v a="$(median rehearsed.P99.9)" -v b="$(median plain.P99.9)" -v c="$(median rival.P99.9)" 'BEGIN {
-  printf "loop overhead P99.9: %.1f us, %.2f times that of the rival after its sleep (not rehearsed: %.2f times); wanted 5 us at most: %s\n",
+awk -v a="$(median warmed.P99.9)" -v b="$(median plain.P99.9)" -v c="$(median rival.P99.9)" 'BEGIN {
+  printf "loop overhead P99.9: %.1f us, %.2f times that of the rival after its sleep (not warmed: %.2f times); wanted 5 us at most: %s\n",
          a, a / c, b / c, (a <= 5 ? "kept" : "NOT KEPT here") }'
 share() { awk '{ a += $1; b += $2 } END { print a / b }' "$folder/beyond.$1"; }
 awk -v loop="$(share loop)" -v nothing="$(share nothing)" 'BEGIN {
@@ -92,6 +92,6 @@ awk -v loop="$(share loop)" -v nothing="$(share nothing)" 'BEGIN {
   printf "5 us or longer: the loop %.3f %% of its periods, nothing at all %.3f %%; of the loop\047s own %.3f %%, wanted 0.1 at most: %s\n",
          100 * loop, 100 * nothing, 100 * own, (own <= 0.001 ? "kept" : "NOT KEPT here") }'
 [ -s "$folder/cyclictest.P99" ] || { echo "cyclictest is missing (package rt-tests) or failed: no comparison"; exit 0; }
-awk -v ours="$(median rehearsed.wake.P99)" -v theirs="$(median cyclictest.P99)" 'BEGIN {
+awk -v ours="$(median warmed.wake.P99)" -v theirs="$(median cyclictest.P99)" 'BEGIN {
   printf "wake-up latency P99: rig_controller %.1f us, cyclictest %.1f us (whole ones), ratio %.2f, wanted 1.2 at most\n",
          ours, theirs, (theirs > 0 ? ours / theirs : 0) }'

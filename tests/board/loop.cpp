@@ -1,5 +1,5 @@
 // What a board carries: the control loop for all rig kinds on a handful of registers, and no model of the rig around
-// it. This program is what loop.ld holds to 64 KiB of flash and 16 KiB of RAM.
+// it. This program is what loop.ld holds to 76 KiB of flash and 16 KiB of RAM.
 #include <optional>
 
 #include "tests/board/run.hpp"
@@ -108,7 +108,7 @@ class Waves final : public firmware::Reference {
 
 struct Board {
   explicit Board(const hal::SensorSetup& setup) : sensors(registers, setup) {}
-  hal::Rig roles() { return {clock, sensors, valves, drive, button, heartbeat}; }
+  hal::Rig roles() { return {clock, sensors, valves, drive, button, heartbeat, enable, interlocks}; }
 
   Registers registers{};
   Clock clock{registers};
@@ -117,6 +117,8 @@ struct Board {
   Drive drive{registers};
   Button button{};
   Heartbeat heartbeat{registers};
+  hal::NoEnable enable{};
+  hal::NoInterlocks interlocks{};
 };
 
 constexpr std::array<model::RigParameters<double>, 3> rigs{board::paper_rig(model::RigKind::hil),

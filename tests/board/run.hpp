@@ -140,6 +140,7 @@ inline void run(std::string_view name, firmware::ControlLoop& loop, firmware::Jo
   [[maybe_unused]] std::uint64_t counted = 0;  // instructions, on the board
   std::uint64_t periods = 0;
   paint_stack();
+  loop.arm();
   loop.start();
   while (periods == 0 || loop.mode() != firmware::Mode::safe) {
     clock.sleep_until(loop.due());

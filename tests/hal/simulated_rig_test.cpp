@@ -222,8 +222,8 @@ TEST(ChannelFaults, AreDrawnFromTheSeedAlone) {
 
 TEST(DeviceFaults, AnswerForTheirDeviceOnlyAndKeepTheOldOutput) {
   using Device = DeviceFault::Device;
-  for (const Device device :
-       {Device::sensors, Device::valves, Device::command, Device::stop_button, Device::heartbeat}) {
+  for (const Device device : {Device::sensors, Device::valves, Device::command, Device::stop_button, Device::heartbeat,
+                              Device::drive_enable, Device::interlocks}) {
     const DeviceFault fault{device, Fault::disconnected, {ms * 1, ms * 2}};
     CountingPlant plant;
     simulated::Rig rig(plant, two_channels(), {.devices = {&fault, 1}});
@@ -236,6 +236,8 @@ TEST(DeviceFaults, AnswerForTheirDeviceOnlyAndKeepTheOldOutput) {
       EXPECT_EQ(!roles.command.write({0.001 * k, 0.0, 0.0}), fails(Device::command)) << k;
       EXPECT_EQ(!roles.stop_button.pressed(), fails(Device::stop_button)) << k;
       EXPECT_EQ(!roles.heartbeat.beat(), fails(Device::heartbeat)) << k;
+      EXPECT_EQ(!roles.drive_enable.write(true), fails(Device::drive_enable)) << k;
+      EXPECT_EQ(!roles.interlocks.open(), fails(Device::interlocks)) << k;
       EXPECT_EQ(rig.openings().bits(), static_cast<unsigned>(fails(Device::valves) ? 0 : k));
       EXPECT_EQ(rig.command().position, fails(Device::command) ? 0.0 : 0.001 * k);
     }
@@ -283,6 +285,90 @@ TEST(SimulatedStopButton, TellsTheEarliestOfSeveralPresses) {
   roles.clock.sleep_until(ms * 4);
   EXPECT_TRUE(*roles.stop_button.pressed());
   EXPECT_EQ(roles.stop_button.pressed_at(), ms * 2);
+}
+
+// Two contacts of one button: either is a press at once, and half a second of difference is a broken contact.
+TEST(SimulatedStopButton, ComparesItsContacts) {
+  const Press press{{ms * 2, ms * 600}, Press::Contacts::second};
+  CountingPlant plant;
+  simulated::Rig rig(plant, two_channels(), {.presses = {&press, 1}});
+  const hal::Rig roles = rig.roles();
+  roles.clock.sleep_until(ms * 3);
+  EXPECT_TRUE(*roles.stop_button.pressed());
+  roles.clock.sleep_until(ms * 503);
+  EXPECT_TRUE(*roles.stop_button.pressed()) << "just the half second";
+  roles.clock.sleep_until(ms * 504);
+  ASSERT_FALSE(roles.stop_button.pressed());
+  EXPECT_EQ(roles.stop_button.pressed().fault(), Fault::refused);
+  roles.clock.sleep_until(ms * 600);
+  EXPECT_TRUE(roles.stop_button.pressed()) << "they agree again";
+}
+
+// Without its enable a drive coasts to a stop, whatever it is told; with it, it is where it is told.
+TEST(SimulatedDrive, MovesOnlyWithItsEnable) {
+  CountingPlant plant;
+  simulated::Construction c = two_channels();
+  c.drive_enable = true;
+  c.coasting = 10.0;
+  simulated::Rig rig(plant, c);
+  const hal::Rig roles = rig.roles();
+  EXPECT_TRUE(roles.drive_enable.fitted());
+  ASSERT_TRUE(roles.command.write({0.02, 0.0, 0.0}));
+  roles.clock.sleep_until(ms);
+  EXPECT_EQ(plant.commands.back().position, 0.01) << "off at first";
+  ASSERT_TRUE(roles.drive_enable.write(true));
+  ASSERT_TRUE(roles.command.write({0.02, 0.1, 0.0}));
+  roles.clock.sleep_until(ms * 2);
+  EXPECT_EQ(plant.commands.back().position, 0.02);
+  ASSERT_TRUE(roles.drive_enable.write(false));
+  ASSERT_TRUE(roles.command.write({0.03, 0.1, 0.0}));
+  roles.clock.sleep_until(ms * 3);
+  EXPECT_NEAR(plant.commands.back().velocity, 0.09, 1e-12);
+  roles.clock.sleep_until(ms * 100);
+  EXPECT_EQ(plant.commands.back().velocity, 0.0);
+  EXPECT_NEAR(plant.commands.back().position, 0.02 + 0.1 * 0.1 / (2.0 * 10.0), 1e-4);
+  EXPECT_FALSE(rig.enabled());
+}
+
+TEST(SimulatedDrive, HasPowerAtAllTimesWithoutAnEnable) {
+  CountingPlant plant;
+  simulated::Rig rig(plant, two_channels());
+  EXPECT_FALSE(rig.roles().drive_enable.fitted());
+  ASSERT_TRUE(rig.roles().drive_enable.write(false));
+  EXPECT_TRUE(rig.enabled());
+}
+
+// The converter shows what it was told, or something else where the plan says so.
+TEST(SimulatedDrive, ShowsItsCommand) {
+  const simulated::ReadBackError error{0.003, {ms * 2, ms * 3}};
+  CountingPlant plant;
+  simulated::Rig rig(plant, two_channels(), {.read_back_errors = {&error, 1}});
+  const hal::Rig roles = rig.roles();
+  EXPECT_EQ(*roles.command.read_back(), 0.01);
+  ASSERT_TRUE(roles.command.write({0.02, 0.0, 0.0}));
+  EXPECT_EQ(*roles.command.read_back(), 0.02);
+  roles.clock.sleep_until(ms * 2);
+  EXPECT_EQ(*roles.command.read_back(), 0.02 + 0.003);
+}
+
+// An interlock that opened between two reads was open once.
+TEST(SimulatedInterlocks, ShowWhatOpenedSinceTheLastRead) {
+  const std::array<simulated::OpenInterlock, 2> openings{
+      {{0, {microseconds(1200), microseconds(1300)}}, {2, {ms * 3, ms * 5}}}};
+  CountingPlant plant;
+  simulated::Construction c = two_channels();
+  c.interlocks = 3;
+  simulated::Rig rig(plant, c, {.open_interlocks = openings});
+  const hal::Rig roles = rig.roles();
+  EXPECT_EQ(roles.interlocks.count(), 3U);
+  EXPECT_EQ(*roles.interlocks.open(), 0U);
+  roles.clock.sleep_until(ms * 2);
+  EXPECT_EQ(*roles.interlocks.open(), 1U);
+  roles.clock.sleep_until(ms * 4);
+  EXPECT_EQ(*roles.interlocks.open(), 4U);
+  roles.clock.sleep_until(ms * 6);
+  EXPECT_EQ(*roles.interlocks.open(), 4U) << "open since the last read";
+  EXPECT_EQ(*roles.interlocks.open(), 0U);
 }
 
 TEST(SimulatedClock, WakesLateWhereThePlanSaysSo) {

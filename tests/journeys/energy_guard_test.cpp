@@ -74,6 +74,7 @@ Ride ride(double virtual_damping, const char* road_class, double seconds, std::u
   firmware::Journal journal(storage);
   firmware::ControlLoop loop(settings, rig.rig, simulated.roles(), reference, firmware::valve_plan(rig), journal);
   Ride result;
+  loop.arm();
   loop.start();
   loop.run([&] {
     while (const auto record = journal.pop()) {

@@ -47,8 +47,12 @@ void drive(const firmware::RigDescription& rig, std::span<const LateWake> late, 
   firmware::ControlLoop loop(firmware::control_settings(rig), rig.rig, hardware.roles(), reference,
                              firmware::valve_plan(rig), journal);
   std::string trouble;
-  firmware::controller::Recorder recorder(out, rig, hardware.roles().sensors.setup(), {}, trouble);
+  firmware::controller::Recorder::Setup setup;
+  setup.file = out;
+  setup.overwrite = true;
+  firmware::controller::Recorder recorder(setup, rig, hardware.roles().sensors.setup(), trouble);
   ASSERT_EQ(trouble, "");
+  loop.arm();
   loop.start();
   loop.run([&] {
     while (const auto record = journal.pop()) recorder.take(*record);

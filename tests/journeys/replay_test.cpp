@@ -80,6 +80,7 @@ TEST_P(Replay, GivesTheSameOutputsToTheBit) {
   firmware::Journal journal(storage);
   firmware::ControlLoop loop(firmware::control_settings(ride.rig), ride.rig.rig, rig.roles(), reference,
                              firmware::valve_plan(ride.rig), journal);
+  loop.arm();
   loop.start();
   std::size_t left = periods;
   loop.run([&left] { return left-- > 0; });

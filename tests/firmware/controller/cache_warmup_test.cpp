@@ -40,7 +40,9 @@ TEST(CacheWarmup, LeavesTheRealLoopAlone) {
   const Scene scene(RigKind::hil, 300);
   Journey plain{scene}, warmed{scene};
   CacheWarmup warmup(warmed.loop, warmed.journal, scene.settings, scene.parameters, scene.sensors);
+  plain.loop.arm();
   plain.loop.start();
+  warmed.loop.arm();
   warmed.loop.start();
   for (int k = 0; k < 310; ++k) {
     plain.periods(1);

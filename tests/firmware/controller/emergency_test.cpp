@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tests/support/without_heap.hpp"
@@ -55,13 +57,62 @@ class Sleeper final : public hal::Clock {
   void do_sleep_until(hal::Time deadline) override { time = deadline; }
 };
 
+class Button final : public hal::StopButton {
+ public:
+  explicit Button(hal::Clock& clock) : clock_(clock) {}
+  hal::Time pressed_from{std::numeric_limits<std::int64_t>::max()};
+
+ private:
+  hal::Result<Level> do_read() override { return Level{clock_.now() >= pressed_from, clock_.now()}; }
+  hal::Clock& clock_;
+};
+
+class Enable final : public hal::DriveEnable {
+ public:
+  bool on = true;
+
+ private:
+  hal::Result<void> do_write(bool wanted) override {
+    on = wanted;
+    return {};
+  }
+};
+
+class Door final : public hal::Interlocks {
+ public:
+  explicit Door(hal::Clock& clock) : Interlocks(1), clock_(clock) {}
+  hal::Time open_from{std::numeric_limits<std::int64_t>::max()};
+
+ private:
+  hal::Result<std::uint32_t> do_read() override { return clock_.now() >= open_from ? 1U : 0U; }
+  hal::Clock& clock_;
+};
+
+class Beats final : public hal::Heartbeat {
+  hal::Result<void> do_beat() override { return {}; }
+};
+
+class Sensors final : public hal::SensorSource {
+ public:
+  Sensors() : SensorSource({}) {}
+
+ private:
+  hal::Result<hal::Frame> do_read() override { return hal::Frame{}; }
+};
+
 struct Scene {
   Valves valves;
   Drive drive;
   RememberedCommand command{drive};
   Sleeper clock;
+  Button button{clock};
+  Enable enable;
+  Door door{clock};
+  Beats beats;
+  Sensors sensors;
   Ramps ramps{};
-  EmergencyReturn emergency_return{valves, command, clock, ramps, 0.125, h};
+  EmergencyReturn emergency_return{
+      {clock, sensors, valves, command, button, beats, enable, door}, command, clock, ramps, 0.125, h};
 };
 
 // Braked at no more than the deceleration that the stroke asks for, back at no more than the given rate, at rest at the
@@ -71,6 +122,7 @@ TEST(EmergencyReturn, MovesTheCommandToRestAtTheGivenRate) {
   ASSERT_TRUE(scene.command.write({0.04, 0.3, 0.0}));
   EXPECT_EQ(support::without_heap([&] { return scene.emergency_return.go(); }), EmergencyReturn::End::at_rest);
   EXPECT_EQ(scene.valves.stand, hal::Openings::first(2));
+  EXPECT_FALSE(scene.enable.on);
   const auto& commands = scene.drive.commands;
   ASSERT_GT(commands.size(), 2U);
   EXPECT_EQ(commands.back(), scene.ramps.rest);
@@ -126,6 +178,32 @@ TEST(EmergencyReturn, IsBoundedInTime) {
   ASSERT_TRUE(scene.command.write({-0.125, 0.0, 0.0}));
   EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::at_rest);
   EXPECT_LT(scene.drive.commands.size(), 4000U);
+}
+
+// Fault. A press on the way back, a door that opens: braked within the braking distance, held there, without power at
+// once.
+TEST(EmergencyReturn, HoldsWhereSomebodyStopsIt) {
+  for (const bool by_button : {true, false}) {
+    Scene scene;
+    ASSERT_TRUE(scene.command.write({0.04, 0.0, 0.0}));
+    (by_button ? scene.button.pressed_from : scene.door.open_from) = hal::milliseconds(500);
+    EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::held);
+    EXPECT_FALSE(scene.enable.on);
+    const auto& commands = scene.drive.commands;
+    const double there = commands[499];  // 500 writes before the press, the first of them by the test
+    EXPECT_NEAR(commands.back(), there, 0.05 * h + 0.05 * 0.05 / (2.0 * scene.ramps.braking));
+    EXPECT_LT(commands.size(), 510U);
+  }
+}
+
+// Somebody who holds the button while the program traps sees no way back at all.
+TEST(EmergencyReturn, DoesNotBeginUnderAPress) {
+  Scene scene;
+  ASSERT_TRUE(scene.command.write({0.04, 0.0, 0.0}));
+  scene.button.pressed_from = {};
+  EXPECT_EQ(scene.emergency_return.go(), EmergencyReturn::End::held);
+  EXPECT_EQ(scene.drive.commands.back(), 0.04);
+  EXPECT_FALSE(scene.enable.on);
 }
 
 }  // namespace

@@ -1,17 +1,28 @@
 // The program rig_controller as a shell on the board meets it, with the simulated back-end. On a real-time kernel with
 // lines and converters: tests/guest.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "firmware/description/sha256.hpp"
+#include "firmware/loop/mode.hpp"
+#include "firmware/loop/trip.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
@@ -44,6 +55,16 @@ struct Controller {
     return false;
   }
 };
+
+/// Header and rows of a recording, without its comments.
+std::string rows_of(const std::string& text) {
+  std::string rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with('#')) rows += line + '\n';
+  }
+  return rows;
+}
 
 Ended controller(const std::vector<std::string>& arguments) { return Controller(arguments).program.wait(); }
 
@@ -80,7 +101,7 @@ TEST(RigController, RecordsTheBitsOfTheSimulation) {
     EXPECT_THAT(recording.ignored_columns, testing::Contains("age [s]"));
     EXPECT_EQ(recording.ignored_columns.back(),
               rig.rig.kind == model::RigKind::quarter_car ? "age_F_w [s]" : "age_F [s]");
-    EXPECT_NE(last_line(ended.output).find("ended by reference_ended; valves safe, command at rest, 12000 rows"),
+    EXPECT_NE(last_line(ended.output).find("ended by reference_ended; valves safe, command at rest, 1"),
               std::string::npos)
         << last_line(ended.output);
   }
@@ -107,8 +128,7 @@ TEST(RigController, ReplaysARecordingToTheBit) {
 
     const std::string again = folder / "again.csv";
     ASSERT_EQ(controller({"--rig", rig_file(name), "--replay", replayed, "--seed", "5", "--out", again}).status, 0);
-    const auto rows = [](const std::string& text) { return text.substr(text.find("\nt,")); };
-    EXPECT_EQ(rows(TemporaryFolder::read(again)), rows(TemporaryFolder::read(replayed))) << name;
+    EXPECT_EQ(rows_of(TemporaryFolder::read(again)), rows_of(TemporaryFolder::read(replayed))) << name;
   }
 }
 
@@ -131,8 +151,7 @@ TEST(RigController, ReplaysWhatWentWrong) {
       "t,x_act [m],F [N],late [s],age [s]\n0,0,0,0,0\n0.001,0,0,0.0001,0\n0.002,nan,0,0,0\n0.0054,0,0,0.0024,0\n"
       "0.0064,0,0,0,0\n0.0074,0,0,0,0\n");
   EXPECT_EQ(run.ended.status, 0) << run.ended.errors;
-  // Bridged are the sample that is missing and, after the last row, both channels of a source that is at its end.
-  EXPECT_THAT(run.ended.output, HasSubstr("late periods 1, bridged samples 3, missed frames 1,"));
+  EXPECT_THAT(run.ended.output, HasSubstr("late periods 1, bridged samples 1, missed frames 0,"));
   EXPECT_THAT(run.recording, AllOf(HasSubstr("\n0.0054,"), HasSubstr("\n0.002,"), HasSubstr(",nan,")));
 }
 
@@ -142,11 +161,11 @@ TEST(RigController, ReplaysWhatWasStale) {
       "t,x_act [m],F [N],late [s],age [s],age_x_act [s],age_F [s]\n0,0,0,0,0.0049,0.00025,0.0049\n"
       "0.001,0,0,0,0.006,0,0.006\n0.002,0,0,0,0,0,0\n0.003,0,0,0,0.001,nan,0.001\n0.004,0,nan,0,0.001,0,0.001\n");
   EXPECT_EQ(run.ended.status, 0) << run.ended.errors;
-  // F that is stale, x_act that is missing, F that is not finite, and after the last row both.
-  EXPECT_THAT(run.ended.output, HasSubstr("bridged samples 5, missed frames 1,"));
+  // F that is stale, x_act that is missing, F that is not finite.
+  EXPECT_THAT(run.ended.output, HasSubstr("bridged samples 3, missed frames 0,"));
   EXPECT_THAT(run.recording, AllOf(HasSubstr(",0,0.0049,0.00025,0.0049\n"), HasSubstr(",0,0.006,0,0.006\n"),
-                                   HasSubstr(",nan,0,1,1,0,0,0,0,0,0.001,nan,0.001\n"),
-                                   HasSubstr(",nan,0,0,0,0,0,0,0,0.001,0,0.001\n")));
+                                   HasSubstr(",nan,0,1,1,0,0,0,0,4,0,1,1,0,0.001,nan,0.001\n"),
+                                   HasSubstr(",nan,0,0,0,0,0,0,4,1,1,1,0,0.001,0,0.001\n")));
 }
 
 // Roads come by the code of `rigtwin simulate`: from a file as well, and shaped as wished.
@@ -163,7 +182,7 @@ TEST(RigController, DrivesOverTheRoadsOfTheSimulation) {
         std::vector<std::string>{"--road", "iso8608:A", "--bandwidth", "20", "--cut-off", "0.5", "--duration", "3"}}) {
     std::vector<std::string> simulate{"simulate", "--rig", rig_file("paper_rig_fdva"), "--out", folder / "a.csv"};
     std::vector<std::string> drive{
-        "--rig", rig_file("paper_rig_fdva"), "--simulated", "--virtual-time", "--out", folder / "b.csv"};
+        "--rig", rig_file("paper_rig_fdva"), "--simulated", "--virtual-time", "--overwrite", "--out", folder / "b.csv"};
     simulate.insert(simulate.end(), road.begin(), road.end());
     drive.insert(drive.end(), road.begin(), road.end());
     ASSERT_EQ(support::rigtwin(simulate).status, 0);
@@ -184,7 +203,7 @@ TEST(RigController, MovesTheCommandToRestAfterATrap) {
     const std::string out = folder / "run.csv";
     const std::string rig = folder.write(
         "slow.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0", "sample_rate = 100.0") +
-                         "[controller]\nlate_in_a_row = 1000\n");
+                         "[controller]\nlate_in_a_row = 1000\n[supervision]\ngap = 1.0\n");
     Controller running(
         {"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--road", "iso8608:A", "--out", out});
     ASSERT_TRUE(running.says("running: "));
@@ -216,7 +235,7 @@ TEST(RigController, RunsInTheTimeOfTheMachine) {
   const std::string out = (folder / "run.csv").string();
   const std::string rig = folder.write(
       "slow.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0", "sample_rate = 100.0") +
-                       "[controller]\nlate_in_a_row = 1000\nallowed_delay = 1e-6\n");
+                       "[controller]\nlate_in_a_row = 1000\nallowed_delay = 1e-6\n[supervision]\ngap = 1.0\n");
   Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--out", out});
   ASSERT_TRUE(running.says("running: "));
   const auto rows = [&] {
@@ -235,6 +254,408 @@ TEST(RigController, RunsInTheTimeOfTheMachine) {
   const std::string text = TemporaryFolder::read(out);
   EXPECT_NE(text.find("# NOT REAL TIME"), std::string::npos);
   EXPECT_GE(rows(), 50);
+}
+
+/// A rig description that a busy machine does not end by late periods.
+std::string patient_rig(const TemporaryFolder& folder, const char* rate = "100.0") {
+  return folder.write("patient.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0",
+                                                    std::string("sample_rate = ") + rate) +
+                                          "[controller]\nlate_in_a_row = 1000000\n[supervision]\ngap = 1.0\n");
+}
+
+/// A pipe with a name in place of a disk. Nobody reads it, so it stalls the writer after 64 KiB.
+struct StalledDisk {
+  std::string name;
+  int end;
+  explicit StalledDisk(const TemporaryFolder& folder) : name(folder / "run.csv"), end(-1) {
+    if (::mkfifo(name.c_str(), 0600) == 0) end = ::open(name.c_str(), O_RDWR | O_CLOEXEC);
+  }
+  StalledDisk(const StalledDisk&) = delete;
+  StalledDisk& operator=(const StalledDisk&) = delete;
+  ~StalledDisk() { ::close(end); }
+
+  [[nodiscard]] int bytes() const {
+    int bytes = 0;
+    return ::ioctl(end, FIONREAD, &bytes) == 0 ? bytes : 0;
+  }
+  /// Until nothing more has gone in for a tenth of a second, in which a run at 1 kHz writes 15 kB.
+  void wait_until_full() const {
+    for (int before = -1, i = 0; i < 1000 && (bytes() < 16'384 || bytes() != before); ++i) {
+      before = bytes();
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+};
+
+/// The socket on which systemd listens for signs of life.
+struct Systemd {
+  int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  explicit Systemd(const TemporaryFolder& folder) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string path = folder / "notify";
+    std::copy(path.begin(), path.end(), address.sun_path);
+    EXPECT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  }
+  Systemd(const Systemd&) = delete;
+  Systemd& operator=(const Systemd&) = delete;
+  ~Systemd() {
+    ::unsetenv("NOTIFY_SOCKET");
+    ::close(socket);
+  }
+  /// The next message; empty: none is there.
+  [[nodiscard]] std::string next() const {
+    char text[256];
+    const ssize_t size = ::recv(socket, text, sizeof text, MSG_DONTWAIT);
+    return size > 0 ? std::string(text, static_cast<std::size_t>(size)) : std::string();
+  }
+  void forget() const {
+    while (!next().empty()) {
+    }
+  }
+  /// Waits for a message with these words.
+  [[nodiscard]] bool hears(const std::string& words) const {
+    for (int i = 0; i < 1000; ++i) {
+      for (std::string message = next(); !message.empty(); message = next()) {
+        if (message.find(words) != std::string::npos) return true;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+};
+
+// Fault. The disk stalls: the thread that waits for it is not the one that tells systemd that the program lives, nor
+// the one that takes signals. SIGTERM ends the run, and the status says that the recording is not whole.
+TEST(RigController, AStalledDiskHoldsUpNeitherSignalsNorTheWatchdog) {
+  const TemporaryFolder folder;
+  const StalledDisk disk(folder);
+  const Systemd systemd(folder);
+  Controller running({"--rig", patient_rig(folder, "1000.0"), "--simulated", "--no-realtime", "--duration", "600",
+                      "--out", disk.name});
+  ASSERT_TRUE(running.says("running: "));
+  disk.wait_until_full();
+  systemd.forget();
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(systemd.hears("WATCHDOG=1"));
+    systemd.forget();
+  }
+  ::kill(running.program.id(), SIGTERM);
+  EXPECT_TRUE(systemd.hears("EXTEND_TIMEOUT_USEC=")) << "the return to rest takes its time";
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, 4) << ended.errors;
+  EXPECT_THAT(last_line(ended.output), HasSubstr("ended by the disk stalls: the end of the recording is not written; "
+                                                 "valves safe, command at rest"));
+}
+
+// Fault. Records are lost when the disk stalls for longer than the journal lasts (8192 records): that ends the run, and
+// the status is not 0.
+TEST(RigController, LostRecordsEndTheRun) {
+  const TemporaryFolder folder;
+  const StalledDisk disk(folder);
+  Controller running({"--rig", patient_rig(folder, "4000.0"), "--simulated", "--no-realtime", "--duration", "600",
+                      "--out", disk.name});
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, 4) << ended.errors;
+  EXPECT_THAT(last_line(ended.output),
+              AllOf(HasSubstr(" lost records: the disk is too slow; valves safe, command at rest")));
+}
+
+// Every signal that can be caught ends a run in good order.
+TEST(RigController, EverySignalEndsARunInGoodOrder) {
+  const TemporaryFolder folder;
+  const std::string rig = patient_rig(folder);
+  for (const int signal :
+       {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGUSR2, SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGPWR, SIGRTMIN}) {
+    Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--out",
+                        folder / (std::to_string(signal) + ".csv")});
+    ASSERT_TRUE(running.says("running: "));
+    ::kill(running.program.id(), signal);
+    const Ended ended = running.program.wait();
+    EXPECT_EQ(ended.status, 0) << signal;
+    EXPECT_THAT(last_line(ended.output), HasSubstr("ended by a signal to stop; valves safe, command at rest"))
+        << signal;
+  }
+}
+
+// Signals of a terminal that goes away or is left do not end a run: neither a reader of standard output that ends, nor
+// Ctrl-Z.
+TEST(RigController, IsNotEndedByItsReaders) {
+  const TemporaryFolder folder;
+  const std::string program = std::string(RIG_CONTROLLER_PROGRAM) + " --rig " + patient_rig(folder) +
+                              " --simulated --no-realtime --duration 600 --out " + (folder / "run.csv").string();
+  // The shell becomes the program; the only reader of its output ends at once.
+  Controller running({"-c", "exec " + program + " > >(exec true)"}, "/bin/bash");
+  const auto size = [&] {
+    std::error_code none;
+    const auto bytes = std::filesystem::file_size(folder / "run.csv", none);
+    return none ? std::uintmax_t{0} : bytes;
+  };
+  for (int i = 0; i < 1000 && size() < 10'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (const int signal : {SIGUSR1, SIGPIPE, SIGTSTP, SIGTTOU, SIGTTIN}) ::kill(running.program.id(), signal);
+  const auto before = size();
+  for (int i = 0; i < 1000 && size() < before + 10'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_GE(size(), before + 10'000) << "the run goes on";
+  ::kill(running.program.id(), SIGTERM);
+  EXPECT_EQ(running.program.wait().status, 0);
+}
+
+// systemd's watchdog aborts a program that hangs. The return to rest tells it how long that takes and that the program
+// is alive, and further aborts wait for its end.
+TEST(RigController, AnAbortWaitsForTheReturnToRest) {
+  const TemporaryFolder folder;
+  const Systemd systemd(folder);
+  // A road that leads 50 mm away: the way back at 0.05 m/s takes 1.5 s.
+  std::string road = "t [s],z_r [m]\n";
+  for (int k = 0; k < 6001; ++k) {
+    const double t = 0.01 * k, s = std::min(1.0, t / 2.0);
+    road += std::to_string(t) + "," + std::to_string(0.05 * s * s * (3.0 - 2.0 * s)) + "\n";
+  }
+  Controller running({"--rig", patient_rig(folder), "--simulated", "--no-realtime", "--road",
+                      folder.write("hill.csv", road), "--out", folder / "run.csv"});
+  ASSERT_TRUE(running.says("running: "));
+  for (int i = 0; i < 1000; ++i) {
+    const std::string text = TemporaryFolder::read(folder / "run.csv");
+    if (std::count(text.begin(), text.end(), '\n') > 250) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  systemd.forget();
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("EXTEND_TIMEOUT_USEC=10500000")) << "8.5 s and a margin of 2 s";
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("WATCHDOG=1"));
+  ::kill(running.program.id(), SIGABRT);
+  EXPECT_TRUE(systemd.hears("WATCHDOG=1"));
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, -SIGABRT);
+  EXPECT_THAT(ended.errors, HasSubstr("valves safe, command at rest, from 50000 um"));
+}
+
+/// Column of a recording, by its name in the header.
+std::vector<double> column(const std::string& file, const std::string& name) {
+  std::istringstream lines(rows_of(TemporaryFolder::read(file)));
+  std::string line;
+  std::getline(lines, line);
+  std::istringstream names(line);
+  int wanted = -1, at = 0;
+  for (std::string heading; std::getline(names, heading, ','); ++at) {
+    if (heading == name) wanted = at;
+  }
+  std::vector<double> values;
+  while (std::getline(lines, line)) {
+    std::istringstream fields(line);
+    std::string field;
+    for (int i = 0; i <= wanted; ++i) std::getline(fields, field, ',');
+    values.push_back(std::strtod(field.c_str(), nullptr));
+  }
+  return values;
+}
+
+std::string hill(const TemporaryFolder& folder) {
+  std::string road = "t [s],z_r [m]\n";
+  for (int k = 0; k < 1001; ++k) road += std::to_string(0.01 * k) + "," + std::to_string(0.01 + 1e-5 * k) + "\n";
+  return folder.write("hill.csv", road);
+}
+
+// The way to the run and back is on record as well, with the state of each row; the file says why and when the run
+// ended and by which description. Analyses read the run alone, from t = 0.
+TEST(RigController, RecordsTheWholeSession) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "run.csv";
+  const std::string rig = rig_file("paper_rig_fdva");
+  ASSERT_EQ(controller({"--rig", rig, "--simulated", "--virtual-time", "--road", hill(folder), "--out", out}).status,
+            0);
+  const auto t = column(out, "t"), mode = column(out, "mode"), reason = column(out, "reason");
+  ASSERT_EQ(t.size(), mode.size());
+  EXPECT_EQ(mode.front(), static_cast<double>(firmware::Mode::ready));
+  EXPECT_EQ(mode.back(), static_cast<double>(firmware::Mode::safe));
+  EXPECT_GT(std::count(mode.begin(), mode.end(), static_cast<double>(firmware::Mode::ready)), 200)
+      << "10 mm at 0.05 m/s";
+  EXPECT_GT(std::count(mode.begin(), mode.end(), static_cast<double>(firmware::Mode::safe)), 400);
+  EXPECT_EQ(reason.front(), 0.0);
+  EXPECT_EQ(reason.back(), static_cast<double>(firmware::Reason::reference_ended));
+  for (std::size_t k = 0; k < t.size(); ++k) EXPECT_EQ(t[k], static_cast<double>(k) / 1000.0);
+
+  const std::string text = TemporaryFolder::read(out);
+  EXPECT_THAT(text, AllOf(HasSubstr("\n# part 1, begun 20"), HasSubstr("\n# | kind = \"quarter_car\"\n"),
+                          HasSubstr(", SHA-256 " + firmware::sha256(TemporaryFolder::read(rig)) + ";"),
+                          HasSubstr("\n# mode: 0 idle, 1 arming"), HasSubstr("\n# ended by reference_ended, 20")));
+
+  const firmware::Recording run = host_sim::read_recording(out, {}, 1000.0);
+  EXPECT_EQ(run.time.front(), 0.0);
+  EXPECT_EQ(run.size(), static_cast<std::size_t>(
+                            std::count(mode.begin(), mode.end(), static_cast<double>(firmware::Mode::running))));
+  for (std::size_t k = 0; k < run.size(); ++k) EXPECT_EQ(run.time[k], static_cast<double>(k) / 1000.0);
+}
+
+/// A controller with a simulated rig that waits for its operator.
+struct Operated {
+  TemporaryFolder folder;
+  std::string socket = folder / "control";
+  Controller running;
+  explicit Operated(const std::vector<std::string>& more = {})
+      : running([&] {
+          std::vector<std::string> words{"--rig",           patient_rig(folder), "--simulated", "--no-realtime",
+                                         "--wait",          "--socket",          socket,        "--out",
+                                         folder / "run.csv"};
+          words.insert(words.end(), more.begin(), more.end());
+          return words;
+        }()) {}
+  [[nodiscard]] Ended ask(const std::string& words) const {
+    const std::string line = std::string(RIG_CONTROLLER_PROGRAM) + " --socket " + socket + " " + words;
+    return Controller({"-c", "exec " + line}, "/bin/sh").program.wait();
+  }
+  [[nodiscard]] bool comes_to(const std::string& state) const {
+    for (int i = 0; i < 1000; ++i) {
+      if (ask("state").output.find("\"state\": \"" + state + "\"") != std::string::npos) return true;
+    }
+    return false;
+  }
+};
+
+// The operator arms, starts, holds, goes on, scales and stops by the socket; each answer is one line of JSON. A run
+// that was acknowledged is started again by the same program, into a recording of its own.
+TEST(RigController, IsOperatedByItsSocket) {
+  Operated rig;
+  ASSERT_TRUE(rig.running.says("waiting for the operator"));
+  const Ended idle = rig.ask("state");
+  EXPECT_EQ(idle.status, 0) << idle.errors;
+  EXPECT_THAT(idle.output, AllOf(HasSubstr("{\"ok\": true"), HasSubstr("\"state\": \"idle\"")));
+  EXPECT_EQ(std::count(idle.output.begin(), idle.output.end(), '\n'), 1);
+
+  const Ended early = rig.ask("start");
+  EXPECT_EQ(early.status, 6);
+  EXPECT_THAT(early.output, HasSubstr("\"error\": \"start needs state armed, the rig is idle\""));
+  EXPECT_EQ(rig.ask("jump").status, 2);
+  EXPECT_EQ(rig.ask("level 3").status, 6);
+
+  for (int run = 1; run <= 2; ++run) {
+    EXPECT_EQ(rig.ask("arm").status, 0);
+    ASSERT_TRUE(rig.comes_to("armed"));
+    EXPECT_EQ(rig.ask("start").status, 0);
+    ASSERT_TRUE(rig.comes_to("running"));
+    EXPECT_EQ(rig.ask("level 0.8").status, 0);
+    EXPECT_EQ(rig.ask("mark a knock, left").status, 0);
+    EXPECT_EQ(rig.ask("hold").status, 0);
+    ASSERT_TRUE(rig.comes_to("holding"));
+    EXPECT_EQ(rig.ask("resume").status, 0);
+    ASSERT_TRUE(rig.comes_to("running"));
+    EXPECT_EQ(rig.ask("stop").status, 0);
+    ASSERT_TRUE(rig.comes_to("safe"));
+    for (int i = 0; i < 1000 && rig.ask("state").output.find("\"at_rest\": true") == std::string::npos; ++i) {
+    }
+    EXPECT_EQ(rig.ask("acknowledge").status, 0);
+    ASSERT_TRUE(rig.comes_to("idle"));
+  }
+  ::kill(rig.running.program.id(), SIGTERM);
+  const Ended ended = rig.running.program.wait();
+  EXPECT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_FALSE(std::filesystem::exists(rig.socket));
+  for (const char* part : {"run.csv", "run-0002.csv"}) {
+    const std::string text = TemporaryFolder::read(rig.folder / part);
+    EXPECT_THAT(text, AllOf(HasSubstr("\n# mark: a knock, left, 20"), HasSubstr("\n# mark: operator: level 0.8, 20")));
+    const auto level = column(rig.folder / part, "level");
+    EXPECT_LT(*std::min_element(level.begin(), level.end()), 1.0);
+    EXPECT_GT(host_sim::read_recording(rig.folder / part, {}, 100.0).size(), 10U);
+  }
+  EXPECT_EQ(rig.ask("state").status, 6) << "nobody listens";
+}
+
+// The socket belongs to one program, and only its user and the group rig may connect.
+TEST(RigController, SharesItsSocketWithNobody) {
+  Operated rig;
+  ASSERT_TRUE(rig.running.says("waiting for the operator"));
+  struct stat status {};
+  ASSERT_EQ(::stat(rig.socket.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0660U);
+  const Ended second = controller({"--rig", patient_rig(rig.folder), "--simulated", "--no-realtime", "--wait",
+                                   "--socket", rig.socket, "--out", rig.folder / "second.csv"});
+  EXPECT_EQ(second.status, 6);
+  EXPECT_THAT(second.errors, HasSubstr("another rig_controller listens there"));
+  EXPECT_EQ(second.error_lines(), 1);
+  ::kill(rig.running.program.id(), SIGTERM);
+  EXPECT_EQ(rig.running.program.wait().status, 0);
+}
+
+// An earlier recording is not overwritten silently.
+TEST(RigController, KeepsAnEarlierRecording) {
+  const TemporaryFolder folder;
+  const std::string out = folder.write("run.csv", "of yesterday\n");
+  std::vector<std::string> words{
+      "--rig", rig_file("paper_hil_fdva"), "--simulated", "--virtual-time", "--duration", "1", "--out", out};
+  const Ended refused = controller(words);
+  EXPECT_EQ(refused.status, 4);
+  EXPECT_THAT(refused.errors, HasSubstr("run.csv: File exists, expected a new name or --overwrite"));
+  EXPECT_EQ(refused.error_lines(), 1);
+  EXPECT_EQ(TemporaryFolder::read(out), "of yesterday\n");
+  words.emplace_back("--overwrite");
+  EXPECT_EQ(controller(words).status, 0);
+  EXPECT_EQ(host_sim::read_recording(out, {}, 1000.0).size(), 1000U);
+}
+
+// A long recording has parts. Each is read alone; together they hold every row.
+TEST(RigController, RollsItsRecordingOver) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(controller({"--rig", rig_file("paper_hil_fdva"), "--simulated", "--virtual-time", "--duration", "20",
+                        "--part-minutes", "0.1", "--out", folder / "run.csv"})
+                .status,
+            0);
+  std::size_t rows = 0;
+  for (const char* part : {"run.csv", "run-0002.csv", "run-0003.csv", "run-0004.csv"}) {
+    rows += host_sim::read_recording(folder / part, {}, 1000.0).size();
+    EXPECT_THAT(TemporaryFolder::read(folder / part), HasSubstr("\n# | kind = "));
+  }
+  EXPECT_EQ(rows, 20'000U);
+  EXPECT_FALSE(std::filesystem::exists(folder / "run-0005.csv"));
+  EXPECT_THAT(TemporaryFolder::read(folder / "run.csv"), HasSubstr("run-0002.csv, 20"));
+}
+
+// A road that repeats: cycles are counted in a column, and a replay gives the same rows.
+TEST(RigController, RepeatsItsRoad) {
+  const TemporaryFolder folder;
+  const std::string run = folder / "run.csv", again = folder / "again.csv";
+  const std::vector<std::string> road{"--rig", rig_file("paper_hil_fdva"), "--duration", "10", "--cycles", "3"};
+  auto drive = road, replay = road;
+  drive.insert(drive.end(), {"--simulated", "--virtual-time", "--out", run});
+  replay.insert(replay.end(), {"--replay", run, "--out", again});
+  ASSERT_EQ(controller(drive).status, 0);
+  const auto cycle = column(run, "cycle");
+  EXPECT_EQ(std::count(cycle.begin(), cycle.end(), 1.0), 8000);
+  EXPECT_EQ(std::count(cycle.begin(), cycle.end(), 2.0), 8000);
+  EXPECT_EQ(std::count(cycle.begin(), cycle.end(), 3.0) + std::count(cycle.begin(), cycle.end(), 4.0), 10'000);
+  ASSERT_EQ(controller(replay).status, 0);
+  EXPECT_EQ(rows_of(TemporaryFolder::read(again)), rows_of(TemporaryFolder::read(run)));
+}
+
+// A run that was stopped, or ended by a limit, is replayed with its stop and its limit: the same rows to the end.
+TEST(RigController, ReplaysStopsAndLimits) {
+  const TemporaryFolder folder;
+  const std::string wild =  // a stable rig, at a third of the energy that it feeds on a road
+      folder.write("wild.toml", std::string(support::hil_text) + "[limits]\nspeed = 1.5\nenergy_gain = 0.3\n");
+  ASSERT_EQ(
+      controller({"--rig", wild, "--simulated", "--virtual-time", "--out", folder / "wild.csv", "--road", "iso8608:B"})
+          .status,
+      7);
+  const Ended tripped = controller(
+      {"--rig", wild, "--replay", folder / "wild.csv", "--road", "iso8608:B", "--out", folder / "again.csv"});
+  EXPECT_EQ(tripped.status, 7) << tripped.errors;
+  EXPECT_THAT(last_line(tripped.output), HasSubstr("ended by energy ("));
+  EXPECT_EQ(rows_of(TemporaryFolder::read(folder / "again.csv")), rows_of(TemporaryFolder::read(folder / "wild.csv")));
+
+  const std::string rig = patient_rig(folder);
+  Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "60", "--out", folder / "run.csv"});
+  ASSERT_TRUE(running.says("running: "));
+  for (int i = 0; i < 1000 && std::filesystem::file_size(folder / "run.csv") < 20'000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ::kill(running.program.id(), SIGTERM);
+  ASSERT_EQ(running.program.wait().status, 0);
+  const Ended stopped = controller({"--rig", rig, "--replay", folder / "run.csv", "--out", folder / "replayed.csv"});
+  EXPECT_EQ(stopped.status, 0) << stopped.errors;
+  EXPECT_THAT(last_line(stopped.output), HasSubstr("ended by stop_requested"));
+  EXPECT_EQ(rows_of(TemporaryFolder::read(folder / "replayed.csv")),
+            rows_of(TemporaryFolder::read(folder / "run.csv")));
 }
 
 // kill −9: no goodbye. What lies there is whole up to the last second, every row of it.
@@ -283,6 +704,10 @@ TEST(RigController, RefusesInOneLine) {
   };
   const std::vector<Case> cases{
       {{"--rig", hil}, 2, "--out is missing"},
+      {{"--rig", hil, "--out", out, "--wait", "--start"}, 2, "--wait and --start"},
+      {{"--rig", hil, "--out", out, "--simulated", "--virtual-time", "--wait"}, 2, "--wait needs a rig in real time"},
+      {{"--socket", "/no/such/socket", "arm"}, 6, "no program listens there"},
+      {{"--socket", "/no/such/socket", "jump"}, 2, "unknown command 'jump'"},
       {{"--out", out}, 2, "--rig is missing"},
       {{"--rig", hil, "--out", out, "--fast"}, 2, "unknown option --fast"},
       {{"--rig", hil, "--out", out, "--histogram", out}, 2, "--histogram and --out name one file"},
@@ -321,7 +746,7 @@ TEST(RigController, WritesItsHistograms) {
   const TemporaryFolder folder;
   const auto run = [&](const std::string& file) {
     return controller({"--rig", rig_file("paper_hil_fdva"), "--simulated", "--virtual-time", "--duration", "1", "--out",
-                       folder / "run.csv", "--histogram", file});
+                       folder / "run.csv", "--overwrite", "--histogram", file});
   };
   EXPECT_EQ(run(folder / "run.us").status, 0);
   const std::string text = TemporaryFolder::read(folder / "run.us");
@@ -330,21 +755,70 @@ TEST(RigController, WritesItsHistograms) {
   const Ended full = run("/dev/full");
   EXPECT_EQ(full.status, 4);
   EXPECT_NE(full.errors.find("/dev/full: cannot be written"), std::string::npos) << full.errors;
-  EXPECT_NE(last_line(full.output).find("ended by reference_ended; valves safe, command at rest, 1000 rows"),
+  EXPECT_NE(last_line(full.output).find("ended by reference_ended; valves safe, command at rest, 1"),
             std::string::npos);
 }
 
 // A trip is a safe stop with a status of its own, which systemd takes as a wish to stay down.
 TEST(RigController, SaysWhatTripped) {
   const TemporaryFolder folder;
-  const std::string rig = folder.write(
-      "wild.toml", support::with(support::hil_text, "virtual_damping = 1140.0", "virtual_damping = 700.0") +
-                       "[limits]\nspeed = 1.5\n");
+  const std::string rig =
+      folder.write("wild.toml", std::string(support::hil_text) + "[limits]\nspeed = 1.5\nenergy_gain = 0.3\n");
   const Ended ended = controller(
-      {"--rig", rig, "--simulated", "--virtual-time", "--out", (folder / "run.csv").string(), "--road", "iso8608:C"});
+      {"--rig", rig, "--simulated", "--virtual-time", "--out", (folder / "run.csv").string(), "--road", "iso8608:A"});
   EXPECT_EQ(ended.status, 7);
   EXPECT_NE(last_line(ended.output).find("ended by energy ("), std::string::npos) << last_line(ended.output);
   EXPECT_LT(host_sim::read_recording(folder / "run.csv", {}, 1000.0).size(), 2000U);
+}
+
+// The whole run and the limits are looked at before anything moves: status 3, one line, no recording.
+TEST(RigController, RefusesARunThatItsLimitsWouldEnd) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "run.csv").string();
+  std::string millimetres = "t,z_r\n";
+  for (int k = 0; k < 3000; ++k) {
+    const double hill = 1.0 - std::cos(6.283185307179586 * 0.5 * 1e-3 * k);
+    millimetres += std::to_string(1e-3 * k) + "," + std::to_string(9.0 * hill * hill) + "\n";
+  }
+  const std::string road = folder.write("road.csv", millimetres).string();
+  const std::string cell =
+      folder.write("cell.toml", std::string(support::hil_text) + "[range]\nF = [-1e4, 1e4]\n[limits]\nforce = 25e3\n")
+          .string();
+  struct Case {
+    std::vector<std::string> arguments;
+    std::string says;
+  };
+  for (const Case& c : {Case{{"--rig", rig_file("paper_rig_fdva"), "--road", road}, "a road in millimetres?"},
+                        Case{{"--rig", rig_file("paper_hil_fdva"), "--road", road}, "a road in millimetres?"},
+                        Case{{"--rig", rig_file("paper_rig_fdva"), "--road", "iso8608:E"}, "the command steps with "},
+                        Case{{"--rig", cell}, "limits.force = 2.5e+04 N can never trip"}}) {
+    std::vector<std::string> arguments{"--simulated", "--virtual-time", "--duration", "3", "--out", out};
+    arguments.insert(arguments.end(), c.arguments.begin(), c.arguments.end());
+    const Ended ended = controller(arguments);
+    EXPECT_EQ(ended.status, 3) << c.says;
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_THAT(ended.errors, HasSubstr(c.says));
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+}
+
+// A hil rig on devices needs a proof of its loop; the simulated one does not.
+TEST(RigController, RefusesALoopThatNobodyFoundStable) {
+  const TemporaryFolder folder;
+  const std::string example = TemporaryFolder::read(support::source / "firmware/controller/rigs/example_hil.toml");
+  const std::size_t proven = example.find("proven = "), end = example.find('\n', proven);
+  ASSERT_NE(proven, std::string::npos);
+  const std::string rig = folder.write("rig.toml", example.substr(0, proven) + example.substr(end + 1)).string();
+  for (const bool check : {true, false}) {
+    std::vector<std::string> arguments{"--rig", rig, "--out", (folder / "run.csv").string()};
+    if (check) arguments = {"--rig", rig, "--check"};
+    const Ended ended = controller(arguments);
+    EXPECT_EQ(ended.status, 3);
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_THAT(ended.errors, HasSubstr("nothing says that this loop is stable"));
+  }
+  EXPECT_EQ(controller({"--rig", rig, "--simulated", "--virtual-time", "--duration", "1", "--out", "/dev/null"}).status,
+            0);
 }
 
 // What a newcomer begins with is whole: it passes every check but that of the devices, which are not here.

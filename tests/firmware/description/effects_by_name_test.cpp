@@ -149,9 +149,26 @@ chip = "bank \"A\""
 valves = ["d1", "d2", "d3", "d4", "d5", "d6"]
 valves_active_low = true
 stop = "stop"
+stop_2 = "stop-2"
 stop_active_low = true
 stop_bias = "pull-up"
+enable = "enable"
+enable_active_low = true
 heartbeat = "beat"
+interlock_bias = "external-pull-down"
+[gpio.interlocks]
+door = "door"
+"oil pressure" = "pressure"
+[arming]
+tare_time = 0.75
+preload = 900.0
+position_tolerance = 0.004
+probe_amplitude = 0.0
+force_ramp = 0.25
+[waivers]
+no_probe = "the component is never moved"
+stop_fails_dangerous = "the button is a toy"
+enable_active_low = "an inverter stands behind it"
 [converters]
 trigger = "t1"
 trigger_rate = 1000.0
@@ -205,6 +222,20 @@ offset = 0.125
   EXPECT_EQ(hardware.gpio->valves.at(5), "d6");
   EXPECT_TRUE(hardware.gpio->valves_active_low && hardware.gpio->stop_active_low);
   EXPECT_EQ(hardware.gpio->stop_bias, "pull-up");
+  EXPECT_EQ(hardware.gpio->stop_2, "stop-2");
+  EXPECT_EQ(hardware.gpio->enable, "enable");
+  EXPECT_TRUE(hardware.gpio->enable_active_low);
+  EXPECT_EQ(hardware.gpio->interlock_bias, "external-pull-down");
+  ASSERT_EQ(hardware.gpio->interlocks.size(), 2U);
+  EXPECT_EQ(hardware.gpio->interlocks[1].name, "oil pressure");
+  EXPECT_EQ(hardware.gpio->interlocks[1].line, "pressure");
+  EXPECT_EQ(e.controller.arming.tare_time, 0.75);
+  EXPECT_EQ(e.controller.arming.preload, 900.0);
+  EXPECT_EQ(e.controller.arming.position_tolerance, 0.004);
+  EXPECT_EQ(e.controller.arming.probe_amplitude, 0.0);
+  EXPECT_EQ(e.controller.arming.force_ramp, 0.25);
+  EXPECT_EQ(e.waivers, d.waivers);
+  EXPECT_EQ(e.waivers.size(), 3U);
   ASSERT_TRUE(hardware.converters && hardware.converters->command);
   ASSERT_EQ(hardware.converters->inputs.size(), 1U);
   EXPECT_EQ(hardware.converters->inputs[0].channel, index(Channel::F));

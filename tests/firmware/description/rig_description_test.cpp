@@ -10,7 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/description/control_settings.hpp"
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_settings.hpp"
+#include "firmware/description/number_text.hpp"
+#include "firmware/description/rig_writer.hpp"
 #include "firmware/description/spelling.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -386,7 +390,7 @@ TEST(RigDescription, RefusesDevicesThatCannotBe) {
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = ['x']"), "valves = [", "a list of 6 line names");
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = [1, 2, 3, 4, 5, 6]"), "valves = [1", "is not a text");
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = 'x'"), "valves = 'x'", "gpio.valves is not a list");
-  expect_refused(text("[gpio]\nchip = 'a'\nstop_bias = 'up'"), "stop_bias", "'pull-up' or 'pull-down'");
+  expect_refused(text("[gpio]\nchip = 'a'\nstop_bias = 'up'"), "stop_bias", "one of pull-down, pull-up,");
   expect_refused(text("[gpio]\nchip = 'a'\nstop_active_low = 1"), "stop_active_low", "neither true nor false");
   expect_refused(text("[converters.G]\ndevice = 'a'"), "[converters.G]", "unknown key 'converters.G'");
   expect_refused(text("[converters.F]\ndevice = 'a'\ninput = 'b'\nscale = 0"), "scale = 0", "converters.F.scale is 0");
@@ -397,11 +401,81 @@ TEST(RigDescription, RefusesDevicesThatCannotBe) {
   expect_refused(text("[lasers.x_act]\nport = 'a'\nrange = 1\naddress = 0"), "address", "expected 1 to 127");
 }
 
+// The pull gives the level of a cut wire, so a description in which that reads "released" is refused, as is an enable
+// that is on without a program. Only a sentence by somebody who answers for it changes that.
+TEST(RigDescription, RefusesWiringThatFailsDangerous) {
+  const auto text = [](std::string_view entry, std::string_view waiver = "") {
+    return std::string(hil_text) + "[gpio]\nchip = 'a'\nstop = 's'\n" + std::string(entry) + "\n" +
+           (waiver.empty() ? "" : "[waivers]\n" + std::string(waiver) + "\n");
+  };
+  const auto gpio = [&](std::string_view entry) { return *parse_rig(text(entry), "rig").hardware.gpio; };
+  EXPECT_EQ(gpio("").stop_bias, "pull-down");
+  EXPECT_TRUE(gpio("").stop_active_low) << "a contact to supply: cut or pressed is low";
+  EXPECT_FALSE(gpio("stop_bias = 'pull-up'").stop_active_low) << "a contact to ground: cut or pressed is high";
+  EXPECT_TRUE(gpio("stop_bias = 'external-pull-down'").stop_active_low);
+  EXPECT_EQ(refusal_of(text("stop_active_low = true")), "accepted");
+  for (const std::string_view dangerous : {"stop_active_low = false", "stop_bias = 'pull-up'\nstop_active_low = true",
+                                           "stop_bias = 'external-pull-down'\nstop_active_low = false"}) {
+    expect_refused(text(dangerous), "stop_active_low", "a cut wire at gpio.stop would read released");
+    EXPECT_EQ(refusal_of(text(dangerous, "stop_fails_dangerous = 'a button without drive'")), "accepted");
+  }
+  expect_refused(text("stop_active_low = false", "stop_fails_dangerous = 'yes'"), "stop_fails_dangerous",
+                 "is no sentence");
+  expect_refused(text("enable_active_low = true"), "enable_active_low", "would give the drive power");
+  EXPECT_EQ(refusal_of(text("enable_active_low = true", "enable_active_low = 'inverted by the relay'")), "accepted");
+  expect_refused(text("stop_2 = 's'"), "stop_2", "no second contact");
+  expect_refused(text("interlock_bias = 'up'"), "interlock_bias", "unknown gpio.interlock_bias");
+  expect_refused(text("[gpio.interlocks]\ndoor = 1"), "door = 1", "");
+  expect_refused(text("", "no_heart = 'there is no such waiver'"), "no_heart", "unknown key");
+}
+
+// A rig of devices has a stop button, a heartbeat and an enable, or a sentence that says why not.
+TEST(RigDescription, AsksForWhatMakesDevicesSafe) {
+  const auto wrong = [](std::string_view more) {
+    const RigDescription rig = parse_rig(std::string(hil_text) + std::string(more), "rig.toml");
+    try {
+      firmware::check_wiring(rig);
+    } catch (const firmware::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  const std::string gpio = "[gpio]\nchip = 'a'\n";
+  EXPECT_NE(wrong("").find("no table [gpio]"), std::string::npos);
+  EXPECT_NE(wrong(gpio).find("[gpio] has no stop, expected"), std::string::npos) << wrong(gpio);
+  EXPECT_EQ(wrong(gpio).rfind("rig.toml:", 0), 0U) << wrong(gpio);
+  EXPECT_NE(wrong(gpio + "stop = 's'\n").find("[gpio] has no heartbeat, expected"), std::string::npos);
+  EXPECT_NE(wrong(gpio + "stop = 's'\nheartbeat = 'h'\n").find("[gpio] has no enable, expected"), std::string::npos);
+  EXPECT_EQ(wrong(gpio + "stop = 's'\nheartbeat = 'h'\nenable = 'e'\n"), "accepted");
+  EXPECT_EQ(wrong(gpio + "[waivers]\nno_stop = 'a hand pump only'\nno_heartbeat = 'a hand pump only'\n"
+                         "no_enable = 'a hand pump only'\n"),
+            "accepted");
+}
+
+// [arming]: bounds, and defaults that follow from kind and limits.
+TEST(RigDescription, ReadsWhatArmingLooksAt) {
+  const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
+  const firmware::Arming usual = firmware::arming_settings(parse_rig(text("[limits]\nforce = 8e3"), "rig"));
+  EXPECT_EQ(usual.tare_time, 0.5);
+  EXPECT_EQ(usual.preload, 800.0);
+  EXPECT_EQ(usual.position_tolerance, 5e-3);
+  EXPECT_EQ(usual.probe_amplitude, 2e-3);
+  EXPECT_EQ(usual.force_ramp, 0.5);
+  expect_refused(text("[arming]\nprobe_amplitude = 0"), "probe_amplitude", "does not find a wrong sign");
+  EXPECT_EQ(refusal_of(text("[arming]\nprobe_amplitude = 0\n[waivers]\nno_probe = 'signs were measured'")), "accepted");
+  expect_refused(text("[arming]\nprobe_amplitude = 0.2"), "probe_amplitude", "does not fit");
+  expect_refused(text("[arming]\nposition_tolerance = 5.0"), "position_tolerance", "does not fit");
+  expect_refused(text("[arming]\npreload = 30e3"), "preload", "does not fit");
+  expect_refused(text("[arming]\ntare_time = 0"), "tare_time", "does not fit");
+  expect_refused(text("[arming]\nforce_ramp = -1"), "force_ramp", "does not fit");
+  expect_refused(text("[arming]\ntare = 1"), "tare = 1", "unknown key 'arming.tare'");
+}
+
 TEST(RigDescription, RefusesAControllerThatCannotWork) {
   const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
   for (const std::string_view key : {"stroke", "speed", "force", "ramp", "energy_gain"}) {
     const std::string entry = std::string(key) + " = 0";
-    expect_refused(text("[limits]\n" + entry), entry, "limits." + entry + " does not fit, expected a number > 0");
+    expect_refused(text("[limits]\n" + entry), entry, "limits." + entry + " does not fit");
   }
   expect_refused(text("[limits]\nramp = 0.8"), "ramp", "limits.ramp is faster than limits.speed");
   expect_refused(text("[limits]\nspeed = 0.01"), "speed = 0.01", "limits.ramp is faster than limits.speed");
@@ -481,6 +555,91 @@ TEST(RigDescription, ReadsAllSharedRigs) {
     ++rigs;
   }
   EXPECT_GE(rigs, 8U);
+}
+
+// Both examples say ± 10 kN and 0.30518 N a count: the converter's end is 9999.97 N. Half a count makes it clipped.
+TEST(RigDescription, TrustsARangeUpToHalfACountBeforeItsEnds) {
+  const std::string text = std::string(support::hil_text) + R"(
+[range]
+F = [-10000.0, 10000.0]
+x_act = [-0.125, 0.125]
+[converters.F]
+device = "ads8688"
+input = "voltage0"
+scale = -0.30518
+offset = 10000.0
+)";
+  const firmware::RigDescription rig = firmware::parse_rig(text, "rig.toml");
+  const auto force = firmware::trusted_range(rig, model::index(model::Channel::F));
+  ASSERT_TRUE(force);
+  EXPECT_FALSE(force->holds(-0.30518 * 65535.0 + 10000.0));
+  EXPECT_TRUE(force->holds(-0.30518 * 65534.0 + 10000.0));
+  EXPECT_FALSE(force->holds(10000.0));
+  EXPECT_EQ(firmware::trusted_range(rig, model::index(model::Channel::x_act))->upper, 0.125) << "no converter";
+  EXPECT_FALSE(firmware::trusted_range(rig, model::index(model::Channel::F_w)));
+}
+
+// A value in other units: the message says what the number stands for. stroke = 250.0 was accepted and switched the
+// limit off.
+TEST(RigDescription, RefusesLimitsThatAreAbsurd) {
+  const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
+  expect_refused(text("[limits]\nstroke = 250.0"), "stroke",
+                 "limits.stroke = 250 does not fit, expected the whole travel of the drive in m (not mm), 0.001 to 2");
+  expect_refused(text("[limits]\nforce = 1e9"), "force", "a force in N (not kN), 1 to 1e+06");
+  expect_refused(text("[limits]\nspeed = 700"), "speed", "a speed in m/s");
+  expect_refused(text("[limits]\nfollowing = 0.2"), "following", "does not fit limits.stroke");
+  expect_refused(text("[limits]\nmeasured_stroke = 0.2"), "measured_stroke",
+                 "does not fit limits.stroke, expected 0.25");
+  expect_refused(text("[limits]\nmeasured_speed = 20"), "measured_speed", "does not fit limits.speed");
+  for (const auto& setting : firmware::loop_settings()) {
+    const std::string table = "[" + std::string(setting.table) + "]\n" + std::string(setting.key) + " = ";
+    const std::string beyond = std::to_string(static_cast<int>(setting.highest) + 1);
+    expect_refused(text(table + beyond), setting.key, setting.key);
+    expect_refused(text(table + "-1"), setting.key, setting.key);
+  }
+}
+
+// Every setting reaches the control loop, and survives being written and read again.
+TEST(RigDescription, SetsTheControlLoop) {
+  std::string text(hil_text), table;
+  for (const auto& setting : firmware::loop_settings()) {
+    if (setting.table != table) text += "[" + (table = setting.table) + "]\n";
+    double value = setting.whole ? 7.0 : setting.get(firmware::Settings{}) * 1.125;
+    if (setting.key == "acceleration") value = 55.5;
+    if (setting.key == "measured_stroke") value = 0.3125;
+    if (setting.key == "measured_speed") value = 1.5;
+    if (setting.key == "settling") value = 2.5;
+    text += std::string(setting.key) + " = " + (setting.whole ? "7" : firmware::shortest(value)) + "\n";
+  }
+  const firmware::RigDescription first = firmware::parse_rig(text, "rig.toml");
+  const firmware::RigDescription again = firmware::parse_rig(firmware::format_rig(first), "again.toml");
+  for (const auto* description : {&first, &again}) {
+    const firmware::Settings settings = firmware::control_settings(*description);
+    for (const auto& setting : firmware::loop_settings()) {
+      EXPECT_NE(setting.get(settings), setting.get(firmware::Settings{})) << setting.key;
+      EXPECT_EQ(setting.get(settings), setting.get(first.controller.loop)) << setting.key;
+    }
+  }
+}
+
+// A limit that the sensor cannot show would never trip. Without a limit in the description it follows from the range.
+TEST(RigDescription, KeepsTheForceLimitWithinTheSensor) {
+  const std::string range = std::string(hil_text) + "[range]\nF = [-8000.0, 10000.0]\n";
+  EXPECT_EQ(firmware::control_settings(firmware::parse_rig(range, "r")).limits.force, 0.95 * 8000.0);
+  EXPECT_EQ(firmware::control_settings(firmware::parse_rig(range + "[limits]\nforce = 3e3\n", "r")).limits.force, 3e3);
+  EXPECT_EQ(firmware::control_settings(firmware::parse_rig(std::string(hil_text), "r")).limits.force, 25e3);
+}
+
+TEST(RigDescription, TakesWaiversAsSentences) {
+  const auto text = [](std::string_view entry) {
+    return std::string(hil_text) + "[waivers]\n" + std::string(entry) + "\n";
+  };
+  const auto rig = firmware::parse_rig(text("no_heartbeat = 'no hydraulics, a spindle drive'"), "rig.toml");
+  EXPECT_EQ(rig.waivers.at("no_heartbeat"), "no hydraulics, a spindle drive");
+  EXPECT_EQ(firmware::parse_rig(firmware::format_rig(rig), "again").waivers, rig.waivers);
+  expect_refused(text("no_heartbeat = true"), "no_heartbeat", "no_heartbeat");
+  expect_refused(text("no_heartbeat = 'yes'"), "no_heartbeat", "waivers.no_heartbeat is no sentence");
+  expect_refused(text("no_hartbeat = 'we do not need it'"), "no_hartbeat", "no_heartbeat");
 }
 
 }  // namespace

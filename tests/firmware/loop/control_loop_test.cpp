@@ -188,6 +188,7 @@ TEST(ControlLoop, SwitchesValvesAtTheVerySample) {
 TEST(ControlLoop, EstimatesTheVelocitiesOfTheRig) {
   Scene scene(RigKind::quarter_car, 4000);
   Journey run{scene};
+  run.loop.arm();
   run.loop.start();
   double worst_wheel = 0.0, worst_body = 0.0, worst_foot = 0.0, wheel = 0.0, body = 0.0, foot = 0.0, worst_load = 0.0;
   for (int k = 0; k < 3990; ++k) {
@@ -220,6 +221,7 @@ TEST(ControlLoop, TakesNoHeapAfterStart) {
     scene.settings.ramps.settling = 0.02;
     Journey run{scene};
     const std::uint64_t lost = support::without_heap([&] {
+      run.loop.arm();
       run.loop.start();
       for (int k = 0; k < 1000; ++k) {
         run.rig.roles().clock.sleep_until(run.loop.due());
@@ -241,6 +243,7 @@ TEST(ControlLoop, RunsAgainAfterAFreshStart) {
   Journey run{scene};
   run.whole();
   const auto first = run.rows(Mode::running);
+  run.loop.arm();
   run.loop.start();
   run.periods(5);
   EXPECT_EQ(run.loop.mode(), Mode::safe) << "start alone does not leave safe";
@@ -261,6 +264,7 @@ TEST(ControlLoop, RunsAgainAfterAFreshStart) {
 
 TEST(ControlLoop, DoesNotAcknowledgeBeforeItIsAtRest) {
   Journey run{Scene(RigKind::component_bench, 1000)};
+  run.loop.arm();
   run.loop.start();
   run.periods(300);
   run.loop.stop();

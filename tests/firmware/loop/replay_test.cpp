@@ -94,6 +94,7 @@ TEST(Replay, GivesTheSameOutputsToTheBit) {
     std::vector<Record> storage(live.records.size());
     firmware::Journal journal(storage);
     firmware::ControlLoop loop(scene.settings, scene.parameters, rig.roles(), reference, scene.valves, journal);
+    loop.arm();
     loop.start();
     std::size_t left = live.records.size();
     loop.run([&left] { return left-- > 0; });
@@ -106,6 +107,50 @@ TEST(Replay, GivesTheSameOutputsToTheBit) {
       ASSERT_EQ(rig.openings().written()[k].value, live.records[k].openings) << name(kind);
     }
   }
+}
+
+// Arming is part of what is replayed: comparing, taring, the probe, and the offset that is taken from F from then on.
+// The rig that was recorded had an enable and an interlock that opened in the end.
+TEST(Replay, ArmsAgainToTheBit) {
+  const hal::simulated::OpenInterlock open{1, {ms * 2500, ms * 9000}};
+  Scene scene(RigKind::hil, 2000);
+  scene.settings.arming = {.tare_time = 0.2, .preload = 1000.0, .position_tolerance = 5e-3, .probe_amplitude = 2e-3};
+  scene.settings.arming.force_ramp = 0.3;
+  scene.deviations.force_offset = 400.0;
+  scene.deviations.force_noise = 20.0;
+  scene.faults.open_interlocks = {&open, 1};
+  Journey live{scene};
+  const auto lead = [](firmware::ControlLoop& loop, int k) {
+    if (k == 20) loop.arm();
+    if (k == 2000) loop.start();
+  };
+  for (int k = 0; k < 3000; ++k) {
+    lead(live.loop, k);
+    live.periods(1);
+  }
+  ASSERT_EQ(live.loop.trip().reason, Reason::interlock) << name(live.loop.trip().reason);
+  ASSERT_GT(live.rows(firmware::Mode::running).size(), 400U);
+
+  Tape tape(live.records, scene.sensors);
+  tape.recording.drive_enable = true;
+  const hal::replay::Opened opened{open.window.from, open.interlock};
+  tape.recording.interlocks_opened = {&opened, 1};
+  hal::replay::Rig rig(tape.recording, scene.sensors, 6, scene.safe_position, {});
+  firmware::TableReference reference(scene.reference);
+  std::vector<Record> storage(8);
+  firmware::Journal journal(storage);
+  firmware::ControlLoop loop(scene.settings, scene.parameters, rig.roles(), reference, scene.valves, journal);
+  for (int k = 0; k < 3000; ++k) {
+    lead(loop, k);
+    rig.roles().clock.sleep_until(loop.due());
+    loop.step();
+    const auto replayed = journal.pop();
+    ASSERT_TRUE(replayed);
+    expect_same_bits(live.records[static_cast<std::size_t>(k)], *replayed);
+    ASSERT_EQ(replayed->enabled, live.records[static_cast<std::size_t>(k)].enabled) << k;
+    ASSERT_EQ(replayed->tare, live.records[static_cast<std::size_t>(k)].tare) << k;
+  }
+  EXPECT_FALSE(rig.enabled());
 }
 
 }  // namespace

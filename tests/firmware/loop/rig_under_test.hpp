@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "firmware/loop/control_loop.hpp"
@@ -51,13 +52,23 @@ inline Parameters paper_rig(model::RigKind kind) {
   return p;
 }
 
+/// What is not as described about the sensors of x_act, z_r and F.
+struct Deviations {
+  double position_sign = 1.0;
+  double position_offset = 0.0;  ///< [m]
+  double force_sign = 1.0;
+  double force_offset = 0.0;  ///< [N]
+  double force_noise = 0.0;   ///< rectangular, peak [N]
+};
+
 /// The model as the plant of the simulated back-end.
 class ModelPlant final : public hal::simulated::Plant {
  public:
   using Model = model::RigModel<double>;
 
-  ModelPlant(const Parameters& parameters, double rest)
-      : model_(parameters, h,
+  ModelPlant(const Parameters& parameters, double rest, const Deviations& deviations = {})
+      : deviations_(deviations),
+        model_(parameters, h,
                parameters.kind == model::RigKind::hil ? model::ModelledPart::test_machine
                                                       : model::ModelledPart::whole_rig),
         state_(parameters.kind == model::RigKind::quarter_car ? model_.start(rest) : model_.start(0.0, rest)) {}
@@ -69,6 +80,13 @@ class ModelPlant final : public hal::simulated::Plant {
   void do_measure(std::span<double, hal::channel_capacity> values) override {
     const auto measured = model_.measured(state_);
     std::copy(measured.begin(), measured.end(), values.begin());
+    for (const Channel c : {Channel::x_act, Channel::z_r}) {
+      values[model::index(c)] = deviations_.position_sign * values[model::index(c)] + deviations_.position_offset;
+    }
+    double& force = values[model::index(Channel::F)];
+    drawn_ = drawn_ * 6364136223846793005U + 1442695040888963407U;
+    const double noise = 2.0 * static_cast<double>(drawn_ >> 11U) / 9007199254740992.0 - 1.0;
+    force = deviations_.force_sign * force + deviations_.force_offset + deviations_.force_noise * noise;
   }
   void do_advance(const hal::Command& command, hal::Openings openings) override {
     Model::Input in;
@@ -78,6 +96,8 @@ class ModelPlant final : public hal::simulated::Plant {
     model_.step(state_, in);
   }
 
+  Deviations deviations_;
+  std::uint64_t drawn_ = 1;
   Model model_;
   Model::State state_;
 };
@@ -130,6 +150,9 @@ struct Scene {
   hal::Openings safe_position = hal::Openings::first(6);
   hal::Time watchdog = hal::milliseconds(20);
   std::size_t journal = 64;
+  bool drive_enable = true;          ///< the drive stands still without it
+  std::optional<double> drive_at{};  ///< where the drive stands at first; nothing: at rest
+  Deviations deviations{};
 };
 
 /// A scene come to life.
@@ -137,7 +160,7 @@ class Journey {
  public:
   explicit Journey(const Scene& s)
       : scene(s),
-        plant(scene.parameters, scene.settings.ramps.rest),
+        plant(scene.parameters, scene.drive_at.value_or(scene.settings.ramps.rest), scene.deviations),
         rig(plant, construction(scene), scene.faults),
         reference(scene.reference),
         storage(scene.journal),
@@ -154,6 +177,7 @@ class Journey {
 
   /// Started, and run until the rig is at rest in safe again (or for 20 s, which no test takes).
   void whole() {
+    loop.arm();
     loop.start();
     periods(1);
     for (int i = 0; i < 20'000 && !(loop.mode() == firmware::Mode::safe && loop.at_rest()); ++i) periods(1);
@@ -183,7 +207,9 @@ class Journey {
     c.ducts = 6;
     c.safe_position = scene.safe_position;
     c.watchdog = scene.watchdog;
-    c.rest = {scene.settings.ramps.rest, 0.0, 0.0};
+    c.rest = {scene.drive_at.value_or(scene.settings.ramps.rest), 0.0, 0.0};
+    c.drive_enable = scene.drive_enable;
+    c.interlocks = 2;
     return c;
   }
   void drain() {

@@ -157,10 +157,10 @@ TEST(RecordingGaps, PartsARecordingAtALongGap) {
   EXPECT_NEAR(two[1].time.front(), 5.0, 1e-9);
   EXPECT_TRUE(two[1].filled[200]);
   EXPECT_EQ(two[1].source, "REC.csv from 5 s");
-  EXPECT_EQ(
-      two[0].remark,
-      "REC.csv: 51 rows are missing or incomplete and not used, the first at line 452; 1 gap beyond 20 ms, 2 parts between them used, 11.5 "
-      "of 12 s");
+  EXPECT_EQ(two[0].remark,
+            "REC.csv: 51 rows are missing or incomplete and not used, the first at line 452; 1 gap beyond 20 ms, 2 "
+            "parts between them used, 11.5 "
+            "of 12 s");
 }
 
 // A part of 1 s is too short to be used.

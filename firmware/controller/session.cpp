@@ -1,0 +1,367 @@
+#include "firmware/controller/session.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+#include "firmware/controller/delay_check.hpp"
+#include "firmware/controller/heap_seal.hpp"
+#include "firmware/controller/systemd_notify.hpp"
+#include "firmware/description/control_settings.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_proof.hpp"
+#include "firmware/description/version.hpp"
+#include "firmware/recording/output_file.hpp"
+#include "firmware/recording/recording_csv.hpp"
+#include "firmware/simulation/road_choice.hpp"
+#include "firmware/simulation/run_objection.hpp"
+
+namespace firmware::controller {
+namespace {
+
+constexpr std::size_t journal_records = 8192;  // eight seconds at 1 kHz: a disk may be slow for that long
+
+// After the run the disk gets this long for the last rows. systemd waits 60 s (TimeoutStopSec).
+constexpr hal::Time disk_patience = hal::milliseconds(5000);
+
+std::string words(const Trip& trip, const RigDescription& rig) {
+  std::string text(name(trip.reason));
+  if (trip.interlock >= 0) {
+    const auto i = static_cast<std::size_t>(trip.interlock);
+    const bool named = rig.hardware.gpio && i < rig.hardware.gpio->interlocks.size();
+    return text + " " + (named ? one_line(rig.hardware.gpio->interlocks[i].name) : std::to_string(i + 1));
+  }
+  if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
+  if (!is_fault(trip.reason)) return text;
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, " (%.4g, limit %.4g)", trip.value, trip.limit);
+  return text + numbers;
+}
+
+FootPointMotion motion_of(const Options& options, const RigDescription& rig, const ReplayedRun* replayed) {
+  const bool as_long = replayed != nullptr && replayed->to_its_end && options.cycles == 1;
+  const std::size_t samples = as_long ? replayed->samples : samples_of(options.duration, rig.sample_rate);
+  const RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
+  auto motion = excitation(rig.rig, motion_over(road, rig, samples, read_csv_recording), rig.sample_rate);
+  const bool lacks_the_way = replayed != nullptr && !replayed->with_the_way && rig.rig.kind != model::RigKind::hil;
+  if (lacks_the_way && !motion.empty() && motion.front().position != 0.0) {
+    throw UsageError("--replay of a road that begins elsewhere than at 0: its recording lacks the way there");
+  }
+  return motion;
+}
+
+/// Looked at as a whole before anything moves. A replay shows what was, and is not looked at.
+FootPointMotion fitting_motion(const Options& options, const RigDescription& rig, const ReplayedRun* replayed) {
+  FootPointMotion motion = motion_of(options, rig, replayed);
+  if (replayed != nullptr) return motion;
+  FootPointMotion joined;  // with the joint between two cycles
+  if (options.cycles != 1) {
+    CycleReference twice(motion, 2, rig.period());
+    for (std::uint64_t k = 0; const auto there = twice.at(k); ++k) joined.push_back(*there);
+  }
+  if (const std::string objection = run_objection(rig, joined.empty() ? motion : joined); !objection.empty()) {
+    throw InputError(options.road, 0, objection, "a run within the limits of " + rig.source);
+  }
+  return motion;
+}
+
+/// The roles with a command output that remembers.
+hal::Rig remembering(const hal::Rig& opened, RememberedCommand& command) {
+  return {opened.clock,       opened.sensors,   opened.valves,       command,
+          opened.stop_button, opened.heartbeat, opened.drive_enable, opened.interlocks};
+}
+
+Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles, bool devices) {
+  Settings settings = control_settings(rig);
+  if (devices) settings.arming = arming_settings(rig);
+  if (const auto wrong = ControlLoop::check(settings, rig.rig, roles, valve_plan(rig)); !wrong.empty()) {
+    throw InputError(rig.source, 0, "the description does not fit the devices", wrong);
+  }
+  return settings;
+}
+
+}  // namespace
+
+void drain(const hal::Rig& roles, hal::Time period) {
+  for (int i = 0; i < 8; ++i) {
+    static_cast<void>(roles.sensors.read());
+    roles.clock.sleep_until(roles.clock.now() + period);
+  }
+}
+
+Session::Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict)
+    : options_(options),
+      rig_(rig),
+      devices_(devices),
+      verdict_(verdict),
+      realtime_(options.realtime && !options.virtual_time),
+      operated_(options.wait || !(options.start || options.simulated || !options.replay.empty())),
+      settings_(fitting_settings(rig, devices.roles(), !options.simulated && options.replay.empty())),
+      opened_(devices.roles()),
+      command_(opened_.command),
+      roles_(remembering(opened_, command_)),
+      valves_(valve_plan(rig)),
+      motion_(fitting_motion(options, rig, devices.replayed())),
+      reference_(motion_, options.cycles, rig.period()),
+      storage_(journal_records),
+      journal_(storage_),
+      loop_(settings_, rig.rig, roles_, reference_, valves_, journal_),
+      spans_(std::make_unique<Spans>()),
+      wake_(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period()))),
+      emergency_return_(roles_, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke, rig.period()),
+      longest_return_(3.0 * rig.controller.stroke / rig.controller.ramp + 2.0) {
+  if (realtime_ && wake_.early() > hal::Time{}) {
+    warmup_ = std::make_unique<CacheWarmup>(loop_, journal_, settings_, rig.rig, roles_.sensors.setup());
+  }
+}
+
+Status Session::run() {
+  const auto stop = [](void* loop) { static_cast<ControlLoop*>(loop)->stop(); };
+  open_notify_socket();
+  block_signals();
+  catch_traps({&emergency_return_, &command_, &at_rest_, stop, &loop_, rig_.period()});
+  const ForgetTraps until_the_end;
+  const cpu_set_t others = cpus_without(rig_.hardware.schedule.cpu);
+  if (!acquire_rights()) return Status::refused;
+  if (!options_.simulated && options_.replay.empty() && !keeps_allowed_delay()) return Status::unfit_input;
+  if (!open_recording()) return Status::cannot_write;
+  recording_ =
+      std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay);
+  socket_ = std::make_unique<ControlSocket>(loop_, *recording_, progress_);
+  if (!open_socket()) {
+    static_cast<void>(recording_->finish(disk_patience));
+    return Status::refused;
+  }
+  supervisor_ = std::make_unique<Supervisor>(
+      others, Supervisor::Parts{loop_, journal_, *recording_, progress_, *socket_, longest_return_});
+  notify("READY=1");
+  std::printf(operated_ ? "waiting for the operator; recording: %s\n" : "running: %s\n", options_.out.c_str());
+  std::fflush(stdout);
+  drive();
+  return finish();
+}
+
+/// Before anything moves.
+bool Session::acquire_rights() {
+  const ScheduleDescription& schedule = rig_.hardware.schedule;
+  if (realtime_) lock_memory(verdict_);
+  look_at_machine(verdict_, schedule.cpu);
+  if (realtime_) schedule_loop(verdict_, schedule.priority, schedule.cpu);
+  std::fputs(
+      realtime_ ? verdict_.text().c_str() : "real time: NOT ASKED FOR (--no-realtime, --virtual-time, --replay)\n",
+      stdout);
+  std::fputs(devices_.text().c_str(), stdout);
+  std::fflush(stdout);
+  rights_ = realtime_ ? "real time: " + verdict_.summary() : "NOT REAL TIME: run without real-time scheduling";
+  if (!realtime_ || verdict_.granted()) return true;
+  std::fputs("rig_controller: refused: no real-time rights; grant what is MISSING above, or say --no-realtime\n",
+             stderr);
+  return false;
+}
+
+/// hil on devices: sample age and computation as they are now, against what stability leaves.
+bool Session::keeps_allowed_delay() {
+  if (rig_.rig.kind != model::RigKind::hil) return true;
+  hal::Time delay = measured_sample_age(roles_, settings_.period);
+  if (warmup_) delay = delay + measured_computation([this] { warmup_->step(); }, machine_);
+  const std::string objection = delay_objection(rig_, delay.seconds());
+  if (objection.empty()) return true;
+  std::fprintf(stderr, "rig_controller: %s: %s\n", rig_.source.c_str(), objection.c_str());
+  return false;
+}
+
+bool Session::open_recording() {
+  std::string trouble;
+  Recorder::Setup setup;
+  setup.file = options_.out;
+  setup.comments = {"rig_controller " + std::string(version) + ": " + std::string(model::name(rig_.rig.kind)) + ", " +
+                        options_.road + ", seed " + std::to_string(options_.seed) +
+                        (options_.simulated ? ", SIMULATED RIG" : "") +
+                        (options_.replay.empty() ? "" : ", REPLAY of " + one_line(options_.replay)),
+                    rights_};
+  for (const auto& [name, sentence] : rig_.waivers) setup.comments.push_back("WAIVER " + name + ": " + sentence);
+  setup.overwrite = options_.overwrite;
+  setup.rows_per_part = static_cast<std::uint64_t>(options_.part_minutes * 60.0 * rig_.sample_rate);
+  if (options_.cycles != 1) setup.cycle_samples = reference_.cycle_samples();
+  recorder_ = std::make_unique<Recorder>(setup, rig_, roles_.sensors.setup(), trouble);
+  if (trouble.empty()) return true;
+  std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+  return false;
+}
+
+bool Session::open_socket() {
+  if (!operated_ && options_.socket.empty()) return true;
+  const std::string trouble = socket_->listen(options_.socket.empty() ? std::string(usual_socket) : options_.socket);
+  if (trouble.empty()) return true;
+  std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+  return false;
+}
+
+void Session::drive() {
+  if (!options_.simulated && options_.replay.empty()) drain(roles_, settings_.period);
+  seal_heap(true);
+  for (;;) {
+    const hal::Time seen = await_period();
+    lead();
+    loop_.step();
+    if (broken_seals() > 0) supervisor_->end_run(Cause::heap);
+    spans_->step.add((machine_.now() - woken_).ns);
+    publish();
+    if (options_.virtual_time) wait_for_recording();
+    if (is_over(seen)) break;
+  }
+  at_rest_.store(loop_.at_rest());
+  seal_heap(false);
+}
+
+void Session::publish() {
+  progress_.mode.store(loop_.mode(), std::memory_order_relaxed);
+  progress_.reason.store(loop_.trip().reason, std::memory_order_relaxed);
+  progress_.second.store(loop_.second().reason, std::memory_order_relaxed);
+  progress_.enabled.store(loop_.enabled(), std::memory_order_relaxed);
+  progress_.at_rest.store(loop_.at_rest(), std::memory_order_relaxed);
+  progress_.held.store(loop_.held(), std::memory_order_relaxed);
+  progress_.position.store(loop_.command().position, std::memory_order_relaxed);
+  progress_.periods.fetch_add(1, std::memory_order_release);
+}
+
+/// The rig is safe and at rest, or has had its time; with an operator: and somebody or something ends the program.
+bool Session::is_over(hal::Time seen) {
+  if (loop_.mode() != Mode::safe) {
+    safe_since_ = hal::never;
+    return false;
+  }
+  const ReplayedRun* replayed = devices_.replayed();
+  const std::uint64_t periods = progress_.periods.load(std::memory_order_relaxed);
+  if (replayed != nullptr && periods >= replayed->rows) return true;  // nothing more was recorded
+  if (safe_since_ == hal::never) safe_since_ = seen;
+  if (operated_ && supervisor_->cause() == Cause::none && !trapped()) return false;
+  return loop_.at_rest() || (seen - safe_since_).seconds() > longest_return_;
+}
+
+/// Asks the loop for what leads to a run, or for what led the recording that is replayed.
+void Session::lead() {
+  const std::size_t row = progress_.periods.load(std::memory_order_relaxed);
+  const Mode mode = loop_.mode();
+  const ReplayedRun* replayed = devices_.replayed();
+  if (operated_) return;
+  if (replayed == nullptr || replayed->modes.empty()) {
+    if (row == 0) loop_.arm();
+    if (row == 0 || mode == Mode::armed) loop_.start();
+    return;
+  }
+  if (row == replayed->stop_requested) loop_.stop();
+  if (row >= replayed->modes.size()) return;
+  const Mode next = replayed->modes[row];
+  const bool goes = next == Mode::ready || next == Mode::running;
+  if (mode == Mode::idle && next != Mode::idle) loop_.arm();
+  if (goes && (mode == Mode::idle || mode == Mode::arming || mode == Mode::armed)) loop_.start();
+  if (mode == Mode::running && next == Mode::holding) loop_.hold();
+  if (mode == Mode::holding && next == Mode::running) loop_.resume();
+}
+
+/// Sleeps until the period is due. With warm-up: sleeps until a moment before, warms the caches over and over while
+/// there is time, and waits for the instant without sleeping. The rig's time then.
+hal::Time Session::await_period() {
+  const hal::Time due = loop_.due();
+  hal::Time seen{};
+  if (warmup_ && progress_.periods.load(std::memory_order_relaxed) > 0) {
+    const hal::Time wanted = due - wake_.early();
+    machine_.sleep_until(wanted);
+    spans_->wake_up.add((machine_.now() - wanted).ns);
+    wake_.use([&] { return due - machine_.now(); }, [&] { warmup_->step(); });
+    while (machine_.now() < due) {
+    }
+    seen = roles_.clock.now();
+    woken_ = machine_.now();
+  } else {
+    roles_.clock.sleep_until(due);
+    woken_ = machine_.now();
+    seen = roles_.clock.now();
+    spans_->wake_up.add((seen - due).ns);
+  }
+  return seen;
+}
+
+/// In virtual time nobody is in a hurry: the loop waits for the disk, unless the run is to end.
+void Session::wait_for_recording() const {
+  while (!trapped() && supervisor_->cause() == Cause::none &&
+         progress_.periods.load(std::memory_order_relaxed) - recording_->taken() > journal_records / 2) {
+    ::usleep(1000);
+  }
+}
+
+Status Session::finish() {
+  const sched_param ordinary{};
+  if (realtime_) ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
+  notify("STOPPING=1");
+  extend_timeout(disk_patience.seconds() + 2.0);
+  const bool written = recording_->finish(disk_patience);
+  supervisor_->finish();
+  print(*spans_, rig_.hardware.schedule.allowed_delay);
+  print_counters();
+
+  std::string why;
+  Status status = verdict_of_run(why);
+  if (!written && status == Status::done) {
+    why = "the disk stalls: the end of the recording is not written";
+    status = Status::cannot_write;
+  }
+  if (!options_.histogram.empty()) {
+    try {
+      write_file(options_.histogram, as_cyclictest(*spans_));
+    } catch (const OutputError& error) {
+      std::fprintf(stderr, "rig_controller: %s\n", error.what());
+      if (status == Status::done) status = Status::cannot_write;
+    }
+  }
+  if (written) recorder_->end(why);
+  std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
+              devices_.replayed() != nullptr ? "as recorded"
+              : !loop_.at_rest()             ? "NOT AT REST"
+              : loop_.held()                 ? "held where it stopped"
+                                             : "at rest",
+              static_cast<unsigned long long>(recorder_->rows()), options_.out.c_str());
+  if (!written) {  // the recording's thread cannot be joined
+    std::fflush(stdout);
+    ::_exit(static_cast<int>(status));
+  }
+  return status;
+}
+
+void Session::print_counters() const {
+  const Counters& c = loop_.counters();
+  std::printf(
+      "  late periods %llu, bridged samples %llu, missed frames %llu, limited commands %llu, rows %llu, lost %llu\n",
+      static_cast<unsigned long long>(c.late_periods), static_cast<unsigned long long>(c.bridged_samples),
+      static_cast<unsigned long long>(c.missed_frames), static_cast<unsigned long long>(c.limited_commands),
+      static_cast<unsigned long long>(recorder_->rows()), static_cast<unsigned long long>(lost()));
+  std::fputs(devices_.warnings().c_str(), stdout);
+  std::fflush(stdout);
+}
+
+Status Session::verdict_of_run(std::string& why) const {
+  why = words(loop_.trip(), rig_);
+  if (is_fault(loop_.trip().reason)) return Status::safe_stop;
+  if (loop_.trip().reason == Reason::stop_requested && supervisor_->cause() == Cause::heap) {
+    why = "heap taken in the loop, " + std::to_string(broken_seals()) + " times";
+    return Status::internal;
+  }
+  if (recorder_->error() != 0) {
+    why = "the recording cannot be written: " + std::string(std::strerror(recorder_->error()));
+    return Status::cannot_write;
+  }
+  if (lost() > 0) {
+    why = std::to_string(lost()) + " lost records: the disk is too slow";
+    return Status::cannot_write;
+  }
+  if (supervisor_->cause() == Cause::signal) why = "a signal to stop";
+  return Status::done;
+}
+
+}  // namespace firmware::controller

@@ -1,0 +1,98 @@
+// What drives a rig: control loop, recording, supervision and emergency return in one hand.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware/controller/auxiliary_thread.hpp"
+#include "firmware/controller/cache_warmup.hpp"
+#include "firmware/controller/control_socket.hpp"
+#include "firmware/controller/cycle_reference.hpp"
+#include "firmware/controller/devices.hpp"
+#include "firmware/controller/emergency.hpp"
+#include "firmware/controller/options.hpp"
+#include "firmware/controller/real_time.hpp"
+#include "firmware/controller/recorder.hpp"
+#include "firmware/controller/recording_thread.hpp"
+#include "firmware/controller/run.hpp"
+#include "firmware/controller/spans.hpp"
+#include "firmware/controller/supervisor.hpp"
+#include "firmware/controller/wake_lead.hpp"
+#include "firmware/loop/control_loop.hpp"
+#include "hal/linux/clock.hpp"
+
+namespace firmware::controller {
+
+/// Converters have been filling their queues since they were opened: takes the old samples out, so that the next read
+/// gets new ones.
+void drain(const hal::Rig& roles, hal::Time period);
+
+/// One session with opened devices. Three threads:
+///
+///   loop          the caller's; real-time priority, the loop's CPU: steps the control loop, nothing else
+///   recording     ordinary priority, other CPUs: journal → file; the only one that waits for the disk
+///   supervision   ordinary priority, other CPUs: signals, systemd's watchdog, the operator's socket, lost records
+class Session {
+ public:
+  Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session() = default;
+
+  /// From rights to the last line. Once.
+  [[nodiscard]] Status run();
+
+ private:
+  [[nodiscard]] bool acquire_rights();
+  [[nodiscard]] bool keeps_allowed_delay();
+  [[nodiscard]] bool open_recording();
+  void drive();
+  [[nodiscard]] bool open_socket();
+  [[nodiscard]] bool is_over(hal::Time seen);
+  void publish();
+  void lead();
+  [[nodiscard]] hal::Time await_period();
+  void wait_for_recording() const;
+  [[nodiscard]] Status finish();
+  void print_counters() const;
+  [[nodiscard]] Status verdict_of_run(std::string& why) const;
+  [[nodiscard]] std::uint64_t lost() const { return recorder_->lost() + journal_.lost(); }
+
+  const Options& options_;
+  const RigDescription& rig_;
+  Devices& devices_;
+  Verdict& verdict_;
+  const bool realtime_;
+  const bool operated_;  ///< somebody arms and starts by the socket
+  const Settings settings_;
+  const hal::Rig opened_;
+  RememberedCommand command_;
+  const hal::Rig roles_;
+  const ValvePlan valves_;
+  const std::vector<Motion> motion_;
+  CycleReference reference_;
+  std::vector<Record> storage_;
+  Journal journal_;
+  ControlLoop loop_;
+  const std::unique_ptr<Spans> spans_;
+  WakeLead wake_;
+  std::unique_ptr<CacheWarmup> warmup_;  ///< none without real-time rights
+  hal::linux::MonotonicClock machine_;
+  EmergencyReturn emergency_return_;
+  const AlternateStack alternate_stack_;
+  std::atomic<bool> at_rest_{false};
+  const double longest_return_;  ///< [s]
+  LoopProgress progress_;
+  std::string rights_;  ///< for the recording's comments
+  hal::Time safe_since_ = hal::never;
+  hal::Time woken_{};  ///< of this period
+  std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<RecordingThread> recording_;
+  std::unique_ptr<ControlSocket> socket_;
+  std::unique_ptr<Supervisor> supervisor_;
+};
+
+}  // namespace firmware::controller

@@ -1,0 +1,47 @@
+// What a package puts on a board beside the program: the systemd unit, rights, udev rules.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/support/program.hpp"
+#include "tests/support/rig_texts.hpp"
+
+namespace {
+
+using support::TemporaryFolder;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string deployed(const char* name) { return (support::source / "firmware/controller/deploy" / name).string(); }
+
+// A rig must not be started by a machine that boots, nor again by systemd after a safe stop.
+TEST(Deploy, NobodyButAPersonStartsARig) {
+  const std::string unit = TemporaryFolder::read(deployed("rig_controller@.service"));
+  EXPECT_THAT(unit, Not(HasSubstr("\n[Install]")));
+  EXPECT_THAT(unit, Not(HasSubstr("--start")));
+  EXPECT_THAT(unit, HasSubstr("\nRestart=no\n"));
+}
+
+// The service has the rights that it needs and no others: an exposure of at most 3.0 of 10 by systemd's own count.
+TEST(Deploy, TheServiceHasFewRights) {
+  const TemporaryFolder folder;
+  const auto shell = [&](const std::string& command) {
+    return support::RunningProgram(folder, {"-c", command}, {}, "/bin/sh").wait();
+  };
+  if (shell("command -v systemd-analyze").status != 0) GTEST_SKIP() << "this machine has no systemd-analyze";
+  const support::Ended ended =
+      shell("systemd-analyze security --offline=true --threshold=30 '" + deployed("rig_controller@.service") + "'");
+  if (ended.errors.find("unrecognized option") != std::string::npos) GTEST_SKIP() << "systemd-analyze before 250";
+  EXPECT_EQ(ended.status, 0) << ended.output << ended.errors;
+}
+
+// The group may use no priority above the loop's, which is at most 90 as a service; rules take effect without a reboot.
+TEST(Deploy, RulesTakeEffectWithoutAReboot) {
+  const std::string script = TemporaryFolder::read(deployed("postinst"));
+  EXPECT_THAT(script, HasSubstr("udevadm trigger --action=add"));
+  for (const char* subsystem : {"gpio", "iio", "misc", "tty"}) EXPECT_THAT(script, HasSubstr(subsystem));
+  EXPECT_THAT(TemporaryFolder::read(deployed("rig_controller.conf")), HasSubstr("@rig - rtprio 90\n"));
+}
+
+}  // namespace
