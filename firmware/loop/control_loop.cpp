@@ -152,7 +152,7 @@ void ControlLoop::watch_motion() {
 
 bool ControlLoop::level(double wanted) {
   if (!(wanted >= 0.0 && wanted <= ReferencePlayer::highest_level)) return false;
-  wanted_level_.store(static_cast<std::uint32_t>(wanted * 1e6 + 0.5));
+  wanted_level_.store(static_cast<std::uint32_t>(wanted * 2e6 + 1.0) / 2);
   requests_.fetch_or(level_request);
   return true;
 }
