@@ -833,6 +833,16 @@ TEST(RigController, TakesItsExamples) {
   }
 }
 
+// The seal of the heap sees every way to take and to give, by C and by C++, aligned or not.
+TEST(RigController, SealsItsHeap) {
+  const TemporaryFolder streams;
+  const Ended ended = support::RunningProgram(streams, {}, {}, RIGTWIN_HEAP_SEAL_PROBE).wait();
+  if (ended.output.find("malloc 0") != std::string::npos) GTEST_SKIP() << "this build has a malloc of its own";
+  EXPECT_EQ(
+      ended.output,
+      "nothing 0\nmalloc 1\nrealloc 1\nfree 1\nfree nullptr 0\naligned_alloc 1\naligned new 1\naligned delete 1\n");
+}
+
 TEST(RigController, ListsAndHelps) {
   EXPECT_EQ(controller({"--list"}).status, 0);
   EXPECT_NE(controller({"--help"}).output.find("--no-realtime"), std::string::npos);

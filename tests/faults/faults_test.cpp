@@ -1,0 +1,23 @@
+// The first hundred scenarios of the fault campaign; rigtwin_faults plays as many as wanted.
+#include <gtest/gtest.h>
+
+#include "tests/faults/campaign.hpp"
+
+namespace {
+
+// Law. Whatever goes wrong in whatever state: the drive stays within stroke and braking distance, never jumps, stands
+// without power and after a press, comes to rest in its time; valves are safe in safe; every period and the first
+// reason are on record.
+TEST(Faults, AHundredScenariosKeepTheInvariants) {
+  int runs = 0, faults = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    faults::Trial trial(seed);
+    EXPECT_EQ(trial.play(), "") << "seed " << seed;
+    runs += trial.has_run() ? 1 : 0;
+    faults += is_fault(trial.reason()) ? 1 : 0;
+  }
+  EXPECT_GE(runs, 50) << "most scenarios come to a run";
+  EXPECT_GE(faults, 30) << "and many end by a fault";
+}
+
+}  // namespace
