@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "firmware/controller/delay_check.hpp"
 #include "firmware/controller/devices.hpp"
 #include "firmware/controller/real_time.hpp"
 #include "firmware/controller/session.hpp"
@@ -107,9 +108,11 @@ Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
     std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
     return Status::unfit_input;
   }
+  const std::string late = delay_objection(rig, measured_sample_age(roles, settings.period).seconds());
+  if (!late.empty()) std::printf("  delay: %s\n", late.c_str());
   const bool closed = interlocks_closed(roles, rig);
   const bool stops = press_stop(roles, devices);
-  const bool ready = sensors && closed && stops && verdict.granted();
+  const bool ready = sensors && late.empty() && closed && stops && verdict.granted();
   std::printf("rig_controller: %s\n", ready ? "everything but motion is in order" : "NOT READY: see above");
   return ready ? Status::done : Status::refused;
 }

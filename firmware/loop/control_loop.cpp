@@ -380,6 +380,9 @@ hal::Command ControlLoop::step_car(const Motion& foot_point) {
   const double wheel = car_state_.core(CoreIndex::wheel_position);
   car_->step(car_state_, input);
   const auto deflection = car_->deflection(car_state_);
+  if (static_cast<double>(sample_) * period_ < settings_.arming.force_ramp) {
+    energy_guard_.start(deflection.position);  // a force that is faded in feeds energy by itself
+  }
   energy_hazard_ = energy_guard_.follow(car_state_.received_force, deflection.position,
                                         car_state_.core(CoreIndex::wheel_position) - wheel);
   const auto signals = car_->signals(car_state_);

@@ -39,7 +39,8 @@ MotionGuard::MotionGuard(const Limits& limits, const Supervision& supervision, c
   const double steps = supervision.speed_window / period_ + 0.5;
   window_ = steps < 1.0 ? 1 : static_cast<std::size_t>(steps);
   if (window_ > window_length - 1) window_ = window_length - 1;
-  following_steps_ = static_cast<int>(supervision.following_time / period_ + 0.5);
+  const double allowed_steps = supervision.following_time / period_ + 0.5;
+  following_steps_ = static_cast<int>(allowed_steps);
   line_.start({}, static_cast<float>(delay / period_));
 }
 
