@@ -18,7 +18,8 @@ Result<Frame> SensorSource::checked(Result<Frame> frame) const {
       reading = Reading{};
     } else if (!std::isfinite(reading.value)) {
       reading.quality = Quality::not_finite;
-    } else if (reading.value <= setup_[i].lowest || reading.value >= setup_[i].highest) {
+    } else if (reading.quality == Quality::clipped || reading.value <= setup_[i].lowest ||
+               reading.value >= setup_[i].highest) {
       reading.quality = Quality::clipped;
     } else {
       reading.quality = Quality::good;

@@ -20,7 +20,7 @@ enum class Quality : unsigned char {
   missing,     ///< no sample, or no such channel
   good,        ///< finite and inside the measuring range
   not_finite,  ///< NaN or infinite
-  clipped,     ///< at or beyond an end of the measuring range
+  clipped,     ///< at or beyond an end of the measuring range, or at an end of the converter
 };
 
 /// One channel's sample.
@@ -48,8 +48,9 @@ using SensorSetup = std::array<ChannelSetup, channel_capacity>;
 ///
 /// Returns within the control period, on the thread that owns it, without allocating.
 /// timeout: no frame this period.   disconnected: make the rig safe and open the device anew.   refused: not used.
-/// A back-end fills value and stamp and leaves the quality of a channel without a sample at `missing`, of every other
-/// at `good`; finiteness and range are checked here, for every back-end alike.
+/// A back-end fills value and stamp and leaves the quality of a channel without a sample at `missing`, of a sample at
+/// an end of its converter at `clipped`, of every other at `good`; finiteness and range are checked here, for every
+/// back-end alike.
 class SensorSource {
  public:
   explicit SensorSource(const SensorSetup& setup);

@@ -20,6 +20,7 @@
 #include "model/rig_parameters.hpp"
 #include "model/sensors.hpp"
 #include "model/state_index.hpp"
+#include "model/stroke_acceleration.hpp"
 #include "model/subsystems.hpp"
 
 namespace model {
@@ -111,7 +112,8 @@ class RigModel {
     [[no_unique_address]] UnlessCarAlone<Line> line{};
     Stroke<S> delayed{};  ///< x_cmd behind the delay
     typename Machine<S>::State machine = Machine<S>::State::Zero();
-    Recent<S> free_play{}, free_play_rate{};  ///< δ [m], δ̇ [m/s]
+    Recent<S> free_play{}, free_play_rate{};                                     ///< δ [m], δ̇ [m/s]
+    [[no_unique_address]] UnlessCarAlone<StrokeAcceleration<S>> acceleration{};  ///< ẍ_act, with a moving mass only
     [[no_unique_address]] UnlessCarAlone<typename Sensors<S>::State> sensors{};
     std::uint32_t steps = 0;
   };
@@ -252,6 +254,7 @@ class RigModel {
   template <bool General>
   [[nodiscard]] S component_force(const State& x) const;
   [[nodiscard]] S prescribed_force(const State& x) const;
+  [[nodiscard]] S inertia_force(const State& x) const;
 
   RigParameters<S> rig_;
   Equations equations_;
@@ -260,6 +263,7 @@ class RigModel {
   S static_load_;
   S delay_;
   S mass_beyond_sensor_;
+  S moving_mass_;
   bool has_tyre_law_ = false;
   bool has_suspension_law_ = false;
   bool needs_general_step_ = false;  ///< laws, friction, free play, relaxation, top mount, machine or sensor effects

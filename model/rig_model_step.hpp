@@ -18,11 +18,14 @@ RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, Modelle
 
   MachinePath<S> machine{};
   WheelLoadSensor<S> wheel_load{};
+  LoadCell<S> load_cell{};
   rig.effects.act_on(machine);
   rig.effects.act_on(wheel_load);
+  rig.effects.act_on(load_cell);
   delay_ = machine.delay / period;
   has_delay_ = delay_ > S(0);
   mass_beyond_sensor_ = wheel_load.mass_beyond;
+  moving_mass_ = load_cell.moving_mass;
   if constexpr (!car_alone) {
     machine_ = Machine<S>(machine, period);
     if (part != ModelledPart::virtual_car) sensors_ = Sensors<S>(rig.effects.sensor_paths(), period);
@@ -42,7 +45,7 @@ RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, Modelle
     needs_general_step_ = has_tyre_law_;
   } else {
     needs_general_step_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
-                          sensors_.any() || !equations_.plain();
+                          sensors_.any() || !equations_.plain() || moving_mass_ > S(0);
     if (equations_.has_fdva()) {
       duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
     }
@@ -227,6 +230,7 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_rig(State& x, const Input& 
     if (has_machine()) {
       advance_machine<General>(x, command);
       x.received_force = component_force<General>(x);
+      if (General) x.received_force += inertia_force(x);
       if (in.noise != nullptr && !(General && sensors_.any())) x.received_force += (*in.noise)[index(Channel::F)];
     }
   }
@@ -336,6 +340,9 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_machine(State& x, const Str
     advance_component<General>(elaborate_component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
   } else if (equations_.has_fdva()) {
     advance_component<General>(component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
+  }
+  if constexpr (General && !car_alone) {
+    if (moving_mass_ > S(0)) x.acceleration.step(x.reached, reached, period_);
   }
   x.reached = reached;
   if constexpr (General) refresh_laws(x);
@@ -484,6 +491,16 @@ RIGTWIN_NOINLINE S RigModel<S, D, variant>::prescribed_force(const State& x) con
     if (velocity < S(0)) force -= friction;
   }
   return force;
+}
+
+/// Of the mass between load cell and component.
+template <class S, std::size_t D, ModelVariant variant>
+RIGTWIN_INLINE S RigModel<S, D, variant>::inertia_force(const State& x) const {
+  if constexpr (car_alone) {
+    return S(0);
+  } else {
+    return moving_mass_ > S(0) ? moving_mass_ * x.acceleration.value() : S(0);
+  }
 }
 
 template <class S, std::size_t D, ModelVariant variant>

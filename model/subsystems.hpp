@@ -42,6 +42,12 @@ struct Guides {
   S wheel_dry_friction{};  ///< [N], Coulomb
 };
 
+/// Load cell of a test machine, which measures F.
+template <class S>
+struct LoadCell {
+  S moving_mass{};  ///< mass that moves between load cell and component [kg]
+};
+
 /// Sensor of the wheel load.
 template <class S>
 struct WheelLoadSensor {

@@ -190,7 +190,7 @@ class LinuxDevices final : public Devices {
                ", expected one device for each measured channel";
       }
       setup[channel].fitted = true;
-      if (const auto& range = rig.range[channel]) {
+      if (const auto range = trusted_range(rig, channel)) {
         setup[channel].lowest = range->lower;
         setup[channel].highest = range->upper;
       }

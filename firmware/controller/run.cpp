@@ -11,9 +11,12 @@
 #include "firmware/controller/real_time.hpp"
 #include "firmware/controller/session.hpp"
 #include "firmware/description/control_settings.hpp"
+#include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_proof.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "firmware/loop/control_loop.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "firmware/simulation/run_objection.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/gpio.hpp"
 #include "hal/linux/iio.hpp"
@@ -111,6 +114,15 @@ Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
   return ready ? Status::done : Status::refused;
 }
 
+/// What speaks against motion by the description alone, before anything is opened. A description without lines is no
+/// one for devices: open_devices() says so.
+void refuse_unfit(const RigDescription& rig, bool devices) {
+  std::string objection = limits_objection(rig);
+  if (objection.empty() && devices) objection = stability_objection(rig);
+  if (objection.empty() && devices) objection = following_objection(rig);
+  if (!objection.empty()) throw InputError(rig.source, 0, objection, "a description that a rig may run by");
+}
+
 }  // namespace
 
 Status run(const Options& options) {
@@ -120,6 +132,7 @@ Status run(const Options& options) {
     return Status::done;
   }
   const RigDescription rig = read_rig(options.rig);
+  if (options.replay.empty()) refuse_unfit(rig, !options.simulated && rig.hardware.gpio);
   std::string trouble;
   if (!options.histogram.empty()) {  // that it cannot be written is to be known before anything moves
     static_cast<void>(OutputFile(options.histogram));

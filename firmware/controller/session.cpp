@@ -9,14 +9,17 @@
 #include <cstdio>
 #include <cstring>
 
+#include "firmware/controller/delay_check.hpp"
 #include "firmware/controller/heap_seal.hpp"
 #include "firmware/controller/systemd_notify.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_proof.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/simulation/road_choice.hpp"
+#include "firmware/simulation/run_objection.hpp"
 
 namespace firmware::controller {
 namespace {
@@ -48,6 +51,21 @@ FootPointMotion motion_of(const Options& options, const RigDescription& rig, con
   const bool lacks_the_way = replayed != nullptr && !replayed->with_the_way && rig.rig.kind != model::RigKind::hil;
   if (lacks_the_way && !motion.empty() && motion.front().position != 0.0) {
     throw UsageError("--replay of a road that begins elsewhere than at 0: its recording lacks the way there");
+  }
+  return motion;
+}
+
+/// Looked at as a whole before anything moves. A replay shows what was, and is not looked at.
+FootPointMotion fitting_motion(const Options& options, const RigDescription& rig, const ReplayedRun* replayed) {
+  FootPointMotion motion = motion_of(options, rig, replayed);
+  if (replayed != nullptr) return motion;
+  FootPointMotion joined;  // with the joint between two cycles
+  if (options.cycles != 1) {
+    CycleReference twice(motion, 2, rig.period());
+    for (std::uint64_t k = 0; const auto there = twice.at(k); ++k) joined.push_back(*there);
+  }
+  if (const std::string objection = run_objection(rig, joined.empty() ? motion : joined); !objection.empty()) {
+    throw InputError(options.road, 0, objection, "a run within the limits of " + rig.source);
   }
   return motion;
 }
@@ -88,7 +106,7 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       command_(opened_.command),
       roles_(remembering(opened_, command_)),
       valves_(valve_plan(rig)),
-      motion_(motion_of(options, rig, devices.replayed())),
+      motion_(fitting_motion(options, rig, devices.replayed())),
       reference_(motion_, options.cycles, rig.period()),
       storage_(journal_records),
       journal_(storage_),
@@ -110,6 +128,7 @@ Status Session::run() {
   const ForgetTraps until_the_end;
   const cpu_set_t others = cpus_without(rig_.hardware.schedule.cpu);
   if (!acquire_rights()) return Status::refused;
+  if (!options_.simulated && options_.replay.empty() && !keeps_allowed_delay()) return Status::unfit_input;
   if (!open_recording()) return Status::cannot_write;
   recording_ =
       std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay);
@@ -142,6 +161,17 @@ bool Session::acquire_rights() {
   if (!realtime_ || verdict_.granted()) return true;
   std::fputs("rig_controller: refused: no real-time rights; grant what is MISSING above, or say --no-realtime\n",
              stderr);
+  return false;
+}
+
+/// hil on devices: sample age and computation as they are now, against what stability leaves.
+bool Session::keeps_allowed_delay() {
+  if (rig_.rig.kind != model::RigKind::hil) return true;
+  hal::Time delay = measured_sample_age(roles_, settings_.period);
+  if (warmup_) delay = delay + measured_computation([this] { warmup_->step(); }, machine_);
+  const std::string objection = delay_objection(rig_, delay.seconds());
+  if (objection.empty()) return true;
+  std::fprintf(stderr, "rig_controller: %s: %s\n", rig_.source.c_str(), objection.c_str());
   return false;
 }
 

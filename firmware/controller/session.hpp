@@ -47,6 +47,7 @@ class Session {
 
  private:
   [[nodiscard]] bool acquire_rights();
+  [[nodiscard]] bool keeps_allowed_delay();
   [[nodiscard]] bool open_recording();
   void drive();
   [[nodiscard]] bool open_socket();

@@ -1,15 +1,26 @@
 #include "firmware/description/control_settings.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "firmware/description/input_error.hpp"
 
 namespace firmware {
 
+double highest_measured_force(const RigDescription& description) {
+  double highest = std::numeric_limits<double>::infinity();
+  for (const model::Channel channel : {model::Channel::F, model::Channel::F_w}) {
+    const auto range = trusted_range(description, model::index(channel));
+    if (range) highest = std::min({highest, std::abs(range->lower), std::abs(range->upper)});
+  }
+  return highest;
+}
+
 Settings control_settings(const RigDescription& description) {
   const ControllerDescription& c = description.controller;
-  Settings settings;
+  Settings settings = c.loop;
   settings.period = hal::seconds(description.period());
   if (std::abs(settings.period.seconds() * description.sample_rate - 1.0) > 1e-12) {
     throw InputError(description.source, 0, "the period of sample_rate is not a whole number of nanoseconds",
@@ -17,7 +28,7 @@ Settings control_settings(const RigDescription& description) {
   }
   settings.limits.stroke = c.stroke;
   settings.limits.speed = c.speed;
-  settings.limits.force = c.force;
+  settings.limits.force = c.force_given ? c.force : std::min(c.force, 0.95 * highest_measured_force(description));
   settings.limits.energy_gain = c.energy_gain;
   settings.limits.late_in_a_row = description.hardware.schedule.late_in_a_row;
   settings.ramps.rate = c.ramp;
@@ -30,6 +41,7 @@ Settings control_settings(const RigDescription& description) {
 
 Arming arming_settings(const RigDescription& description) {
   Arming arming = description.controller.arming;
+  if (arming.preload <= 0.0) arming.preload = 0.1 * control_settings(description).limits.force;
   if (description.rig.kind != model::RigKind::hil) arming.force_ramp = 0.0;
   return arming;
 }

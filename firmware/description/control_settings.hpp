@@ -7,6 +7,10 @@
 
 namespace firmware {
 
+/// The largest |F| and |F_w| that the sensors can show, by [range] and half a count of their converters [N]; infinite
+/// where no range is known.
+[[nodiscard]] double highest_measured_force(const RigDescription& description);
+
 /// Period, limits, ramps and observers. InputError if the period is not a whole number of nanoseconds or if
 /// Settings::check() fails.
 [[nodiscard]] Settings control_settings(const RigDescription& description);

@@ -1,5 +1,6 @@
 #include "firmware/description/rig_description.hpp"
 
+#include <cmath>
 #include <fstream>
 
 #include "firmware/description/input_error.hpp"
@@ -194,6 +195,18 @@ void check_physics(const toml::table& top, const RigDescription& description) {
 }
 
 }  // namespace
+
+std::optional<MeasuringRange> trusted_range(const RigDescription& description, std::size_t channel) {
+  std::optional<MeasuringRange> range = description.range[channel];
+  if (!range || !description.hardware.converters) return range;
+  for (const auto& input : description.hardware.converters->inputs) {
+    const double count = std::abs(input.scale);
+    if (input.channel != channel || range->upper - range->lower <= 2.0 * count) continue;
+    range->lower += 0.5 * count;
+    range->upper -= 0.5 * count;
+  }
+  return range;
+}
 
 RigDescription parse_rig(std::string_view text, std::string_view source) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {

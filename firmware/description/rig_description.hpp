@@ -36,8 +36,10 @@ struct ControllerDescription {
   double stroke = 0.250;     ///< whole travel of cylinder or machine [m], half of it to each side of the middle
   double speed = 0.7;        ///< of cylinder or machine [m/s]
   double force = 25e3;       ///< [N]
+  bool force_given = false;  ///< by the description; else control_settings() keeps it within the measuring range
   double energy_gain = 1.0;  ///< hil: energy that the interface may feed, in terms of what the dampers take
   double ramp = 0.05;  ///< speed at which the command goes to the start of a run, and to rest in the safe state [m/s]
+  Settings loop{};  ///< every other setting of the control loop that the description has; not its period and the above
   double cross_over = 0.0;          ///< of the velocity estimate [Hz]; 0: the firmware's own default
   model::OpenDucts safe_ducts = 0;  ///< open in the safe state
   struct Switching {
@@ -75,6 +77,10 @@ struct RigDescription {
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }
 };
+
+/// [range] of a channel without half a count of its converter at each end: a count stands for all values within half of
+/// it, so a sample so near to an end may lie beyond. A range narrower than two counts has no such ends and stays.
+[[nodiscard]] std::optional<MeasuringRange> trusted_range(const RigDescription& description, std::size_t channel);
 
 /// A parameter as rig descriptions, tolerances and results name it: "body.mass".
 struct ParameterPath {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_settings.hpp"
 #include "firmware/description/number_text.hpp"
 #include "firmware/description/spelling.hpp"
 #include "firmware/loop/valve_plan.hpp"
@@ -148,6 +149,58 @@ void read_converters(DescriptionTable& table, ConverterDescription& converters) 
   table.finish();
 }
 
+/// The settings of loop_settings() that stand in this table.
+void read_loop_settings(DescriptionTable& table, std::string_view name, Settings& settings) {
+  for (const LoopSetting& setting : loop_settings()) {
+    if (setting.table != name) continue;
+    double value = setting.get(settings);
+    if (setting.whole) {
+      const auto bound = [](double number) { return static_cast<int>(number); };
+      if (table.has(setting.key)) value = table.whole_in(setting.key, bound(setting.lowest), bound(setting.highest));
+    } else {
+      table.number_in(setting.key, value, setting.lowest, setting.highest, setting.what);
+    }
+    setting.set(settings, value);
+  }
+}
+
+/// Bounds are wide for a test rig and narrow enough to find a value in other units: 250.0 for a stroke of 250 mm
+/// switched the limit off.
+void read_limits(DescriptionTable& top, ControllerDescription& controller) {
+  auto table = top.table("limits");
+  if (!table) return;
+  table->number_in("stroke", controller.stroke, 1e-3, 2.0, "the whole travel of the drive in m (not mm)");
+  table->number_in("speed", controller.speed, 1e-3, 100.0, "a speed in m/s");
+  controller.force_given = table->has("force");
+  table->number_in("force", controller.force, 1.0, 1e6, "a force in N (not kN)");
+  table->number_in("ramp", controller.ramp, 1e-4, 1.0, "the speed to the start and back to rest in m/s");
+  table->number_in("energy_gain", controller.energy_gain, 1e-3, 100.0, "an energy ratio; 1 is the border of stability");
+  if (controller.ramp > controller.speed) {
+    table->fail(table->has("ramp") ? "ramp" : "speed", "limits.ramp is faster than limits.speed",
+                "a ramp of at most " + shortest(controller.speed) + " m/s");
+  }
+  read_loop_settings(*table, "limits", controller.loop);
+  const Limits& limits = controller.loop.limits;
+  const auto within = [&](std::string_view key, double value, std::string_view of, double lowest, double highest) {
+    if (!table->has(key) || (value >= lowest && value <= highest)) return;
+    table->fail(key, table->path(key) + " = " + shortest(value) + " does not fit limits." + std::string(of),
+                shortest(lowest) + " to " + shortest(highest));
+  };
+  within("measured_stroke", limits.measured_stroke, "stroke", controller.stroke, 2.0 * controller.stroke);
+  within("measured_speed", limits.measured_speed, "speed", controller.speed, 10.0 * controller.speed);
+  within("following", limits.following, "stroke", 0.0, 0.49 * controller.stroke);
+  table->finish();
+}
+
+void read_supervision(DescriptionTable& top, Settings& settings) {
+  for (const std::string_view name : {"supervision", "motion"}) {
+    auto table = top.table(name);
+    if (!table) continue;
+    read_loop_settings(*table, name, settings);
+    table->finish();
+  }
+}
+
 }  // namespace
 
 /// A waiver is a sentence by somebody who answers for it, not a switch.
@@ -168,18 +221,8 @@ void read_waivers(DescriptionTable& top, std::map<std::string, std::string>& wai
 
 void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig,
                      ControllerDescription& controller) {
-  if (auto limits = top.table("limits")) {
-    if (limits->has("stroke")) controller.stroke = limits->positive("stroke");
-    if (limits->has("speed")) controller.speed = limits->positive("speed");
-    if (limits->has("force")) controller.force = limits->positive("force");
-    if (limits->has("ramp")) controller.ramp = limits->positive("ramp");
-    if (limits->has("energy_gain")) controller.energy_gain = limits->positive("energy_gain");
-    if (controller.ramp > controller.speed) {
-      limits->fail(limits->has("ramp") ? "ramp" : "speed", "limits.ramp is faster than limits.speed",
-                   "a ramp of at most " + shortest(controller.speed) + " m/s");
-    }
-    limits->finish();
-  }
+  read_limits(top, controller);
+  read_supervision(top, controller.loop);
   if (auto estimator = top.table("estimator")) {
     if (estimator->has("cross_over")) controller.cross_over = estimator->positive("cross_over");
     estimator->finish();
@@ -230,7 +273,6 @@ void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& 
 void read_arming(DescriptionTable& top, model::RigKind kind, const Waivers& waivers,
                  ControllerDescription& controller) {
   Arming& arming = controller.arming;
-  arming.preload = 0.1 * controller.force;
   if (kind != model::RigKind::quarter_car) arming.probe_amplitude = 2e-3;
   auto table = top.table("arming");
   if (!table) return;
@@ -263,7 +305,9 @@ void read_hardware(DescriptionTable& top, const model::RigParameters<double>& ri
     if (controller->has("cpu")) schedule.cpu = controller->whole_in("cpu", 0, 1023);
     if (controller->has("late_in_a_row")) schedule.late_in_a_row = controller->whole_in("late_in_a_row", 1, 1000000);
     if (controller->has("wake_early")) schedule.wake_early = controller->not_negative("wake_early");
-    if (controller->has("allowed_delay")) schedule.allowed_delay = controller->positive("allowed_delay");
+    controller->number_in("allowed_delay", schedule.allowed_delay, 1e-6, 0.5,
+                          "the longest sample age and computation in s, as rigtwin stability --write-limits writes it");
+    if (controller->has("proven")) schedule.proven = controller->text("proven");
     controller->finish();
   }
   if (auto gpio = top.table("gpio")) read_gpio(*gpio, rig, waivers, hardware.gpio.emplace());

@@ -62,6 +62,17 @@ double DescriptionTable::factor(std::string_view key) {
   return value;
 }
 
+void DescriptionTable::number_in(std::string_view key, double& value, double lowest, double highest,
+                                 std::string_view why) {
+  if (!has(key)) return;
+  const double given = number(key);
+  if (!(given >= lowest && given <= highest)) {
+    fail(key, path(key) + " = " + shortest(given) + " does not fit",
+         std::string(why) + ", " + shortest(lowest) + " to " + shortest(highest));
+  }
+  value = given;
+}
+
 void DescriptionTable::optional_number(std::string_view key, double& value) {
   if (has(key)) value = number(key);
 }

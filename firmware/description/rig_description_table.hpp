@@ -32,6 +32,8 @@ class DescriptionTable {
   double positive(std::string_view key);
   double not_negative(std::string_view key);
   double factor(std::string_view key);  ///< a number other than 0
+  /// Where the key is there: a number within bounds; `why`: what they stand for, in words.
+  void number_in(std::string_view key, double& value, double lowest, double highest, std::string_view why);
   void optional_number(std::string_view key, double& value);
   int whole(std::string_view key);                              ///< a whole number that fits an int
   int whole_in(std::string_view key, int lowest, int highest);  ///< within bounds

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/loop_settings.hpp"
 #include "firmware/description/number_text.hpp"
 #include "firmware/description/quantity.hpp"
 
@@ -119,9 +120,18 @@ void write_controller(Text& out, const RigDescription& description) {
   out.table("limits");
   out.line("stroke", real(controller.stroke));
   out.line("speed", real(controller.speed));
-  out.line("force", real(controller.force));
+  if (controller.force_given || controller.force != ControllerDescription{}.force)
+    out.line("force", real(controller.force));
   out.line("ramp", real(controller.ramp));
   if (description.rig.kind == RigKind::hil) out.line("energy_gain", real(controller.energy_gain));
+  const Settings usual{};
+  std::string_view open = "limits";
+  for (const LoopSetting& setting : loop_settings()) {
+    if (setting.table != open) out.table(std::string(open = setting.table));
+    const double value = setting.get(controller.loop);
+    if (value == setting.get(usual)) continue;
+    out.line(std::string(setting.key), setting.whole ? std::to_string(static_cast<int>(value)) : real(value));
+  }
   out.table("estimator");
   if (controller.cross_over > 0.0) out.line("cross_over", real(controller.cross_over));
   out.table("valves");
@@ -136,7 +146,7 @@ void write_controller(Text& out, const RigDescription& description) {
   const Arming& arming = controller.arming;
   out.table("arming");
   out.line("tare_time", real(arming.tare_time));
-  out.line("preload", real(arming.preload));
+  if (arming.preload > 0.0) out.line("preload", real(arming.preload));
   out.line("position_tolerance", real(arming.position_tolerance));
   out.line("probe_amplitude", real(arming.probe_amplitude));
   out.line("force_ramp", real(arming.force_ramp));
@@ -163,6 +173,7 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   }
   if (schedule.wake_early != usual.wake_early) out.line("wake_early", real(schedule.wake_early));
   if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
+  if (!schedule.proven.empty()) out.line("proven", basic_string_of(schedule.proven));
   if (hardware.gpio) {
     const GpioDescription& gpio = *hardware.gpio;
     const GpioDescription ordinary{};

@@ -11,7 +11,7 @@ std::uint64_t periods_of(double time, double period) {
   return static_cast<double>(whole) < exact ? whole + 1 : whole;
 }
 
-double magnitude(double x) { return x < 0.0 ? -x : x; }
+double size_of(double x) { return x < 0.0 ? -x : x; }
 
 Trip refusal(Reason reason, std::optional<model::Channel> channel, double value, double limit, hal::Time now) {
   return {reason, channel, value, limit, now};
@@ -86,13 +86,13 @@ std::optional<Trip> ArmingChecks::look(const Seen& seen) {
 std::optional<Trip> ArmingChecks::away(const Seen& seen, double tolerance) const {
   if (settings_.position_tolerance <= 0.0 || !seen.position) return std::nullopt;
   const double error = *seen.position - seen.command;
-  if (magnitude(error) <= tolerance) return std::nullopt;
+  if (size_of(error) <= tolerance) return std::nullopt;
   return refusal(Reason::arming_position, expected_.position, error, tolerance, seen.now);
 }
 
 std::optional<Trip> ArmingChecks::compare(const Seen& seen) {
   if (settings_.position_tolerance > 0.0) {
-    if (seen.read_back && magnitude(*seen.read_back - seen.command) > settings_.position_tolerance) {
+    if (seen.read_back && size_of(*seen.read_back - seen.command) > settings_.position_tolerance) {
       if ((seen.now - since_).seconds() < patience) return std::nullopt;
       return refusal(Reason::arming_read_back, std::nullopt, *seen.read_back - seen.command,
                      settings_.position_tolerance, seen.now);
@@ -128,7 +128,7 @@ std::optional<Trip> ArmingChecks::rest(const Seen& seen) {
     return std::nullopt;
   }
   tare_ = force_.mean();
-  if (magnitude(tare_) > settings_.preload) {
+  if (size_of(tare_) > settings_.preload) {
     return refusal(Reason::arming_preload, model::Channel::F, tare_, settings_.preload, seen.now);
   }
   enter(Step::done);

@@ -8,6 +8,8 @@
 #include "firmware/loop/settings.hpp"
 #include "firmware/loop/trip.hpp"
 #include "hal/command_output.hpp"
+#include "hal/time.hpp"
+#include "model/channel.hpp"
 
 namespace firmware {
 

@@ -10,11 +10,18 @@
 
 namespace firmware {
 
-/// Holds every command against stroke and speed.
+/// Holds every command against stroke, speed and acceleration.
 ///
-/// Not finite, or beyond the stroke: a hazard at once, the command does not pass. Faster than the limit: the command
-/// moves as far as one period at that speed allows, is counted, and is a hazard when this lasts longer than speed_time
-/// without a break. A feed-forward velocity beyond the limit is cut to it in the same way.
+/// Not finite, or beyond the stroke: a hazard at once, the command does not pass. Faster than the limit, or
+/// accelerating more than the limit: the command moves as far as the limits allow, is counted, and is a hazard when
+/// this lasts longer than speed_time without a break. With e the way to the wanted place beyond what its own velocity v
+/// covers in a period h, and a the acceleration limit:
+///
+///   (1)  v⁺ = v + sgn(e) (√(a² h² + 2 a |e|) − a h)      so fast that braking by a still ends at the wanted place
+///   (2)  v⁺ within last velocity ± a h, then within ± speed
+///
+/// Speed and acceleration are those of the positions. A feed-forward velocity beyond the limit is cut to it and counted
+/// in the same way; a feed-forward acceleration is cut.
 class CommandGuard {
  public:
   CommandGuard(const Limits& limits, double period, double rest);
@@ -35,12 +42,18 @@ class CommandGuard {
   [[nodiscard]] std::uint64_t limited_count() const { return limited_count_; }
 
  private:
+  /// The position one period on that comes nearest to the wanted one.
+  [[nodiscard]] hal::Command catch_up(const hal::Command& wanted) const;
+
   double half_stroke_;
   double speed_;
+  double acceleration_;
   double speed_time_;
   double period_;
   hal::Command last_{};
   double velocity_ = 0.0;
+  double cause_ = 0.0;         ///< of the limiting: the first acceleration [m/s²], or the last speed [m/s]
+  bool began_sudden_ = false;  ///< it began with an acceleration
   std::uint64_t limited_in_a_row_ = 0;
   std::uint64_t limited_count_ = 0;
 };

@@ -52,7 +52,11 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
       samples_(settings.limits, settings.period, rig.sensors),
       estimator_(samples_, parameters.tyre.stiffness, settings.observers, period_),
       command_guard_(settings.limits, period_, settings.ramps.rest),
-      energy_guard_(settings.limits, parameters.machine.virtual_damping, parameters.tyre.damping, period_),
+      energy_guard_(settings.limits, parameters.machine.virtual_damping, parameters.tyre.damping, period_,
+                    settings.supervision.growth_time),
+      motion_guard_(settings.limits, settings.supervision, parameters, period_),
+      frozen_guard_(settings.supervision, parameters),
+      lateness_guard_(settings.limits, settings.supervision, settings.period),
       arming_(settings, expected_of(parameters)),
       player_(reference, period_) {
   model::require(check(settings, parameters, rig, valves).empty(), "a control loop of parts that fit");
@@ -64,9 +68,10 @@ void ControlLoop::step() {
   keep_time(now);
   samples_.take(rig_.sensors.read(), now);
   estimator_.step(samples_);
+  watch_motion();
 
   const unsigned requests = requests_.exchange(0);
-  if ((requests & level_request) != 0) player_.level(wanted_level_.load());
+  if ((requests & level_request) != 0) player_.level(static_cast<double>(wanted_level_.load()) / 1e6);
   const bool stands = mode_ == Mode::safe && at_rest();
   if (stands && (requests & (acknowledge_request | rest_request)) != 0) rig_.stop_button.release();
   std::optional<Trip> hazard = find_hazard(now);
@@ -120,32 +125,46 @@ void ControlLoop::step() {
 void ControlLoop::keep_time(hal::Time now) {
   if (due_ == hal::never) due_ = now;
   lateness_ = now - due_;
-  if (lateness_ > hal::seconds(settings_.limits.late_after * period_)) {
+  if (lateness_guard_.follow(lateness_)) {
     ++counters_.late_periods;
-    if (late_in_a_row_ < settings_.limits.late_in_a_row) ++late_in_a_row_;
     due_ = now;
-  } else {
-    late_in_a_row_ = 0;
   }
   due_ += settings_.period;
 }
 
+/// While the drive has power it must go where it is told, in every state. Without power it may stand or be moved.
+/// Arming has checks of its own for sensors that do not answer.
+void ControlLoop::watch_motion() {
+  motion_hazard_.reset();
+  if (!enabled_) {
+    motion_guard_.start(command_guard_.last().position);
+    frozen_guard_.start();
+    return;
+  }
+  motion_hazard_ = motion_guard_.follow(command_guard_.last(), samples_);
+  if (mode_ == Mode::arming) {
+    frozen_guard_.start();
+    return;
+  }
+  const std::optional<Trip> frozen = frozen_guard_.follow(samples_, motion_guard_.expected(), command_guard_.last());
+  if (!motion_hazard_) motion_hazard_ = frozen;
+}
+
 bool ControlLoop::level(double wanted) {
   if (!(wanted >= 0.0 && wanted <= ReferencePlayer::highest_level)) return false;
-  wanted_level_.store(wanted);
+  wanted_level_.store(static_cast<std::uint32_t>(wanted * 1e6 + 0.5));
   requests_.fetch_or(level_request);
   return true;
 }
 
 std::optional<Trip> ControlLoop::find_hazard(hal::Time now) {
-  std::optional<Trip> late;
-  if (late_in_a_row_ >= settings_.limits.late_in_a_row) {
-    late = Trip{Reason::late, std::nullopt, static_cast<double>(late_in_a_row_),
-                static_cast<double>(settings_.limits.late_in_a_row), now};
+  std::optional<Trip> late = lateness_guard_.hazard();
+  for (std::optional<Trip>* hazard : {&late, &motion_hazard_}) {
+    if (*hazard) (*hazard)->time = now;
   }
   // The first that matters; one that lasts from the trip must not hide another.
-  const std::array<std::optional<Trip>, 5> all{find_stop(now), find_open_interlock(now), samples_.hazard(),
-                                               samples_.limit_hazard(), late};
+  const std::array<std::optional<Trip>, 6> all{
+      find_stop(now), find_open_interlock(now), samples_.hazard(), samples_.limit_hazard(), late, motion_hazard_};
   const std::optional<Trip>* first = nullptr;
   for (const std::optional<Trip>& hazard : all) {
     if (!hazard) continue;

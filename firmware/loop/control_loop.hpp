@@ -9,8 +9,11 @@
 #include "firmware/loop/arming_checks.hpp"
 #include "firmware/loop/command_guard.hpp"
 #include "firmware/loop/energy_guard.hpp"
+#include "firmware/loop/frozen_guard.hpp"
 #include "firmware/loop/journal.hpp"
+#include "firmware/loop/lateness_guard.hpp"
 #include "firmware/loop/mode.hpp"
+#include "firmware/loop/motion_guard.hpp"
 #include "firmware/loop/ramp.hpp"
 #include "firmware/loop/reference.hpp"
 #include "firmware/loop/reference_player.hpp"
@@ -114,6 +117,7 @@ class ControlLoop {
   }
 
   void keep_time(hal::Time now);
+  void watch_motion();
   [[nodiscard]] std::optional<Trip> find_hazard(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_stop(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_open_interlock(hal::Time now);
@@ -146,6 +150,10 @@ class ControlLoop {
   StateEstimator estimator_;
   CommandGuard command_guard_;
   EnergyGuard energy_guard_;
+  MotionGuard motion_guard_;
+  FrozenGuard frozen_guard_;
+  LatenessGuard lateness_guard_;
+  std::optional<Trip> motion_hazard_{};  ///< of this period, by motion and frozen guard
   ArmingChecks arming_;
   ReferencePlayer player_;
   std::optional<Trip> energy_hazard_{};  ///< of this period
@@ -153,7 +161,7 @@ class ControlLoop {
   ReturnToRest return_{};
 
   std::atomic<unsigned> requests_{0};
-  std::atomic<double> wanted_level_{1.0};
+  std::atomic<std::uint32_t> wanted_level_{0};  ///< in millionths: a board has no atomic double
   Mode mode_ = Mode::idle;
   Trip trip_{};
   Trip second_{};
@@ -167,7 +175,6 @@ class ControlLoop {
   Counters counters_{};
   hal::Time due_ = hal::never;
   hal::Time lateness_{};  ///< of this period
-  int late_in_a_row_ = 0;
   int failed_commands_in_a_row_ = 0;
   std::uint64_t periods_ = 0;
   std::uint64_t sample_ = 0;        ///< k, in mode running

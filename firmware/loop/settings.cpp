@@ -6,6 +6,33 @@ namespace {
 /// Neither NaN (compares false) nor infinite (1e300 is far beyond any rig).
 bool positive(double value) { return value > 0.0 && value < 1e300; }
 bool not_negative(double value) { return value >= 0.0 && value < 1e300; }
+/// Also never_reached.
+bool positive_or_never(double value) { return value > 0.0; }
+
+std::string_view check_motion(const Limits& limits, const Supervision& supervision) {
+  if (!(limits.acceleration >= 0.0)) return "limits.acceleration: expected an acceleration above 0 m/s²";
+  if (!positive_or_never(limits.following)) return "limits.following: expected a distance above 0 m";
+  if (limits.measured_stroke != 0.0 && !(limits.measured_stroke >= limits.stroke)) {
+    return "limits.measured_stroke: expected at least limits.stroke";
+  }
+  if (limits.measured_speed != 0.0 && !(limits.measured_speed >= limits.speed)) {
+    return "limits.measured_speed: expected at least limits.speed";
+  }
+  if (!not_negative(supervision.following_time)) return "supervision.following_time: expected a time of at least 0 s";
+  if (!positive(supervision.speed_window)) return "supervision.speed_window: expected a time above 0 s";
+  if (supervision.frozen_samples < 0) return "supervision.frozen_samples: expected at least 0 samples";
+  if (!positive_or_never(supervision.frozen_way)) return "supervision.frozen_way: expected a distance above 0 m";
+  if (!positive_or_never(supervision.frozen_speed)) return "supervision.frozen_speed: expected a speed above 0 m/s";
+  if (!positive_or_never(supervision.frozen_acceleration)) {
+    return "supervision.frozen_acceleration: expected an acceleration above 0 m/s²";
+  }
+  if (!(supervision.late_leak > 0.0 && supervision.late_leak <= 1.0)) {
+    return "supervision.late_leak: expected a number of periods, above 0 and at most 1";
+  }
+  if (!positive_or_never(supervision.gap)) return "supervision.gap: expected a time above 0 s";
+  if (!positive_or_never(supervision.growth_time)) return "supervision.growth_time: expected a time above 0 s";
+  return {};
+}
 
 }  // namespace
 
@@ -27,6 +54,7 @@ std::string_view Settings::check() const {
   if (!positive(limits.energy_memory)) return "limits.energy_memory: expected a time above 0 s";
   if (!not_negative(limits.energy_quiet)) return "limits.energy_quiet: expected a width of at least 0 m";
   if (limits.energy_cycles < 1) return "limits.energy_cycles: expected at least 1 cycle";
+  if (const std::string_view wrong = check_motion(limits, supervision); !wrong.empty()) return wrong;
   const double half_stroke = 0.5 * limits.stroke;
   if (!(ramps.rest >= -half_stroke && ramps.rest <= half_stroke))
     return "ramps.rest: expected a place within the stroke";

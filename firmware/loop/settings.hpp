@@ -1,6 +1,7 @@
 // What can be set about the control program.
 #pragma once
 
+#include <limits>
 #include <string_view>
 
 #include "hal/time.hpp"
@@ -11,12 +12,18 @@ namespace firmware {
 struct Limits {
   double stroke = 0.250;      ///< whole travel; a command stays within ± half of it [m]. Beyond: trips at once
   double speed = 0.7;         ///< of the command [m/s]. Beyond: limited and counted
+  double acceleration = 0.0;  ///< of the command [m/s²]. Beyond: limited and counted. 0: highest_acceleration()
   double speed_time = 0.050;  ///< limited for longer than this without a break: trips [s]
   double force = 25e3;        ///< |measured force| [N]. Beyond: trips at once
   int bridged_in_a_row = 3;   ///< a bad sample is bridged by the last good one; so many in a row trip (1: at once)
   double stale_after = 5.0;   ///< a sample older (or from further in the future) than so many periods is bad
   double late_after = 0.25;   ///< a period that begins so many periods after it was due is late
-  int late_in_a_row = 5;      ///< so many late periods in a row trip
+  int late_in_a_row = 5;      ///< so many late periods in a row trip; LatenessGuard counts
+
+  // Of what the rig does: MotionGuard says what they mean.
+  double following = 0.010;      ///< |measured − expected position| [m]. For following_time: trips
+  double measured_stroke = 0.0;  ///< whole measured travel [m]; 0: highest_measured_stroke()
+  double measured_speed = 0.0;   ///< of the measured position [m/s]; 0: highest_measured_speed()
 
   // Of a hil rig: EnergyGuard says what they mean.
   double energy_gain =
@@ -24,6 +31,34 @@ struct Limits {
   double energy_memory = 0.5;  ///< over so long [s]: 7 cycles of a wheel
   double energy_quiet = 2e-3;  ///< cycles narrower than this, peak to peak, do no harm [m]
   int energy_cycles = 3;       ///< so many cycles in a row trip
+
+  /// [m/s²] A sine of 30 Hz, the bandwidth of the roads that a cylinder follows, has it at the speed limit.
+  [[nodiscard]] double highest_acceleration() const {
+    constexpr double thirty_hertz = 188.49555921538757;  // [rad/s]
+    return acceleration > 0.0 ? acceleration : thirty_hertz * speed;
+  }
+  /// [m] 1 % of the stroke on each side is room for the noise of a sensor and the overshoot of a machine.
+  [[nodiscard]] double highest_measured_stroke() const {
+    return measured_stroke > 0.0 ? measured_stroke : 1.02 * stroke;
+  }
+  /// [m/s] A quarter of the speed limit is room for the noise of a differentiated sensor.
+  [[nodiscard]] double highest_measured_speed() const { return measured_speed > 0.0 ? measured_speed : 1.25 * speed; }
+};
+
+/// For a limit or a time that shall never act.
+inline constexpr double never_reached = std::numeric_limits<double>::infinity();
+
+/// How the guards look. README.md of this folder says where each number comes from.
+struct Supervision {
+  double following_time = 0.050;     ///< a following error for longer than this trips [s]
+  double speed_window = 0.010;       ///< the measured speed is a difference over so long [s]
+  int frozen_samples = 200;          ///< a value that stays the same for so many samples may be frozen; 0: none is
+  double frozen_way = 2e-3;          ///< … and is, if the machine has moved so far meanwhile [m]
+  double frozen_speed = 0.05;        ///< … or the foot point's speed has changed so much [m/s]
+  double frozen_acceleration = 0.5;  ///< … and its acceleration so much [m/s²]
+  double late_leak = 0.25;           ///< a punctual period makes up for so many late ones
+  double gap = 0.010;                ///< one period that begins so late trips at once [s]
+  double growth_time = 0.1;          ///< a hil interface that pushes outwards for so long trips [s]
 };
 
 /// How the command gets to the reference and back.
@@ -53,6 +88,7 @@ struct Observers {
 struct Settings {
   hal::Time period = hal::milliseconds(1);
   Limits limits{};
+  Supervision supervision{};
   Ramps ramps{};
   Arming arming{};
   Observers observers{};

@@ -43,10 +43,17 @@ enum class Reason : unsigned char {
   arming_noise,           ///< too much noise to tell signs by the probe
   arming_polarity_x_act,  ///< the measured position does not follow the command in sign and size
   arming_polarity_F,      ///< the force does not answer the deflection in sign and size
-  late,                   ///< too many late periods in a row
+  late,                   ///< too many late periods
+  following_error,        ///< the measured position is not where the machine should be, for too long
+  measured_stroke,        ///< a measured position beyond its limit
+  measured_speed,         ///< the measured position moves faster than its limit
+  sensor_frozen,          ///< a channel shows the same value while the rig moves
+  acceleration,           ///< a command that accelerates more than the limit for too long
+  growth,                 ///< a hil interface that drives the car outwards: the loop diverges
+  gap,                    ///< one period began far too late
 };
 
-inline constexpr Reason last_reason = Reason::late;
+inline constexpr Reason last_reason = Reason::gap;
 
 [[nodiscard]] constexpr std::string_view name(Reason reason) {
   constexpr auto names = std::to_array<std::string_view>({"none",
@@ -78,7 +85,14 @@ inline constexpr Reason last_reason = Reason::late;
                                                           "arming_noise",
                                                           "arming_polarity_x_act",
                                                           "arming_polarity_F",
-                                                          "late"});
+                                                          "late",
+                                                          "following_error",
+                                                          "measured_stroke",
+                                                          "measured_speed",
+                                                          "sensor_frozen",
+                                                          "acceleration",
+                                                          "growth",
+                                                          "gap"});
   return names[static_cast<std::size_t>(reason)];
 }
 
@@ -99,6 +113,9 @@ inline constexpr Reason last_reason = Reason::late;
     case Reason::command_failed:  // what the drive does is unknown
     case Reason::valves_failed:
     case Reason::enable_failed:
+    case Reason::following_error:  // it does not go where it is told
+    case Reason::measured_stroke:
+    case Reason::measured_speed:
     case Reason::arming_read_back:  // the signs are unknown: a way back may lead away
     case Reason::arming_position:
     case Reason::arming_not_at_rest:

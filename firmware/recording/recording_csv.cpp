@@ -53,7 +53,8 @@ const char* read_number(const char* text, const char* end, double& value) {
 // Reads a file line by line, whatever blocks its bytes come in.
 class CsvReader {
  public:
-  CsvReader(std::string_view source, const ChannelMap& map, bool ages = false) : map_(map), ages_(ages) {
+  CsvReader(std::string_view source, const ChannelMap& map, Missing missing, bool ages = false)
+      : map_(map), missing_(missing), ages_(ages) {
     recording_.source = source;
   }
 
@@ -87,7 +88,13 @@ class CsvReader {
     take_last_row();
     keep_the_run();
     const std::string& source = recording_.source;
-    if (by_controller_) fill_gaps(recording_, late_, {source, first_row_}, expected_rate);
+    if (by_controller_ || missing_ == Missing::mark) {
+      const std::vector<double>& time = recording_.time;
+      const bool rises = std::adjacent_find(time.begin(), time.end(), std::greater_equal<>()) == time.end();
+      const double period = expected_rate || time.size() < 2 ? 1.0 / expected_rate.value_or(1.0) : median_step(time);
+      fill_gaps(recording_, late_, {source, first_row_}, expected_rate, missing_,
+                rises && !time.empty() ? stamp_error(time, rounding_, period) : 0.0);
+    }
     check_time(recording_, rounding_, {source, first_row_}, expected_rate);
     if (!rest_.empty()) {
       recording_.remark += (recording_.remark.empty() ? one_line(source) + ": " : "; ") + "the last row is torn";
@@ -243,7 +250,8 @@ class CsvReader {
       while (p != end && is_blank(*p)) ++p;
       if (p != end && *p != ',') fail_row(row);
       const double value = column.target.value(number);
-      const bool lost = by_controller_ && std::isnan(value) && column.target.quantity != time_quantity;
+      const bool lost =
+          (by_controller_ || missing_ == Missing::mark) && std::isnan(value) && column.target.quantity != time_quantity;
       if ((!std::isfinite(value) && !lost) || column.target.quantity >= first_duct) {
         if (const Objection objection = object_to(column.target.quantity, value)) {
           check_field_count(row);
@@ -320,6 +328,7 @@ class CsvReader {
   bool own_ = false;            // written by rigtwin
   bool by_controller_ = false;  // by rig_controller: it has a column late
   std::vector<double> late_;    // of each row [s]
+  Missing missing_;             // what becomes of gaps
   std::vector<double> mode_;    // of each row; empty: all rows are the run
   std::vector<double> reason_;  // of each row
   bool ages_;                   // are read as well
@@ -355,8 +364,8 @@ void refuse_matlab(const RecordingFile& file, const std::filesystem::path& name)
 }  // namespace
 
 Recording read_recording_csv(int descriptor, std::string_view head, std::string_view source, const ChannelMap& map,
-                             std::optional<double> expected_rate, std::size_t block) {
-  CsvReader reader(source, map);
+                             std::optional<double> expected_rate, Missing missing, std::size_t block) {
+  CsvReader reader(source, map, missing);
   read_all(reader, descriptor, head, source, block);
   return reader.finish(expected_rate);
 }
@@ -371,14 +380,14 @@ Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap
 AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map) {
   const RecordingFile opened(file);
   refuse_matlab(opened, file);
-  CsvReader reader(file.string(), map, true);
+  CsvReader reader(file.string(), map, Missing::refuse, true);
   read_all(reader, opened.descriptor(), opened.head(), file.string(), std::size_t{1} << 20U);
   return reader.finish_as_recorded();
 }
 
 Recording parse_recording_csv(std::string_view text, std::string_view source, const ChannelMap& map,
-                              std::optional<double> expected_rate) {
-  CsvReader reader(source, map);
+                              std::optional<double> expected_rate, Missing missing) {
+  CsvReader reader(source, map, missing);
   reader.take(text);
   return reader.finish(expected_rate);
 }

@@ -12,17 +12,20 @@
 
 #include "firmware/description/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_gaps.hpp"
 #include "firmware/recording/run_columns.hpp"
 
 namespace firmware {
 
 /// Reads CSV text in memory, with the checks of host_sim/recording_files; `source` names it in messages.
 [[nodiscard]] Recording parse_recording_csv(std::string_view text, std::string_view source, const ChannelMap& map = {},
-                                            std::optional<double> expected_rate = std::nullopt);
+                                            std::optional<double> expected_rate = std::nullopt,
+                                            Missing missing = Missing::refuse);
 
 /// Reads an opened CSV file in blocks of `block` bytes; its first bytes, `head`, have been read already.
 [[nodiscard]] Recording read_recording_csv(int descriptor, std::string_view head, std::string_view source,
                                            const ChannelMap& map, std::optional<double> expected_rate,
+                                           Missing missing = Missing::refuse,
                                            std::size_t block = std::size_t{1} << 20U);
 
 /// Reads a CSV file; a MATLAB file is an InputError. For programs without the MATLAB reader.

@@ -21,12 +21,25 @@ namespace firmware {
 ///   NaN           a missing sample: interpolated linearly as well
 ///
 /// Such rows are marked in Recording::filled and no analysis uses them. Recording::remark holds their number and the
-/// lateness. Gaps above 20 ms are refused: 20 ms is a quarter of a period at a wheel resonance of 12 Hz, the limit of
-/// linear interpolation there.
+/// lateness. 20 ms are the longest gap that a straight line may bridge: a quarter of a period at a wheel resonance of
+/// 12 Hz. `Missing` says what becomes of longer ones.
 ///
-/// InputErrors: a step that `late` does not explain, a gap beyond 20 ms, more rows missing than recorded. Times that do
-/// not rise are left to check_time().
+/// `stamp_error`: rounding of the times as printed [s].
+///
+/// InputErrors: a step that neither whole periods nor `late` explain; with Missing::refuse a gap beyond 20 ms, or more
+/// rows missing than recorded; with Missing::mark more than 5 % of the rows missing or incomplete, or more than 10 %
+/// together with those in gaps beyond 20 ms. Times that do not rise are left to check_time().
+enum class Missing : unsigned char {
+  refuse,  ///< a gap beyond 20 ms is an error
+  mark,    ///< it is filled and marked too, for pieces_of()
+};
 void fill_gaps(Recording& recording, const std::vector<double>& late, const RecordingLocation& location,
-               std::optional<double> expected_rate);
+               std::optional<double> expected_rate, Missing missing = Missing::refuse, double stamp_error = 0.0);
+
+/// The parts of a recording between its gaps of more than 20 ms, each a recording that begins in motion; a recording
+/// without such gaps is the only part. Parts shorter than 4 s (six periods of a body mode of 1.5 Hz, which a state at
+/// the start and a spectrum need) are left out, unless none is longer. The remark of the first part says what was left
+/// out.
+[[nodiscard]] std::vector<Recording> pieces_of(Recording recording);
 
 }  // namespace firmware

@@ -34,6 +34,17 @@ double last_place(const StampRounding& rounding, double largest) {
   return std::max(by_decimals, by_digits) * rounding.scale;
 }
 
+// Stamps kept in single precision are as coarse as that; with eight digits or fewer the printing is coarser still.
+bool is_single(const std::vector<double>& time, const StampRounding& rounding) {
+  return rounding.significant_digits > 8 && all_are_single_precision(time);
+}
+
+double printed_place(const std::vector<double>& time, const StampRounding& rounding, bool single) {
+  const double largest = std::max(std::abs(time.front()), std::abs(time.back()));
+  return std::max(last_place(rounding, largest),
+                  single ? static_cast<double>(std::numeric_limits<float>::epsilon()) * largest : 0.0);
+}
+
 }  // namespace
 
 double median_step(const std::vector<double>& time) {
@@ -58,6 +69,14 @@ InputError RecordingLocation::error(std::size_t k, std::string_view wrong, std::
   return {source, 0, "sample " + std::to_string(k + 1) + ": " + std::string(wrong), expected};
 }
 
+double stamp_error(const std::vector<double>& time, const StampRounding& rounding, double period) {
+  const bool single = is_single(time, rounding);
+  const double printed = printed_place(time, rounding, single);
+  const double places = period / printed;
+  const bool exact = !single && std::abs(places - std::round(places)) < 1e-3 && places > 0.5;
+  return exact ? 0.0 : printed;
+}
+
 void check_time_rises(const Recording& recording, const RecordingLocation& location) {
   const std::vector<double>& time = recording.time;
   for (std::size_t k = 1; k < time.size(); ++k) {
@@ -80,10 +99,7 @@ void check_time(Recording& recording, const StampRounding& rounding, const Recor
   constexpr double clock_error = 1e-4;  // of T
   const double largest = std::max(std::abs(time.front()), std::abs(time.back()));
   const double arithmetic = 4.0 * std::numeric_limits<double>::epsilon() * largest;
-  // Stamps kept in single precision are as coarse as that; with eight digits or fewer the printing is coarser still.
-  const bool single = rounding.significant_digits > 8 && all_are_single_precision(time);
-  const double printed = std::max(last_place(rounding, largest),
-                                  single ? static_cast<double>(std::numeric_limits<float>::epsilon()) * largest : 0.0);
+  const double printed = printed_place(time, rounding, is_single(time, rounding));
   const double mean = (time.back() - time.front()) / static_cast<double>(n - 1);
   double period = expected_rate ? 1.0 / *expected_rate : mean;
   if (!expected_rate) {
@@ -97,10 +113,8 @@ void check_time(Recording& recording, const StampRounding& rounding, const Recor
   }
   recording.sample_period = period;
 
-  const double places = period / printed;
-  const bool exact = !single && std::abs(places - std::round(places)) < 1e-3 && places > 0.5;
-  const double stamp_error = (exact ? 0.0 : printed) + arithmetic;
-  const double tolerance = stamp_error + jitter * period;
+  const double error = stamp_error(time, rounding, period) + arithmetic;
+  const double tolerance = error + jitter * period;
 
   std::size_t odd = 1;
   while (odd < n && std::abs(time[odd] - time[odd - 1] - period) <= tolerance) ++odd;
@@ -118,12 +132,11 @@ void check_time(Recording& recording, const StampRounding& rounding, const Recor
                              shortest(time[odd - 1]),
                          "steps of " + rounded(period) + " s ± " + rounded(tolerance) + " s");
   }
-  if (stamp_error > 0.5 * period) {
-    throw location.error(1, "time is rounded to " + rounded(stamp_error) + " s",
+  if (error > 0.5 * period) {
+    throw location.error(1, "time is rounded to " + rounded(error) + " s",
                          "stamps that tell a gap from a step of " + rounded(period) + " s");
   }
-  if (std::abs(mean - period) >
-      clock_error * period + (stamp_error + 2.0 * jitter * period) / static_cast<double>(n - 1)) {
+  if (std::abs(mean - period) > clock_error * period + (error + 2.0 * jitter * period) / static_cast<double>(n - 1)) {
     throw rate_error(1, mean);
   }
 }

@@ -40,6 +40,10 @@ struct StampRounding {
 /// The median of the differences between successive times; there are two times at least.
 [[nodiscard]] double median_step(const std::vector<double>& time);
 
+/// Rounding of times as large as `largest` [s], printed or kept in single precision; 0 where `period` is a multiple of
+/// it.
+[[nodiscard]] double stamp_error(const std::vector<double>& time, const StampRounding& rounding, double period);
+
 /// An InputError unless each time is later than the one before.
 void check_time_rises(const Recording& recording, const RecordingLocation& location);
 

@@ -11,9 +11,9 @@ hal::SensorSetup simulated_sensors(const RigDescription& description) {
     const Channel channel = model::channel_at(i);
     const bool relative_only = channel == Channel::z_w || channel == Channel::z_b || channel == Channel::F_act;
     setup[i].fitted = is_hardware_channel(description.rig.kind, channel) && !relative_only;
-    if (description.range[i]) {
-      setup[i].lowest = description.range[i]->lower;
-      setup[i].highest = description.range[i]->upper;
+    if (const auto range = trusted_range(description, i)) {
+      setup[i].lowest = range->lower;
+      setup[i].highest = range->upper;
     }
   }
   return setup;
@@ -25,6 +25,8 @@ hal::simulated::Construction simulated_construction(const RigDescription& descri
   construction.start = start;
   construction.sensors = simulated_sensors(description);
   construction.ducts = description.rig.has_fdva ? static_cast<std::size_t>(description.rig.fdva.ducts) : 0;
+  construction.drive_enable = true;
+  if (description.hardware.gpio) construction.interlocks = description.hardware.gpio->interlocks.size();
   construction.safe_position = hal::Openings::from_bits(description.controller.safe_ducts);
   return construction;
 }

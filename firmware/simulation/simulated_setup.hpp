@@ -10,7 +10,8 @@ namespace firmware {
 /// Sensors of a simulated rig: those of the paper's rigs, with the described measuring ranges.
 [[nodiscard]] hal::SensorSetup simulated_sensors(const RigDescription& description);
 
-/// Period, sensors, ducts and safe position of the simulated rig; its time begins at `start`.
+/// Period, sensors, ducts, safe position and interlocks of the simulated rig, whose drive has an enable; its time
+/// begins at `start`.
 [[nodiscard]] hal::simulated::Construction simulated_construction(const RigDescription& description,
                                                                   hal::Time start = {});
 

@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "hal/linux/converter_ends.hpp"
+
 namespace hal::linux {
 namespace {
 
@@ -196,7 +198,9 @@ void IioConverters::Capture::take(Device& device, Time now) {
       ::iio_channel_convert(source.channel, &n, from);
       counts = static_cast<double>(n);
     }
-    source.newest = {source.input.scale * counts + source.input.offset, taken, Quality::good};  // (1)
+    const bool end = at_end_of_converter(counts, format->bits, format->is_signed);
+    source.newest = {source.input.scale * counts + source.input.offset, taken,  // (1)
+                     end ? Quality::clipped : Quality::good};
   }
 }
 

@@ -140,8 +140,9 @@ void compare(const CompareOptions& options) {
   const firmware::RigDescription description = firmware::read_rig(options.rig);
   std::vector<ComparedRecording> recordings;
   for (const auto& file : options.data) {
-    recordings.emplace_back(description, read_recording(file, description.channels, description.sample_rate),
-                            options.start);
+    for (firmware::Recording& part : read_parts(file, description.channels, description.sample_rate)) {
+      recordings.emplace_back(description, std::move(part), options.start);
+    }
   }
 
   model::RigParameters<double> rig = description.rig;

@@ -106,13 +106,15 @@ void run_diagnosis(const DiagnoseOptions& options) {
   const firmware::RigDescription description = firmware::read_rig(options.rig);
   std::vector<identification::Record> records;
   const identification::Use use = options.holdout.empty() ? identification::Use::shared : identification::Use::fitted;
-  for (const fs::path& file : options.data) {
-    records.push_back({read_recording(file, description.channels, description.sample_rate), use});
-  }
-  for (const fs::path& file : options.holdout) {
-    records.push_back(
-        {read_recording(file, description.channels, description.sample_rate), identification::Use::held_out});
-  }
+  const auto read = [&](const std::vector<fs::path>& files, identification::Use as) {
+    for (const fs::path& file : files) {
+      for (firmware::Recording& part : read_parts(file, description.channels, description.sample_rate)) {
+        records.push_back({std::move(part), as});
+      }
+    }
+  };
+  read(options.data, use);
+  read(options.holdout, identification::Use::held_out);
   prepare_folder(options.out);
   std::optional<Progress> progress(std::in_place, "diagnose");
   const identification::Diagnosis diagnosis = identification::diagnose(

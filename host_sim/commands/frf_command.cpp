@@ -215,7 +215,9 @@ void measure_responses(const FrfOptions& options) {
   if (options.rig) rig = firmware::read_rig(*options.rig);
   std::vector<firmware::Recording> recordings;
   for (const auto& file : options.data) {
-    recordings.push_back(rig ? read_recording(file, rig->channels, rig->sample_rate) : read_recording(file));
+    for (firmware::Recording& part : rig ? read_parts(file, rig->channels, rig->sample_rate) : read_parts(file)) {
+      recordings.push_back(std::move(part));
+    }
   }
   for (const firmware::Recording& recording : recordings) {
     if (!recording.remark.empty()) std::fprintf(stderr, "%s\n", recording.remark.c_str());

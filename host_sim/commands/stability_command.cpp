@@ -2,16 +2,20 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <set>
 
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_proof.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/signal/spectrum.hpp"
-#include "host_sim/stability/json.hpp"
-#include "host_sim/stability/stability_report.hpp"
-#include "host_sim/stability/verdict.hpp"
+#include "host_sim/stability/report/json.hpp"
+#include "host_sim/stability/report/stability_report.hpp"
+#include "host_sim/stability/report/verdict.hpp"
 
 namespace host_sim {
 namespace {
@@ -150,10 +154,58 @@ void print_sweep(const stability::PoleSweep& sweep) {
   }
 }
 
+/// Sample age and computation that the loop may have on top of the delays that the description states [s]: four fifths
+/// of the way to the border of the sampled loop, for every number of ducts that the run opens. The fifth is for what
+/// the description does not know; at half of it (0.9) the slowest decay would halve, at twice (0.6) few rigs would be
+/// left. Throws InputError where a loop is not stable.
+double allowed_delay(const firmware::RigDescription& description) {
+  constexpr double share = 0.8;
+  constexpr double longest = 0.5;  // [s] what a description may say
+  constexpr double step = 1e-6;    // [s] rounded down to
+  std::set<int> counts{description.rig.fdva.open_ducts};
+  for (const auto& entry : description.controller.valve_plan)
+    counts.insert(std::popcount(static_cast<unsigned>(entry.open)));
+  double allowed = longest;
+  for (const int open : counts) {
+    firmware::RigDescription with = description;
+    with.rig.fdva.open_ducts = open;
+    const StabilityAnalysis a = stability::analyse(with);
+    const std::string ducts = with.rig.has_fdva ? " with " + std::to_string(open) + " open ducts" : "";
+    if (!a.stable || (a.sampled && !a.sampled->stable())) {
+      throw firmware::InputError(description.source, 0, "the loop" + ducts + " is " + stability::verdict(a),
+                                 "a stable loop; nothing was written");
+    }
+    const double stated = a.delay - with.delay_budget.sensor_age - with.delay_budget.computation;
+    std::optional<double> border;
+    if (a.sampled) border = a.sampled->critical_delay;
+    if (!border && a.margins.critical_delay) border = *a.margins.critical_delay - 0.5 * with.period();
+    if (border) allowed = std::min(allowed, share * (*border - stated));
+  }
+  allowed = std::floor(allowed / step + 1e-9) / 1e6;
+  if (!(allowed > 0.0)) {
+    throw firmware::InputError(description.source, 0, "the described delays leave nothing for samples and computation",
+                               "less delay or more damping; nothing was written");
+  }
+  return allowed;
+}
+
+void write_limits(const firmware::RigDescription& description) {
+  const double allowed = allowed_delay(description);
+  const std::string fingerprint = firmware::loop_fingerprint(description);
+  firmware::write_file(description.source,
+                       firmware::with_loop_proof(description.text, description.source, allowed, fingerprint));
+  std::printf("%s: stable; [controller] allowed_delay = %.6g s, proven = %.20s…\n", description.source.c_str(), allowed,
+              fingerprint.c_str());
+}
+
 }  // namespace
 
 void examine_stability(const StabilityOptions& options) {
-  const firmware::RigDescription description = firmware::read_rig(options.rig);
+  if (options.write_limits && !options.rig.empty() && options.rig != *options.write_limits) {
+    throw firmware::UsageError("--rig and --write-limits name different files, expected one");
+  }
+  if (!options.write_limits && options.rig.empty()) throw firmware::UsageError("--rig is required");
+  const firmware::RigDescription description = firmware::read_rig(options.write_limits.value_or(options.rig));
   if (!(options.line < 0.0))
     throw firmware::UsageError("--right-of is not below 0, expected a negative real part, such as -60");
   if (description.rig.kind != model::RigKind::hil) {
@@ -161,6 +213,10 @@ void examine_stability(const StabilityOptions& options) {
         description.source, 0,
         "stability analysis needs the loop of a hil rig, this is a " + std::string(model::name(description.rig.kind)),
         "kind = \"hil\"");
+  }
+  if (options.write_limits) {
+    write_limits(description);
+    return;
   }
   if (options.report && options.json == options.report) {
     throw firmware::UsageError("--json and --report name the same file, expected two files");
@@ -224,7 +280,10 @@ void examine_stability(const StabilityOptions& options) {
 
 void add_stability(CLI::App& app, StabilityOptions& options) {
   CLI::App* command = app.add_subcommand("stability", "Delay stability of a hil rig: poles, critical delay, margins");
-  command->add_option("--rig", options.rig, "Rig description (TOML), kind = \"hil\"")->required();
+  command->add_option("--rig", options.rig, "Rig description (TOML), kind = \"hil\"");
+  command->add_option("--write-limits", options.write_limits,
+                      "Write into this rig description for which loop it was found stable, and the delay that is left: "
+                      "[controller] proven and allowed_delay");
   command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
   command->add_option("--sweep", options.sweeps,
                       "Roots over one variable, for example virtual_damping=0:2000:41; may be given several times");

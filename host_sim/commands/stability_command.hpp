@@ -14,6 +14,7 @@ namespace host_sim {
 
 struct StabilityOptions {
   std::filesystem::path rig;
+  std::optional<std::filesystem::path> write_limits;  ///< the description to write the proof into
   std::optional<std::filesystem::path> json;
   std::optional<std::filesystem::path> report;
   std::vector<std::string> sweeps;  ///< "variable=from:to:count"

@@ -11,7 +11,7 @@
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/report/embedded_files.hpp"
 #include "host_sim/signal/spectrum.hpp"
-#include "host_sim/stability/figures.hpp"
+#include "host_sim/stability/report/figures.hpp"
 
 namespace host_sim::paper {
 namespace {

@@ -8,9 +8,9 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/loop/trip.hpp"
 #include "host_sim/paper/transfer_estimate.hpp"
-#include "host_sim/stability/analysis.hpp"
-#include "host_sim/stability/frequency_response.hpp"
-#include "host_sim/stability/stability_map.hpp"
+#include "host_sim/stability/map/stability_map.hpp"
+#include "host_sim/stability/margins/analysis.hpp"
+#include "host_sim/stability/margins/frequency_response.hpp"
 
 namespace host_sim::paper {
 

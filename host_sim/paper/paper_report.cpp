@@ -8,7 +8,7 @@
 #include "firmware/description/version.hpp"
 #include "host_sim/report/embedded_files.hpp"
 #include "host_sim/signal/spectrum.hpp"
-#include "host_sim/stability/figures.hpp"
+#include "host_sim/stability/report/figures.hpp"
 
 namespace host_sim::paper {
 namespace {

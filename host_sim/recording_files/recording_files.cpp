@@ -8,6 +8,7 @@
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/recording/recording_file.hpp"
+#include "firmware/recording/recording_gaps.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
 
 namespace host_sim {
@@ -33,17 +34,27 @@ void check_columns(const std::filesystem::path& file, const firmware::Recording&
   for (const firmware::ExtraColumn& extra : recording.extra) check(extra.name, extra.values.size());
 }
 
+firmware::Recording read(const std::filesystem::path& file, const firmware::ChannelMap& map,
+                         std::optional<double> expected_rate, firmware::Missing missing) {
+  const std::string source = file.string();
+  const firmware::RecordingFile opened(file);
+  if (opened.is_matlab()) return read_recording_mat(file, map, expected_rate, missing);
+  if (is_called_mat(file) && !opened.head().empty()) {
+    throw firmware::InputError(source, 0, "is not a MATLAB 5 or 7.3 file", "one saved with -v6, -v7 or -v7.3");
+  }
+  return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, map, expected_rate, missing);
+}
+
 }  // namespace
 
 firmware::Recording read_recording(const std::filesystem::path& file, const firmware::ChannelMap& map,
                                    std::optional<double> expected_rate) {
-  const std::string source = file.string();
-  const firmware::RecordingFile opened(file);
-  if (opened.is_matlab()) return read_recording_mat(file, map, expected_rate);
-  if (is_called_mat(file) && !opened.head().empty()) {
-    throw firmware::InputError(source, 0, "is not a MATLAB 5 or 7.3 file", "one saved with -v6, -v7 or -v7.3");
-  }
-  return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, map, expected_rate);
+  return read(file, map, expected_rate, firmware::Missing::refuse);
+}
+
+std::vector<firmware::Recording> read_parts(const std::filesystem::path& file, const firmware::ChannelMap& map,
+                                            std::optional<double> expected_rate) {
+  return firmware::pieces_of(read(file, map, expected_rate, firmware::Missing::mark));
 }
 
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "firmware/description/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
@@ -25,6 +26,13 @@ namespace host_sim {
 [[nodiscard]] firmware::Recording read_recording(const std::filesystem::path& file,
                                                  const firmware::ChannelMap& map = {},
                                                  std::optional<double> expected_rate = std::nullopt);
+
+/// The same for an analysis that can leave samples out: values that are NaN and rows that are missing, up to 5 % of the
+/// rows and 10 % with long gaps, are marked (Recording::filled), and a recording with gaps beyond 20 ms comes in parts
+/// (firmware/recording/recording_gaps.hpp). The remark of the first part says what was left out.
+[[nodiscard]] std::vector<firmware::Recording> read_parts(const std::filesystem::path& file,
+                                                          const firmware::ChannelMap& map = {},
+                                                          std::optional<double> expected_rate = std::nullopt);
 
 /// Writes all columns present, `t` first: MATLAB 5 if the name ends in .mat, else CSV with the shortest decimals that
 /// read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).

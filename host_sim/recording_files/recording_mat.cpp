@@ -331,7 +331,7 @@ void read_names(std::vector<firmware::Heading>& headings, const firmware::Channe
 }  // namespace
 
 firmware::Recording read_recording_mat(const std::filesystem::path& path, const firmware::ChannelMap& map,
-                                       std::optional<double> expected_rate) {
+                                       std::optional<double> expected_rate, firmware::Missing missing) {
   firmware::Recording recording;
   recording.source = path.string();
   const std::string& source = recording.source;
@@ -386,6 +386,9 @@ firmware::Recording read_recording_mat(const std::filesystem::path& path, const 
     column = std::move(variable.numbers);
     for (std::size_t k = 0; k < column.size(); ++k) {
       column[k] = targets[i]->value(column[k]);
+      const bool lost = missing == firmware::Missing::mark && std::isnan(column[k]) &&
+                        targets[i]->quantity != firmware::time_quantity;
+      if (lost && targets[i]->quantity < firmware::first_duct) continue;
       if (const firmware::Objection objection = firmware::object_to(targets[i]->quantity, column[k])) {
         throw location.error(k, objection.wrong, objection.expected);
       }
@@ -398,6 +401,7 @@ firmware::Recording read_recording_mat(const std::filesystem::path& path, const 
                                std::string(firmware::quantity_name(q)) + " has " + std::to_string(size) + " samples",
                                std::to_string(recording.size()) + " as in t");
   }
+  if (missing == firmware::Missing::mark) fill_gaps(recording, {}, location, expected_rate, missing);
   firmware::check_time(recording, firmware::StampRounding{}, location, expected_rate);
   return recording;
 }

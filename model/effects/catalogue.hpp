@@ -18,6 +18,7 @@
 #include "model/effects/bump_stop.hpp"
 #include "model/effects/coulomb_friction.hpp"
 #include "model/effects/force_sensor_inertia.hpp"
+#include "model/effects/moving_mass.hpp"
 #include "model/effects/progressive_spring.hpp"
 #include "model/effects/progressive_tyre.hpp"
 #include "model/effects/quadratic_damping.hpp"
@@ -77,7 +78,8 @@ using RigEffects = Slots<ActuatorDelay<S>,       //
                          WheelGuideDamping<S>,   //
                          ProgressiveTyre<S>,     //
                          TyreLiftOff<S>,         //
-                         ForceSensorInertia<S>>;
+                         ForceSensorInertia<S>,  //
+                         MovingMass<S>>;
 
 /// The effects of a channel's sensor.
 template <class S>
@@ -179,7 +181,8 @@ concept ActsOn = requires(const Effect& effect, Part& part) {
 };
 template <class Effect>
 concept ActsOnRig = ActsOn<Effect, MachinePath<double>> || ActsOn<Effect, SuspensionComponent<double>> ||
-    ActsOn<Effect, Piston<double>> || ActsOn<Effect, Guides<double>> || ActsOn<Effect, WheelLoadSensor<double>>;
+    ActsOn<Effect, Piston<double>> || ActsOn<Effect, Guides<double>> || ActsOn<Effect, WheelLoadSensor<double>> ||
+    ActsOn<Effect, LoadCell<double>>;
 
 template <class Effect>
 [[nodiscard]] consteval bool is_complete() {

@@ -44,6 +44,7 @@ struct MotionScales {
   double deflection_peak{};    ///< [m]
   double velocity{};           ///< of that deflection, rms [m/s]
   double velocity_peak{};      ///< [m/s]
+  double acceleration{};       ///< of that deflection, rms [m/s²]
   double tyre_force{};         ///< dynamic, rms [N]
   double tyre_deflection{};    ///< rms [m]
   double foot_acceleration{};  ///< rms [m/s²]

@@ -7,7 +7,7 @@
 //   stability/point_parameters  over two parameters that change the polynomials at each point
 #include <benchmark/benchmark.h>
 
-#include "host_sim/stability/stability_map.hpp"
+#include "host_sim/stability/map/stability_map.hpp"
 
 namespace {
 

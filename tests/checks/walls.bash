@@ -56,5 +56,6 @@ forbid 'the truth generator shares nothing with what it judges' '"(model|hal|fir
 
 order firmware loop description recording simulation controller
 order host_sim signal least_squares report recording_files closed_loop comparison stability frf paper identification commands
+order host_sim/stability roots margins map report
 order host_sim/identification common prepare predict noise parity estimate select assess report
 exit $status

@@ -67,7 +67,8 @@ TEST(SensorSource, FlagsWhatCannotBeTrusted) {
   }
 }
 
-// The verdict is the role's, not the back-end's: whatever it says beside `missing`, the value is looked at.
+// The verdict is the role's, not the back-end's: whatever it says beside `missing`, the value is looked at. A back-end
+// that saw an end of its converter knows more: that stays.
 TEST(SensorSource, JudgesForItself) {
   FakeSensors sensors(three_channels());
   Frame frame;
@@ -75,7 +76,7 @@ TEST(SensorSource, JudgesForItself) {
   frame.channels[1] = {0.5, milliseconds(3), Quality::not_finite};
   sensors.next = frame;
   const Result<Frame> read = sensors.read();
-  EXPECT_EQ(read->channels[0].quality, Quality::good);
+  EXPECT_EQ(read->channels[0].quality, Quality::clipped);
   EXPECT_EQ(read->channels[1].quality, Quality::good);
 }
 

@@ -31,7 +31,7 @@ std::vector<double> size_of(std::string_view effect) {
       {"body_guide_damping", {101.3}},  {"wheel_guide_damping", {83.9}}, {"tyre_lift_off", {}},
       {"progressive_tyre", {3.1e9}},    {"force_sensor_inertia", {4.7}}, {"sensor_lag", {0.0043}},
       {"sensor_delay", {0.0037}},       {"sensor_gain", {1.087}},        {"sensor_offset", {113.0}},
-      {"sensor_saturation", {291.0}},   {"sensor_hold", {0.0071}}};
+      {"sensor_saturation", {291.0}},   {"sensor_hold", {0.0071}},       {"moving_mass", {6.3}}};
   return sizes.at(effect);
 }
 

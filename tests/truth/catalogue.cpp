@@ -48,6 +48,7 @@ const std::vector<Candidate>& rig_effects() {
       {"tyre_lift_off", "qh", {}, "", 1, 0, 0, false, ""},
       {"progressive_tyre", "qh", {{"cubic_stiffness", 1e9, 8e9}}, "cubic_stiffness", 1, 2e8, 3e10, true, ""},
       {"force_sensor_inertia", "q", {{"mass", 0.8, 6}}, "mass", 1, 0.2, 10, false, ""},
+      {"moving_mass", "b", {{"mass", 1, 12}}, "mass", 1, 0.3, 100, false, "", false},
   };
   return all;
 }

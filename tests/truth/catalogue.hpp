@@ -22,6 +22,7 @@ struct Candidate {
   double most = 0.0;
   bool either_sign = false;
   std::string words;  ///< outside the catalogue: what truth.json says
+  bool joins = true;  ///< drawn for pairs and triples too; false for effects added later: the draws of a seed stay
 };
 
 [[nodiscard]] const std::vector<Candidate>& rig_effects();      ///< of the contract, without a channel

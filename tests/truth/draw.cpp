@@ -400,7 +400,7 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   const auto fitting = [&](Kind kind) {
     std::vector<std::pair<Candidate, std::string>> fit;
     for (const auto& [c, its_channel] : candidates_of(kind, what == "unknown"))
-      if ((name.empty() || c.name == name) && (channel.empty() || channel == its_channel))
+      if ((name.empty() ? c.joins : c.name == name) && (channel.empty() || channel == its_channel))
         fit.emplace_back(c, its_channel);
     return fit;
   };

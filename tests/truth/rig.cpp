@@ -70,6 +70,8 @@ void put(const Effect& effect, Numbers& n) {
     only(n.kind != Kind::component_bench), n.tyre_cubic = p("cubic_stiffness");
   else if (name == "force_sensor_inertia")
     only(car), n.sensor_mass = p("mass");
+  else if (name == "moving_mass")
+    only(n.kind == Kind::component_bench), n.moving_mass = p("mass");  // a hil loop would be neutral
   else if (effect.channel.empty())
     throw std::invalid_argument("no such effect: " + name);
 }
@@ -137,6 +139,8 @@ Numbers numbers_of(const Truth& truth) {
   }
   for (const Effect& effect : truth.effects) put(effect, n);
   put_outside(truth, n);
+  if (n.moving_mass > 0.0 && (n.machine_velocity > 0.0 || n.machine_curve > 0.0))
+    throw std::invalid_argument("moving_mass behind a machine with a rate limit is not simulated");
   if (n.mount > 0.0 && n.gap > 0.0) throw std::invalid_argument("top_mount with backlash is not simulated");
   if (n.mount > 0.0 && n.coulomb > 0.0 && n.damping + n.quadratic <= 0.0)
     throw std::invalid_argument("top_mount with coulomb_friction needs some damping");
@@ -576,6 +580,14 @@ void Rig::remember() {
   }
 }
 
+double Rig::machine_acceleration(double t, const Rates& r) const {
+  if (n_.machine_turn > 0.0) return r.rate[vres];
+  const double past = t - n_.machine_delay;
+  const Motion u = past < 0.0 ? Motion{} : signal_.at(past);
+  if (n_.machine_lag > 0.0) return ((past < 0.0 ? 0.0 : u.velocity) - r.rate[lag]) / n_.machine_lag;
+  return past < 0.0 ? 0.0 : u.acceleration;
+}
+
 Rig::Values Rig::values() const {
   const double t = static_cast<double>(node_) * h_;
   const Rates r = rates(s_, t);
@@ -588,7 +600,7 @@ Rig::Values Rig::values() const {
   v.wheel_load = r.wheel_load;
   v.x_cmd = n_.kind == Kind::component_bench ? input.position : s_[zw] - s_[zb];
   v.x_act = r.x_act;
-  v.force = r.force;
+  v.force = r.force + n_.moving_mass * machine_acceleration(t, r);
   return v;
 }
 

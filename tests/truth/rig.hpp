@@ -20,7 +20,7 @@ struct Numbers {
   double maxwell = 0, maxwell_time = 1, seal = 0;
   double body_friction = 0, wheel_friction = 0, body_damping = 0, wheel_damping = 0;
   bool lift_off = false;
-  double tyre_cubic = 0, sensor_mass = 0;
+  double tyre_cubic = 0, sensor_mass = 0, moving_mass = 0;
   // outside the catalogue
   double fade = 0, stiffening = 0;                    ///< relative, over the record
   double wen = 0, wen_stiffness = 0;                  ///< Bouc–Wen: largest force, initial stiffness
@@ -109,6 +109,7 @@ class Rig {
   [[nodiscard]] double strength(std::size_t friction, double velocity) const;
   [[nodiscard]] double largest(std::size_t friction) const;
   void machine(const State& s, double t, double u, double uv, double* position, double* velocity, State* rate) const;
+  [[nodiscard]] double machine_acceleration(double t, const Rates& r) const;  ///< ẍ_act of a bench without rate limit
   [[nodiscard]] bool located_play() const;
   void remember();
 

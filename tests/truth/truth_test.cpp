@@ -276,6 +276,34 @@ TEST(TruthSimulation, AddsTheInertiaOfTheForceSensor) {
   EXPECT_EQ(with.channels["zdd_w"], without.channels["zdd_w"]);
 }
 
+// Point. The mass that moves in front of the load cell adds itself times ẍ_act to F, behind delay, lag and resonance
+// too: held against the second difference of x_act at 20 kHz (its error: (ωh)²/12 = 5e-6 at 25 Hz).
+TEST(TruthSimulation, AddsTheInertiaOfTheMovingMass) {
+  const std::vector<std::vector<truth::Effect>> machines{
+      {},
+      {{"actuator_delay", "", {{"delay", 4e-3}}}},
+      {{"actuator_delay", "", {{"delay", 4e-3}}}, {"actuator_lag", "", {{"time_constant", 5e-3}}}},
+      {{"actuator_resonance", "", {{"frequency", 30.0}, {"damping_ratio", 0.5}}}}};
+  for (const std::vector<truth::Effect>& machine : machines) {
+    Truth t = bench_with({"sensor_gain", "x_act", {{"gain", 1.0}}});
+    t.sample_rate = 20e3;
+    t.records[0].duration = 1.5;
+    t.effects = machine;
+    truth::Record without = truth::simulate(t, {20, false})[0];
+    t.effects.push_back({"moving_mass", "", {{"mass", 7.0}}});
+    truth::Record with = truth::simulate(t, {20, false})[0];
+    const std::vector<double>&x = with.channels["x_act"], &F = with.channels["F"], &F_0 = without.channels["F"];
+    double worst = 0.0, largest = 0.0;
+    for (std::size_t i = 2001; i + 1 < x.size(); ++i) {
+      const double inertia = 7.0 * (x[i + 1] - 2.0 * x[i] + x[i - 1]) * 20e3 * 20e3;
+      worst = std::max(worst, std::abs(F[i] - F_0[i] - inertia));
+      largest = std::max(largest, std::abs(inertia));
+    }
+    EXPECT_GT(largest, 10.0);
+    EXPECT_LT(worst, 1e-4 * largest);
+  }
+}
+
 // Point. A delay in machine or sensor is that of the continuous motion: x_act is x_cmd at an instant between samples.
 TEST(TruthSimulation, DelaysTheContinuousMotion) {
   const double delay = 7.3e-3;

@@ -127,10 +127,14 @@ Scales scales_of(const std::vector<PreparedRecording>& recordings, const Hypothe
       for (const auto& m : e.input.motion) squares += m.acceleration * m.acceleration;
       enlarge(s.motion.foot_acceleration, std::sqrt(squares / static_cast<double>(e.input.size())));
     }
-    std::vector<double> velocity(deflection.size());
-    for (std::size_t k = 1; k < deflection.size(); ++k)
-      velocity[k] = (deflection[k] - deflection[k - 1]) / e.input.period;
+    const auto rate = [&](const std::vector<double>& values) {
+      std::vector<double> rates(values.size());
+      for (std::size_t k = 1; k < values.size(); ++k) rates[k] = (values[k] - values[k - 1]) / e.input.period;
+      return rates;
+    };
+    const std::vector<double> velocity = rate(deflection);
     const Size d = size_of(deflection), v = size_of(velocity);
+    enlarge(s.motion.acceleration, size_of(rate(velocity)).rms);
     enlarge(s.motion.deflection, d.rms);
     enlarge(s.motion.deflection_peak, d.peak);
     enlarge(s.motion.velocity, v.rms);

@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -201,7 +203,7 @@ TEST(RigController, MovesTheCommandToRestAfterATrap) {
     const std::string out = folder / "run.csv";
     const std::string rig = folder.write(
         "slow.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0", "sample_rate = 100.0") +
-                         "[controller]\nlate_in_a_row = 1000\n");
+                         "[controller]\nlate_in_a_row = 1000\n[supervision]\ngap = 1.0\n");
     Controller running(
         {"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--road", "iso8608:A", "--out", out});
     ASSERT_TRUE(running.says("running: "));
@@ -233,7 +235,7 @@ TEST(RigController, RunsInTheTimeOfTheMachine) {
   const std::string out = (folder / "run.csv").string();
   const std::string rig = folder.write(
       "slow.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0", "sample_rate = 100.0") +
-                       "[controller]\nlate_in_a_row = 1000\nallowed_delay = 1e-6\n");
+                       "[controller]\nlate_in_a_row = 1000\nallowed_delay = 1e-6\n[supervision]\ngap = 1.0\n");
   Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--out", out});
   ASSERT_TRUE(running.says("running: "));
   const auto rows = [&] {
@@ -258,7 +260,7 @@ TEST(RigController, RunsInTheTimeOfTheMachine) {
 std::string patient_rig(const TemporaryFolder& folder, const char* rate = "100.0") {
   return folder.write("patient.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0",
                                                     std::string("sample_rate = ") + rate) +
-                                          "[controller]\nlate_in_a_row = 1000000\n");
+                                          "[controller]\nlate_in_a_row = 1000000\n[supervision]\ngap = 1.0\n");
 }
 
 /// A pipe with a name in place of a disk. Nobody reads it, so it stalls the writer after 64 KiB.
@@ -629,15 +631,14 @@ TEST(RigController, RepeatsItsRoad) {
 // A run that was stopped, or ended by a limit, is replayed with its stop and its limit: the same rows to the end.
 TEST(RigController, ReplaysStopsAndLimits) {
   const TemporaryFolder folder;
-  const std::string wild = folder.write(
-      "wild.toml", support::with(support::hil_text, "virtual_damping = 1140.0", "virtual_damping = 700.0") +
-                       "[limits]\nspeed = 1.5\n");
+  const std::string wild =  // a stable rig, at a third of the energy that it feeds on a road
+      folder.write("wild.toml", std::string(support::hil_text) + "[limits]\nspeed = 1.5\nenergy_gain = 0.3\n");
   ASSERT_EQ(
-      controller({"--rig", wild, "--simulated", "--virtual-time", "--out", folder / "wild.csv", "--road", "iso8608:C"})
+      controller({"--rig", wild, "--simulated", "--virtual-time", "--out", folder / "wild.csv", "--road", "iso8608:B"})
           .status,
       7);
   const Ended tripped = controller(
-      {"--rig", wild, "--replay", folder / "wild.csv", "--road", "iso8608:C", "--out", folder / "again.csv"});
+      {"--rig", wild, "--replay", folder / "wild.csv", "--road", "iso8608:B", "--out", folder / "again.csv"});
   EXPECT_EQ(tripped.status, 7) << tripped.errors;
   EXPECT_THAT(last_line(tripped.output), HasSubstr("ended by energy ("));
   EXPECT_EQ(rows_of(TemporaryFolder::read(folder / "again.csv")), rows_of(TemporaryFolder::read(folder / "wild.csv")));
@@ -761,14 +762,63 @@ TEST(RigController, WritesItsHistograms) {
 // A trip is a safe stop with a status of its own, which systemd takes as a wish to stay down.
 TEST(RigController, SaysWhatTripped) {
   const TemporaryFolder folder;
-  const std::string rig = folder.write(
-      "wild.toml", support::with(support::hil_text, "virtual_damping = 1140.0", "virtual_damping = 700.0") +
-                       "[limits]\nspeed = 1.5\n");
+  const std::string rig =
+      folder.write("wild.toml", std::string(support::hil_text) + "[limits]\nspeed = 1.5\nenergy_gain = 0.3\n");
   const Ended ended = controller(
-      {"--rig", rig, "--simulated", "--virtual-time", "--out", (folder / "run.csv").string(), "--road", "iso8608:C"});
+      {"--rig", rig, "--simulated", "--virtual-time", "--out", (folder / "run.csv").string(), "--road", "iso8608:A"});
   EXPECT_EQ(ended.status, 7);
   EXPECT_NE(last_line(ended.output).find("ended by energy ("), std::string::npos) << last_line(ended.output);
   EXPECT_LT(host_sim::read_recording(folder / "run.csv", {}, 1000.0).size(), 2000U);
+}
+
+// The whole run and the limits are looked at before anything moves: status 3, one line, no recording.
+TEST(RigController, RefusesARunThatItsLimitsWouldEnd) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "run.csv").string();
+  std::string millimetres = "t,z_r\n";
+  for (int k = 0; k < 3000; ++k) {
+    const double hill = 1.0 - std::cos(6.283185307179586 * 0.5 * 1e-3 * k);
+    millimetres += std::to_string(1e-3 * k) + "," + std::to_string(9.0 * hill * hill) + "\n";
+  }
+  const std::string road = folder.write("road.csv", millimetres).string();
+  const std::string cell =
+      folder.write("cell.toml", std::string(support::hil_text) + "[range]\nF = [-1e4, 1e4]\n[limits]\nforce = 25e3\n")
+          .string();
+  struct Case {
+    std::vector<std::string> arguments;
+    std::string says;
+  };
+  for (const Case& c : {Case{{"--rig", rig_file("paper_rig_fdva"), "--road", road}, "a road in millimetres?"},
+                        Case{{"--rig", rig_file("paper_hil_fdva"), "--road", road}, "a road in millimetres?"},
+                        Case{{"--rig", rig_file("paper_rig_fdva"), "--road", "iso8608:E"}, "the command steps with "},
+                        Case{{"--rig", cell}, "limits.force = 2.5e+04 N can never trip"}}) {
+    std::vector<std::string> arguments{"--simulated", "--virtual-time", "--duration", "3", "--out", out};
+    arguments.insert(arguments.end(), c.arguments.begin(), c.arguments.end());
+    const Ended ended = controller(arguments);
+    EXPECT_EQ(ended.status, 3) << c.says;
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_THAT(ended.errors, HasSubstr(c.says));
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+}
+
+// A hil rig on devices needs a proof of its loop; the simulated one does not.
+TEST(RigController, RefusesALoopThatNobodyFoundStable) {
+  const TemporaryFolder folder;
+  const std::string example = TemporaryFolder::read(support::source / "firmware/controller/rigs/example_hil.toml");
+  const std::size_t proven = example.find("proven = "), end = example.find('\n', proven);
+  ASSERT_NE(proven, std::string::npos);
+  const std::string rig = folder.write("rig.toml", example.substr(0, proven) + example.substr(end + 1)).string();
+  for (const bool check : {true, false}) {
+    std::vector<std::string> arguments{"--rig", rig, "--out", (folder / "run.csv").string()};
+    if (check) arguments = {"--rig", rig, "--check"};
+    const Ended ended = controller(arguments);
+    EXPECT_EQ(ended.status, 3);
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_THAT(ended.errors, HasSubstr("nothing says that this loop is stable"));
+  }
+  EXPECT_EQ(controller({"--rig", rig, "--simulated", "--virtual-time", "--duration", "1", "--out", "/dev/null"}).status,
+            0);
 }
 
 // What a newcomer begins with is whole: it passes every check but that of the devices, which are not here.

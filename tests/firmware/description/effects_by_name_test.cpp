@@ -52,8 +52,8 @@ TEST(Catalogue, HoldsTheEffectsOfTheContract) {
     EXPECT_FALSE(entry.equation.empty());
     EXPECT_FALSE(entry.shows.empty());
   }
-  EXPECT_EQ(names.size(), 26U);
-  EXPECT_EQ(catalogue().size(), 26U);
+  EXPECT_EQ(names.size(), 27U);
+  EXPECT_EQ(catalogue().size(), 27U);
   EXPECT_EQ(firmware::find_effect("nothing"), nullptr);
 }
 

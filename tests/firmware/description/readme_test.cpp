@@ -1,12 +1,15 @@
 // firmware/description/README.md lists all keys of a rig description.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <regex>
 #include <string>
 #include <string_view>
 
 #include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/loop_settings.hpp"
+#include "firmware/description/number_text.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -21,6 +24,14 @@ std::string row_of(const std::string& readme, std::string_view word) {
     return readme.substr(begin, readme.find('\n', at) - begin);
   }
   return "";
+}
+
+/// As the tables write it: 1e5, not 100000; 0.001, not 1e-3.
+std::string bound(double value) {
+  if (value >= 1e5) return "1e" + std::to_string(static_cast<int>(std::lround(std::log10(value))));
+  std::string text = firmware::shortest(value);
+  if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
+  return text;
 }
 
 // A user looks a key up there: a parameter or an effect that is added to the reader must be added to the tables.
@@ -40,11 +51,29 @@ TEST(ReadmeOfRigDescriptions, ListsEveryParameterAndEveryEffect) {
   }
 }
 
+// Each setting of the control loop: its row has the default and the bounds of the reader.
+TEST(ReadmeOfRigDescriptions, ListsEverySettingOfTheLoop) {
+  const std::string readme = support::TemporaryFolder::read("firmware/description/README.md");
+  const firmware::Settings usual{};
+  for (const auto& setting : firmware::loop_settings()) {
+    EXPECT_NE(readme.find("`[" + std::string(setting.table) + "]`"), std::string::npos) << setting.table;
+    const std::string row = row_of(readme, setting.key);
+    ASSERT_NE(row, "") << setting.key;
+    const double value = setting.get(usual);
+    if (value != 0.0) {
+      EXPECT_NE(row.find("| " + firmware::shortest(value) + " |"), std::string::npos) << row;
+    }
+    if (setting.table == "limits" && setting.key.starts_with("measured")) continue;  // bounds follow from other limits
+    EXPECT_TRUE(row.find(bound(setting.lowest) + " … " + bound(setting.highest)) != std::string::npos)
+        << row << bound(setting.lowest) << " … " << bound(setting.highest);
+  }
+}
+
 // The same for every other key: the readers ask for keys by literals such as positive("stroke").
 TEST(ReadmeOfRigDescriptions, ListsEveryKeyThatAReaderAsksFor) {
   const std::string readme = support::TemporaryFolder::read("firmware/description/README.md");
   const std::regex asked(
-      "(?:->|\\.)(?:need|number|positive|not_negative|factor|optional_number|whole|whole_in|truth|text|table)"
+      "(?:->|\\.)(?:need|number|positive|not_negative|factor|optional_number|whole|whole_in|truth|text|table|number_in)"
       "\\(\"([a-z_]+)\"");
   int keys = 0;
   for (const auto& file : std::filesystem::directory_iterator("firmware/description")) {

@@ -10,7 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/description/control_settings.hpp"
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_settings.hpp"
+#include "firmware/description/number_text.hpp"
+#include "firmware/description/rig_writer.hpp"
 #include "firmware/description/spelling.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -451,7 +455,7 @@ TEST(RigDescription, AsksForWhatMakesDevicesSafe) {
 // [arming]: bounds, and defaults that follow from kind and limits.
 TEST(RigDescription, ReadsWhatArmingLooksAt) {
   const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
-  const firmware::Arming usual = parse_rig(text("[limits]\nforce = 8e3"), "rig").controller.arming;
+  const firmware::Arming usual = firmware::arming_settings(parse_rig(text("[limits]\nforce = 8e3"), "rig"));
   EXPECT_EQ(usual.tare_time, 0.5);
   EXPECT_EQ(usual.preload, 800.0);
   EXPECT_EQ(usual.position_tolerance, 5e-3);
@@ -471,7 +475,7 @@ TEST(RigDescription, RefusesAControllerThatCannotWork) {
   const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
   for (const std::string_view key : {"stroke", "speed", "force", "ramp", "energy_gain"}) {
     const std::string entry = std::string(key) + " = 0";
-    expect_refused(text("[limits]\n" + entry), entry, "limits." + entry + " does not fit, expected a number > 0");
+    expect_refused(text("[limits]\n" + entry), entry, "limits." + entry + " does not fit");
   }
   expect_refused(text("[limits]\nramp = 0.8"), "ramp", "limits.ramp is faster than limits.speed");
   expect_refused(text("[limits]\nspeed = 0.01"), "speed = 0.01", "limits.ramp is faster than limits.speed");
@@ -551,6 +555,91 @@ TEST(RigDescription, ReadsAllSharedRigs) {
     ++rigs;
   }
   EXPECT_GE(rigs, 8U);
+}
+
+// Both examples say ± 10 kN and 0.30518 N a count: the converter's end is 9999.97 N. Half a count makes it clipped.
+TEST(RigDescription, TrustsARangeUpToHalfACountBeforeItsEnds) {
+  const std::string text = std::string(support::hil_text) + R"(
+[range]
+F = [-10000.0, 10000.0]
+x_act = [-0.125, 0.125]
+[converters.F]
+device = "ads8688"
+input = "voltage0"
+scale = -0.30518
+offset = 10000.0
+)";
+  const firmware::RigDescription rig = firmware::parse_rig(text, "rig.toml");
+  const auto force = firmware::trusted_range(rig, model::index(model::Channel::F));
+  ASSERT_TRUE(force);
+  EXPECT_FALSE(force->holds(-0.30518 * 65535.0 + 10000.0));
+  EXPECT_TRUE(force->holds(-0.30518 * 65534.0 + 10000.0));
+  EXPECT_FALSE(force->holds(10000.0));
+  EXPECT_EQ(firmware::trusted_range(rig, model::index(model::Channel::x_act))->upper, 0.125) << "no converter";
+  EXPECT_FALSE(firmware::trusted_range(rig, model::index(model::Channel::F_w)));
+}
+
+// A value in other units: the message says what the number stands for. stroke = 250.0 was accepted and switched the
+// limit off.
+TEST(RigDescription, RefusesLimitsThatAreAbsurd) {
+  const auto text = [](std::string_view entry) { return std::string(hil_text) + std::string(entry) + "\n"; };
+  expect_refused(text("[limits]\nstroke = 250.0"), "stroke",
+                 "limits.stroke = 250 does not fit, expected the whole travel of the drive in m (not mm), 0.001 to 2");
+  expect_refused(text("[limits]\nforce = 1e9"), "force", "a force in N (not kN), 1 to 1e+06");
+  expect_refused(text("[limits]\nspeed = 700"), "speed", "a speed in m/s");
+  expect_refused(text("[limits]\nfollowing = 0.2"), "following", "does not fit limits.stroke");
+  expect_refused(text("[limits]\nmeasured_stroke = 0.2"), "measured_stroke",
+                 "does not fit limits.stroke, expected 0.25");
+  expect_refused(text("[limits]\nmeasured_speed = 20"), "measured_speed", "does not fit limits.speed");
+  for (const auto& setting : firmware::loop_settings()) {
+    const std::string table = "[" + std::string(setting.table) + "]\n" + std::string(setting.key) + " = ";
+    const std::string beyond = std::to_string(static_cast<int>(setting.highest) + 1);
+    expect_refused(text(table + beyond), setting.key, setting.key);
+    expect_refused(text(table + "-1"), setting.key, setting.key);
+  }
+}
+
+// Every setting reaches the control loop, and survives being written and read again.
+TEST(RigDescription, SetsTheControlLoop) {
+  std::string text(hil_text), table;
+  for (const auto& setting : firmware::loop_settings()) {
+    if (setting.table != table) text += "[" + (table = setting.table) + "]\n";
+    double value = setting.whole ? 7.0 : setting.get(firmware::Settings{}) * 1.125;
+    if (setting.key == "acceleration") value = 55.5;
+    if (setting.key == "measured_stroke") value = 0.3125;
+    if (setting.key == "measured_speed") value = 1.5;
+    if (setting.key == "settling") value = 2.5;
+    text += std::string(setting.key) + " = " + (setting.whole ? "7" : firmware::shortest(value)) + "\n";
+  }
+  const firmware::RigDescription first = firmware::parse_rig(text, "rig.toml");
+  const firmware::RigDescription again = firmware::parse_rig(firmware::format_rig(first), "again.toml");
+  for (const auto* description : {&first, &again}) {
+    const firmware::Settings settings = firmware::control_settings(*description);
+    for (const auto& setting : firmware::loop_settings()) {
+      EXPECT_NE(setting.get(settings), setting.get(firmware::Settings{})) << setting.key;
+      EXPECT_EQ(setting.get(settings), setting.get(first.controller.loop)) << setting.key;
+    }
+  }
+}
+
+// A limit that the sensor cannot show would never trip. Without a limit in the description it follows from the range.
+TEST(RigDescription, KeepsTheForceLimitWithinTheSensor) {
+  const std::string range = std::string(hil_text) + "[range]\nF = [-8000.0, 10000.0]\n";
+  EXPECT_EQ(firmware::control_settings(firmware::parse_rig(range, "r")).limits.force, 0.95 * 8000.0);
+  EXPECT_EQ(firmware::control_settings(firmware::parse_rig(range + "[limits]\nforce = 3e3\n", "r")).limits.force, 3e3);
+  EXPECT_EQ(firmware::control_settings(firmware::parse_rig(std::string(hil_text), "r")).limits.force, 25e3);
+}
+
+TEST(RigDescription, TakesWaiversAsSentences) {
+  const auto text = [](std::string_view entry) {
+    return std::string(hil_text) + "[waivers]\n" + std::string(entry) + "\n";
+  };
+  const auto rig = firmware::parse_rig(text("no_heartbeat = 'no hydraulics, a spindle drive'"), "rig.toml");
+  EXPECT_EQ(rig.waivers.at("no_heartbeat"), "no hydraulics, a spindle drive");
+  EXPECT_EQ(firmware::parse_rig(firmware::format_rig(rig), "again").waivers, rig.waivers);
+  expect_refused(text("no_heartbeat = true"), "no_heartbeat", "no_heartbeat");
+  expect_refused(text("no_heartbeat = 'yes'"), "no_heartbeat", "waivers.no_heartbeat is no sentence");
+  expect_refused(text("no_hartbeat = 'we do not need it'"), "no_hartbeat", "no_heartbeat");
 }
 
 }  // namespace

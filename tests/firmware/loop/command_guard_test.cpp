@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 
 namespace {
 
@@ -12,6 +15,13 @@ using firmware::Reason;
 
 constexpr double h = 1e-3;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Every limit but that of acceleration.
+Limits any_acceleration() {
+  Limits limits;
+  limits.acceleration = firmware::never_reached;
+  return limits;
+}
 
 // Beyond the stroke is where steel meets steel: at once, in both directions, and the command does not pass.
 TEST(CommandGuard, TripsBeyondTheStroke) {
@@ -38,7 +48,7 @@ TEST(CommandGuard, TripsOnWhatIsNoNumber) {
 
 // A motion at exactly the limit is allowed: rounding of positions must not count as speed.
 TEST(CommandGuard, LetsTheLimitItselfPass) {
-  CommandGuard guard(Limits{}, h, 0.0);
+  CommandGuard guard(any_acceleration(), h, 0.0);
   for (int k = 1; k <= 150; ++k) {
     const hal::Command wanted{0.7 * h * k, 0.7, 0.0};
     const auto verdict = guard.judge(wanted);
@@ -52,7 +62,7 @@ TEST(CommandGuard, LetsTheLimitItselfPass) {
 // A jump is followed as fast as allowed, and caught up with: 4.2 mm take 6 periods at 0.7 mm each.
 TEST(CommandGuard, LimitsAJumpAndCatchesUp) {
   for (const double side : {1.0, -1.0}) {
-    CommandGuard guard(Limits{}, h, 0.0);
+    CommandGuard guard(any_acceleration(), h, 0.0);
     double last = 0.0;
     int periods = 0;
     while (last != 4.2e-3 * side && periods < 100) {
@@ -74,7 +84,7 @@ TEST(CommandGuard, LimitsAJumpAndCatchesUp) {
 
 // 50 ms of limiting are allowed, the 51st period in a row trips; a period that needs no limiting begins anew.
 TEST(CommandGuard, TripsWhenLimitedForTooLong) {
-  CommandGuard guard(Limits{}, h, -0.1);
+  CommandGuard guard(any_acceleration(), h, -0.1);
   const hal::Command far{0.1, 0.0, 0.0};
   for (int k = 1; k <= 50; ++k) {
     const auto verdict = guard.judge(far);
@@ -99,7 +109,7 @@ TEST(CommandGuard, TripsWhenLimitedForTooLong) {
 
 // A drive that takes feed-forward would follow a velocity that is too high even where the positions are tame.
 TEST(CommandGuard, LimitsFeedForwardVelocity) {
-  CommandGuard guard(Limits{}, h, 0.0);
+  CommandGuard guard(any_acceleration(), h, 0.0);
   for (const double side : {1.0, -1.0}) {
     const auto verdict = guard.judge({1e-4, 0.9 * side, 3.0});
     EXPECT_TRUE(verdict.limited);
@@ -109,7 +119,7 @@ TEST(CommandGuard, LimitsFeedForwardVelocity) {
 
 // The reason on record is the speed that was asked for, also where only the feed-forward was too fast.
 TEST(CommandGuard, ReportsTheFeedForwardThatTripped) {
-  CommandGuard guard(Limits{}, h, 0.0);
+  CommandGuard guard(any_acceleration(), h, 0.0);
   for (int k = 1; k <= 50; ++k) EXPECT_FALSE(guard.judge({0.0, -0.9, 0.0}).hazard);
   const auto verdict = guard.judge({0.0, -0.9, 0.0});
   ASSERT_TRUE(verdict.hazard);
@@ -122,6 +132,119 @@ TEST(CommandGuard, KnowsHowFastTheLastCommandMoved) {
   guard.passed({1e-4, 55.0, 0.0});
   guard.passed({3e-4, 55.0, 0.0});
   EXPECT_NEAR(guard.velocity(), 0.2, 1e-12) << "by positions, not by what feed-forward claims";
+}
+
+// The acceleration limit that comes with a speed limit is that of a sine of 30 Hz at that speed.
+TEST(CommandGuard, DerivesItsAccelerationFromTheSpeed) {
+  EXPECT_NEAR(Limits{}.highest_acceleration(), 2.0 * 3.14159265358979 * 30.0 * 0.7, 1e-9);
+  Limits limits;
+  limits.acceleration = 50.0;
+  EXPECT_EQ(limits.highest_acceleration(), 50.0);
+}
+
+// A sine at just its acceleration goes out as it is, to the bit; 0.1 % more is limited.
+TEST(CommandGuard, LetsTheAccelerationLimitPass) {
+  const double w = 60.0, amplitude = 5e-3;
+  for (const double share : {1.0, 0.999}) {
+    Limits limits;
+    limits.acceleration = share * amplitude * w * w;
+    CommandGuard guard(limits, h, amplitude);
+    for (int k = 1; k <= 5000; ++k) {
+      const double cosine = std::cos(w * h * k);
+      const hal::Command wanted{amplitude * cosine, -amplitude * w * std::sin(w * h * k), -amplitude * w * w * cosine};
+      const auto verdict = guard.judge(wanted);
+      ASSERT_FALSE(verdict.hazard) << k;
+      if (share == 1.0) {
+        ASSERT_EQ(verdict.command.position, wanted.position) << k;
+        ASSERT_NEAR(verdict.command.acceleration, wanted.acceleration, 1e-9) << k;
+      }
+      guard.passed(verdict.command);
+    }
+    EXPECT_EQ(guard.limited_count() > 0, share < 1.0);
+  }
+}
+
+// (1), (2): a step of 20 mm is a motion that keeps stroke, speed and acceleration, arrives without overshoot, and takes
+// the time of that motion: the way at full speed and one acceleration time, 20/0.7 + 0.7/132 = 33.9 ms; (1) brakes by
+// up to two periods earlier.
+TEST(CommandGuard, AcceleratesAndBrakesWithinTheLimit) {
+  const Limits limits;
+  for (const double side : {1.0, -1.0}) {
+    CommandGuard guard(limits, h, 0.0);
+    double velocity = 0.0;
+    int periods = 0;
+    for (; guard.last().position != 20e-3 * side && periods < 100; ++periods) {
+      const auto verdict = guard.judge({20e-3 * side, 0.0, 0.0});
+      ASSERT_FALSE(verdict.hazard) << periods;
+      const double now = (verdict.command.position - guard.last().position) / h;
+      EXPECT_LE(std::abs(now), limits.speed * (1.0 + 1e-9));
+      EXPECT_LE(std::abs(now - velocity), limits.highest_acceleration() * h * (1.0 + 1e-6)) << periods;
+      EXPECT_LE(side * verdict.command.position, 20e-3 + 1e-12) << "no overshoot";
+      velocity = now;
+      guard.passed(verdict.command);
+    }
+    EXPECT_NEAR(periods, 34, 4);
+  }
+}
+
+// A jump onto a moving reference meets it at its own speed.
+TEST(CommandGuard, CatchesUpWithAMovingReference) {
+  CommandGuard guard(Limits{}, h, 0.0);
+  for (int k = 1; k <= 60; ++k) {
+    const double wanted = 10e-3 + 0.3 * h * k;
+    const auto verdict = guard.judge({wanted, 0.3, 0.0});
+    ASSERT_FALSE(verdict.hazard) << k;
+    EXPECT_LE(verdict.command.position, wanted + 1e-12) << k;
+    guard.passed(verdict.command);
+    if (k > 45) {
+      EXPECT_EQ(verdict.command.position, wanted) << k;
+    }
+  }
+}
+
+// A zigzag between ± 0.6 m/s, 1200 m/s² at each corner, is below the speed limit. It was not noticed.
+TEST(CommandGuard, TripsOnAZigzag) {
+  CommandGuard guard(Limits{}, h, 0.0);
+  std::optional<firmware::Trip> hazard;
+  int k = 1;
+  for (; k < 1000 && !hazard; ++k) {
+    const bool up = k % 2 == 1;
+    const auto verdict = guard.judge({up ? 0.6e-3 : 0.0, up ? 0.6 : -0.6, 0.0});
+    hazard = verdict.hazard;
+    guard.passed(verdict.command);
+  }
+  ASSERT_TRUE(hazard);
+  EXPECT_EQ(hazard->reason, Reason::acceleration);
+  EXPECT_NEAR(hazard->limit, 131.9, 0.1);
+  EXPECT_GT(std::abs(hazard->value), hazard->limit);
+  EXPECT_LE(k, 60) << "50 ms";
+}
+
+// A reference that turns round so late that the acceleration limit cannot brake before the end of the stroke.
+TEST(CommandGuard, TripsBeforeItOvershootsTheStroke) {
+  CommandGuard guard(Limits{}, h, 0.1);
+  std::optional<firmware::Trip> hazard;
+  for (int k = 1; k <= 80 && !hazard; ++k) {
+    const double there = 0.1 + 0.6 * h * std::min(k, 41);
+    const auto verdict = guard.judge({there, k <= 41 ? 0.6 : 0.0, 0.0});
+    hazard = verdict.hazard;
+    if (!hazard) {
+      EXPECT_LE(verdict.command.position, 0.125);
+      guard.passed(verdict.command);
+    }
+  }
+  ASSERT_TRUE(hazard);
+  EXPECT_EQ(hazard->reason, Reason::stroke);
+}
+
+// A drive that takes feed-forward does not see more than the limit.
+TEST(CommandGuard, CutsFeedForwardAcceleration) {
+  Limits limits;
+  limits.acceleration = 10.0;
+  CommandGuard guard(limits, h, 0.0);
+  const auto verdict = guard.judge({0.0, 0.0, -33.0});
+  EXPECT_FALSE(verdict.limited);
+  EXPECT_EQ(verdict.command.acceleration, -10.0);
 }
 
 }  // namespace

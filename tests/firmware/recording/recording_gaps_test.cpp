@@ -1,9 +1,13 @@
 // Recordings that rig_controller wrote while it was late now and then: read onto an even grid, what is not known
 // marked.
+#include "firmware/recording/recording_gaps.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "firmware/description/input_error.hpp"
 #include "firmware/recording/recording.hpp"
@@ -104,6 +108,88 @@ TEST(RecordingGaps, BelievesNobodyElse) {
         static_cast<void>(parse_recording_csv(std::string("t,z_r [m],late [s]\n") + rows, "REC.csv", {}, 1000.0)),
         firmware::InputError);
   }
+}
+
+// 12 s at 100 Hz, z_r = k; a row for which `text` gives something else, or "" for none.
+template <class Text>
+std::string ramp(const Text& text) {
+  std::string csv = "t,z_r,F_w\n";
+  for (int k = 0; k < 1200; ++k) {
+    const std::string row = text(k);
+    if (!row.empty()) csv += row + "\n";
+  }
+  return csv;
+}
+std::string whole_row(int k) { return std::to_string(0.01 * k).substr(0, 6) + "," + std::to_string(k) + ",1"; }
+
+std::vector<Recording> parts(const std::string& csv) {
+  return firmware::pieces_of(parse_recording_csv(csv, "REC.csv", {}, 100.0, firmware::Missing::mark));
+}
+
+// A recording of anybody: a NaN and a missing row are bridged by a straight line, marked and said.
+TEST(RecordingGaps, MarksSingleSamplesOfAnyRecording) {
+  const auto one = parts(ramp([](int k) {
+    if (k == 300) return std::string("3.00,nan,1");
+    return k == 500 ? std::string() : whole_row(k);
+  }));
+  ASSERT_EQ(one.size(), 1U);
+  ASSERT_EQ(one[0].size(), 1200U);
+  EXPECT_EQ(one[0][Channel::z_r][300], 300.0);
+  EXPECT_EQ(one[0][Channel::z_r][500], 500.0);
+  EXPECT_EQ(std::count(one[0].filled.begin(), one[0].filled.end(), true), 2);
+  EXPECT_TRUE(one[0].filled[300] && one[0].filled[500]);
+  EXPECT_EQ(one[0].remark, "REC.csv: 2 rows are missing or incomplete and not used, the first at line 302");
+}
+
+// A gap of half a second is not bridged: before and after it are recordings of their own, and the marked sample stays
+// where it was.
+TEST(RecordingGaps, PartsARecordingAtALongGap) {
+  const auto two = parts(ramp([](int k) {
+    if (k == 700) return std::string("7.00,700,nan");
+    return k >= 450 && k < 500 ? std::string() : whole_row(k);
+  }));
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_EQ(two[0].size(), 450U);
+  EXPECT_EQ(two[0][Channel::z_r].back(), 449.0);
+  EXPECT_THAT(two[0].filled, IsEmpty());
+  EXPECT_EQ(two[1].size(), 700U);
+  EXPECT_EQ(two[1][Channel::z_r].front(), 500.0);
+  EXPECT_NEAR(two[1].time.front(), 5.0, 1e-9);
+  EXPECT_TRUE(two[1].filled[200]);
+  EXPECT_EQ(two[1].source, "REC.csv from 5 s");
+  EXPECT_EQ(two[0].remark,
+            "REC.csv: 51 rows are missing or incomplete and not used, the first at line 452; 1 gap beyond 20 ms, 2 "
+            "parts between them used, 11.5 "
+            "of 12 s");
+}
+
+// A part of 1 s is too short to be used.
+TEST(RecordingGaps, LeavesShortPartsOut) {
+  const auto one = parts(ramp([](int k) { return k >= 100 && k < 150 ? std::string() : whole_row(k); }));
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_EQ(one[0][Channel::z_r].front(), 150.0);
+}
+
+// Where every tenth sample is missing, or an eighth of the record in one gap, nothing is analysed; the line of the
+// first missing row is said. An infinite value is none that is missing.
+TEST(RecordingGaps, RefusesWhereTooMuchIsMissing) {
+  const auto refused = [](const std::string& csv) -> std::string {
+    try {
+      static_cast<void>(parts(csv));
+    } catch (const firmware::InputError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const std::string expected =
+      " of 1200 rows are missing or incomplete, the first one here, expected at most 5 %, and 10 % "
+      "with gaps beyond 20 ms";
+  EXPECT_EQ(refused(ramp([](int k) { return k % 10 == 7 ? std::string() : whole_row(k); })),
+            "REC.csv:9: 120" + expected);
+  EXPECT_EQ(refused(ramp([](int k) { return k >= 600 && k < 750 ? std::string() : whole_row(k); })),
+            "REC.csv:602: 150" + expected);
+  EXPECT_EQ(refused(ramp([](int k) { return k == 10 ? std::string("0.10,inf,1") : whole_row(k); })),
+            "REC.csv:12: z_r is inf, expected a finite number");
 }
 
 }  // namespace

@@ -305,6 +305,7 @@ TEST(ClosedLoop, SetsTheFirmwareUpAsDescribed) {
   rig.controller.stroke = 0.2;
   rig.controller.speed = 1.5;
   rig.controller.force = 20e3;
+  rig.controller.force_given = true;
   rig.controller.ramp = 0.1;
   rig.controller.energy_gain = 1.3;
   rig.controller.cross_over = 2.0;

@@ -133,10 +133,18 @@ TEST_F(CommandLine, RefusesRecordingsThatDoNotFit) {
   EXPECT_EQ(rigtwin({"compare", "--rig", rig, "--data", data}).status, 0);
   expect_recording_refused(with(good, "z_r,", "z_x,"), "z_r");
   expect_recording_refused(with(good, ",F\n", ",G\n"), "nothing is measured that a hil answers with");
-  expect_recording_refused(with(good, "0.007,-0.001", "0.007,nan"), "bad.csv:9: ");
+  // Single samples and rows are left out, with their line; of 40 rows three are too many.
+  const auto lame = folder.write("lame.csv", with(good, "0.007,-0.001", "0.007,nan")).string();
+  EXPECT_NE(rigtwin({"compare", "--rig", rig, "--data", lame})
+                .output.find("1 row is missing or incomplete and not used, "
+                             "the first at line 9"),
+            std::string::npos);
+  std::string lamer = good;
+  for (const char* t : {"0.007,", "0.008,", "0.009,"}) lamer = with(lamer, t, std::string(t) + "nan");
+  expect_recording_refused(lamer, "bad.csv:9: ");
+  expect_recording_refused(with(good, "0.007,-0.001", "0.007,inf"), "bad.csv:9: ");
   expect_recording_refused(with(good, "0.007,-0.001,7", "0.007,-0.001"), "bad.csv:9: ");
   expect_recording_refused(with(good, "0.007,", "0.005,"), "bad.csv:9: ");
-  expect_recording_refused(with(good, "0.007,-0.001,7\n", ""), "bad.csv:9: ");
   expect_recording_refused("", "bad.csv");
   expect_recording_refused("t,z_r,F\n", "bad.csv");
   const auto fast = folder.write("fast.toml", with(hil_text, "sample_rate = 1000.0", "sample_rate = 500.0")).string();

@@ -7,7 +7,11 @@
 #include <string>
 
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/loop_proof.hpp"
+#include "firmware/description/rig_description.hpp"
 #include "host_sim/commands/command_line.hpp"
+#include "host_sim/stability/margins/analysis.hpp"
+#include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {
@@ -97,6 +101,47 @@ TEST(StabilityCommand, TakesTheDelayBudget) {
   EXPECT_EQ(json["sampled"]["stable"], true);
   EXPECT_NEAR(json["delay_budget"]["total"].get<double>(), 0.015, 1e-15);
   EXPECT_NEAR(json["delay_budget"]["left"].get<double>(), 0.0152536 - 0.015, 1e-7);
+}
+
+// --write-limits leaves a description that a controller accepts, and changes nothing else in it. The delay is four
+// fifths of what the sampled loop has left: 10 ms of 11.9 ms are the machine's (physics.md: the wheel mode of the
+// FDVA).
+TEST(StabilityCommand, WritesForWhichLoopItHolds) {
+  const support::TemporaryFolder folder;
+  const std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml") + "# the end\n";
+  const std::string file = folder.write("rig.toml", text).string();
+  const Outcome outcome = rigtwin({"stability", "--write-limits", file});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string written = support::TemporaryFolder::read(file);
+  EXPECT_EQ(written.substr(0, text.size()), text);
+  const firmware::RigDescription rig = firmware::read_rig(file);
+  EXPECT_EQ(firmware::stability_objection(rig), "");
+  const auto analysis = host_sim::stability::analyse(rig);
+  ASSERT_TRUE(analysis.sampled && analysis.sampled->critical_delay);
+  EXPECT_NEAR(rig.hardware.schedule.allowed_delay, 0.8 * (*analysis.sampled->critical_delay - 0.010), 1e-6);
+
+  ASSERT_EQ(rigtwin({"stability", "--write-limits", file}).status, 0);
+  EXPECT_EQ(support::TemporaryFolder::read(file), written) << "a second time there is nothing to change";
+}
+
+// Each number of ducts that the plan of the valves opens must be stable; where one is not, nothing is written.
+TEST(StabilityCommand, ProvesEveryPositionOfTheValves) {
+  const support::TemporaryFolder folder;
+  const std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml");
+  const auto allowed = [&](const std::string& plan) {
+    const std::string file = folder.write("rig.toml", text + plan).string();
+    EXPECT_EQ(rigtwin({"stability", "--write-limits", file}).status, 0) << plan;
+    return firmware::read_rig(file).hardware.schedule.allowed_delay;
+  };
+  const double alone = allowed("");
+  EXPECT_LE(allowed("[valves]\nplan = [{ t = 1.0, open = 1 }]\n"), alone);
+
+  const std::string unstable = support::with(text, "virtual_damping = 1140.0", "virtual_damping = 700.0");
+  const std::string file = folder.write("unstable.toml", unstable).string();
+  const Outcome outcome = rigtwin({"stability", "--write-limits", file});
+  EXPECT_EQ(outcome.status, static_cast<int>(firmware::ExitStatus::unfit_input));
+  EXPECT_NE(outcome.err.find("the loop with 2 open ducts is unstable"), std::string::npos) << outcome.err;
+  EXPECT_EQ(support::TemporaryFolder::read(file), unstable);
 }
 
 // Fault. One line, the right exit status, no result left behind.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
@@ -17,7 +18,7 @@
 
 namespace {
 
-using namespace firmware;  // NOLINT
+using namespace firmware;
 using namespace host_sim;
 using identification::Diagnosis;
 using identification::Use;
@@ -297,6 +298,27 @@ TEST(Diagnosis, NamesFrictionOfRealRigs) {
         damper, {{read_recording(folder / record, damper.channels, damper.sample_rate), Use::shared}});
     EXPECT_TRUE(lists(one, "coulomb_friction")) << record << ": " << identification::sentence(one);
   }
+}
+
+// A carriage that a motor moves by a ball screw, force and position measured: mass, dry and viscous friction that
+// Janot, Gautier and Brunot (2019) publish for it, 95.11 kg, 20.39 N and 203.5 N s/m, within 2, 5 and 5 %.
+TEST(Diagnosis, WeighsTheCarriageOfARealPositioningSystem) {
+  const auto folder = support::shared / "real";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "../shared/real is missing";
+  const RigDescription d = read_rig(folder / "emps.toml");
+  const Diagnosis found =
+      identification::diagnose(d, {{read_recording(folder / "emps_1.csv", d.channels, d.sample_rate), Use::shared}});
+  const std::map<std::string_view, double> published{{"moving_mass", 95.11}, {"coulomb_friction", 20.39}};
+  const std::map<std::string_view, double> tolerance{{"moving_mass", 0.02}, {"coulomb_friction", 0.05}};
+  for (const auto& [name, value] : published) {
+    EXPECT_TRUE(lists(found, name)) << name << ": " << identification::sentence(found);
+    for (const identification::NamedEffect& named : found.effects) {
+      if (named.effect.entry->name != name) continue;
+      EXPECT_NEAR(named.parameters[0].value / value, 1.0, tolerance.at(name)) << name;
+      EXPECT_GT(named.confidence, 0.5) << name;
+    }
+  }
+  EXPECT_NEAR(found.parameters.at("suspension.damping").value / 203.5, 1.0, 0.05);
 }
 
 // Point. Odds are said as far as anybody can know them.

@@ -415,7 +415,8 @@ TEST(RecordingCsv, ReadsBlocksOfAnyLengthAlike) {
     for (std::size_t block = 1; block < text.size(); ++block) {
       const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
       ASSERT_EQ(::lseek(descriptor, static_cast<off_t>(head), SEEK_SET), static_cast<off_t>(head));
-      const Recording rec = firmware::read_recording_csv(descriptor, text.substr(0, head), "REC.csv", {}, 1.0, block);
+      const Recording rec = firmware::read_recording_csv(descriptor, text.substr(0, head), "REC.csv", {}, 1.0,
+                                                         firmware::Missing::refuse, block);
       ::close(descriptor);
       ASSERT_EQ(rec.time, whole.time) << head << ' ' << block;
       ASSERT_EQ(rec[Channel::F], whole[Channel::F]) << head << ' ' << block;

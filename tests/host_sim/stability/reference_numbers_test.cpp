@@ -3,8 +3,8 @@
 
 #include <numbers>
 
-#include "host_sim/stability/analysis.hpp"
-#include "host_sim/stability/frequency_response.hpp"
+#include "host_sim/stability/margins/analysis.hpp"
+#include "host_sim/stability/margins/frequency_response.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
 namespace {

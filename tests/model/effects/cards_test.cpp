@@ -48,7 +48,7 @@ TEST(EffectCards, HaveNamesOfTheirOwn) {
     std::set<std::string_view> parameters;
     for (const EffectParameter& p : card.parameters) EXPECT_TRUE(parameters.insert(p.name).second) << card.name;
   });
-  EXPECT_EQ(names.size(), 26U);
+  EXPECT_EQ(names.size(), 27U);
 }
 
 // A fit starts inside the bounds of its parameter: on a rig of the usual size, a car on a road of class B.
@@ -58,6 +58,7 @@ TEST(EffectCards, StartFitsInsideTheBounds) {
                                 .deflection_peak = 14e-3,
                                 .velocity = 0.08,
                                 .velocity_peak = 0.3,
+                                .acceleration = 5.0,
                                 .tyre_force = 400.0,
                                 .tyre_deflection = 2e-3,
                                 .foot_acceleration = 8.0,

@@ -13,7 +13,7 @@
 
 namespace {
 
-using namespace firmware;  // NOLINT
+using namespace firmware;
 using namespace host_sim;
 using identification::Hypothesis;
 using identification::IdentificationProblem;

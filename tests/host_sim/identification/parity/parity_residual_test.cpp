@@ -14,7 +14,7 @@
 
 namespace {
 
-using namespace firmware;  // NOLINT
+using namespace firmware;
 using namespace host_sim;
 using identification::likely_fault_location;
 using identification::ParityResidual;

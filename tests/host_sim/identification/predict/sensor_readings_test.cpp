@@ -11,7 +11,7 @@
 
 namespace {
 
-using namespace firmware;  // NOLINT
+using namespace firmware;
 using namespace host_sim;
 using model::Channel;
 using sample::sine;

@@ -14,7 +14,7 @@
 
 namespace {
 
-using namespace firmware;  // NOLINT
+using namespace firmware;
 using namespace host_sim;
 using identification::unit_errors;
 using model::Channel;

@@ -1,0 +1,30 @@
+// For which loop a hil rig was found stable.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "firmware/description/rig_description.hpp"
+
+namespace firmware {
+
+/// Every number that enters the loop analysis, one "key = value" a line in a fixed order: rate, car, component,
+/// effects, delay budget, valve plan. Devices, limits, noise, ranges, tolerances and comments do not enter.
+[[nodiscard]] std::string loop_text(const RigDescription& description);
+
+/// "sha256:" and the SHA-256 of loop_text().
+[[nodiscard]] std::string loop_fingerprint(const RigDescription& description);
+
+/// The text of a description with [controller] allowed_delay and proven set; every other byte stays. Throws InputError
+/// where the text is not that of a description, or says [controller] in another form than a table of its own.
+[[nodiscard]] std::string with_loop_proof(std::string_view text, std::string_view source, double allowed_delay,
+                                          std::string_view fingerprint);
+
+/// What speaks against closing the loop of a hil rig on devices: no proof, or one of another loop. Empty: nothing, no
+/// hil rig, or [waivers] unproven_stability.
+[[nodiscard]] std::string stability_objection(const RigDescription& description);
+
+/// The same for the measured delay of samples and computation [s] against allowed_delay.
+[[nodiscard]] std::string delay_objection(const RigDescription& description, double measured_delay);
+
+}  // namespace firmware

@@ -1,0 +1,82 @@
+// Does the rig go where it is told?
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "firmware/loop/sample_guard.hpp"
+#include "firmware/loop/settings.hpp"
+#include "firmware/loop/trip.hpp"
+#include "hal/command_output.hpp"
+#include "model/delay_line.hpp"
+#include "model/machine.hpp"
+#include "model/rig_parameters.hpp"
+
+namespace firmware {
+
+/// Compares the measured position (x_act of hil and component_bench, z_r of quarter_car) with the commands:
+///
+///   (1)  x̂ = machine(x_cmd(t − τ))         expected: delay, lag, resonance and rate limit of the rig description
+///   (2)  e = x − x̂                         following error
+///   (3)  v = (x(k) − x(k − n))/(n h),       n h = speed_window
+///
+/// x is the reading without the gain and offset that the description gives its sensor; delay, lag and half of the hold
+/// of that sensor belong to τ. Hazards: |e| > following for longer than following_time; |x| > half of measured_stroke,
+/// or |v| > measured_speed, in bridged_in_a_row steps in a row (a single wrong sample is no motion).
+///
+/// The guard steps once a period; less often where τ is longer than its line of 28 samples or the window longer than
+/// 15: then once every so many periods that both fit. Static memory, 0.8 KiB.
+class MotionGuard {
+ public:
+  MotionGuard(const Limits& limits, const Supervision& supervision, const model::RigParameters<double>& rig,
+              double period);
+
+  /// The drive rests at `position`, and did so for long.
+  void start(double position);
+
+  /// One period: the command for this instant, and what was measured. A hazard, time not filled in.
+  [[nodiscard]] std::optional<Trip> follow(const hal::Command& command, const SampleGuard& samples);
+
+  [[nodiscard]] double expected() const { return reached_.position; }  ///< x̂ [m]
+  [[nodiscard]] double error() const { return error_; }                ///< e [m]; 0 without a sensor
+  [[nodiscard]] double speed() const { return speed_; }                ///< v [m/s]; 0 until the window is full
+  [[nodiscard]] int stride() const { return stride_; }                 ///< periods a step
+
+ private:
+  static constexpr std::size_t line_length = 32;
+  static constexpr std::size_t window_length = 16;
+  using Line = model::DelayLine<model::Stroke<float>, line_length, float>;
+
+  [[nodiscard]] std::optional<Trip> judge(double position);
+
+  model::Channel channel_;
+  double gain_ = 1.0;
+  double offset_ = 0.0;
+  double following_;
+  double half_stroke_;
+  double highest_speed_;
+  int confirmations_;
+
+  double period_;            ///< of the guard's own step [s]
+  int stride_ = 1;           ///< [periods]
+  std::size_t window_ = 1;   ///< n
+  int following_steps_ = 0;  ///< so many steps may be beyond `following`
+  Line line_{};
+  model::Machine<double> machine_{};
+  model::Machine<double>::State state_ = model::Machine<double>::State::Zero();
+  model::Stroke<double> delayed_{};  ///< x_cmd(t − τ)
+  model::Stroke<double> reached_{};  ///< x̂
+
+  std::array<float, window_length> positions_{};  ///< the last ones measured, a ring
+  std::size_t newest_ = 0;
+  std::size_t measured_ = 0;  ///< how many of them there are
+  int until_step_ = 0;        ///< [periods]
+  double error_ = 0.0;
+  double speed_ = 0.0;
+  int away_ = 0;  ///< steps in a row beyond `following`
+  int far_ = 0;   ///< beyond the stroke
+  int fast_ = 0;  ///< beyond the speed
+};
+
+}  // namespace firmware

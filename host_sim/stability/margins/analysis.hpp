@@ -1,0 +1,67 @@
+// The analysis behind `rigtwin stability`.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+#include "host_sim/stability/margins/affine_family.hpp"
+#include "host_sim/stability/margins/crossings.hpp"
+#include "host_sim/stability/margins/margins.hpp"
+#include "host_sim/stability/margins/sensitivity.hpp"
+#include "host_sim/stability/roots/characteristic_roots.hpp"
+#include "host_sim/stability/roots/linear_rig.hpp"
+#include "host_sim/stability/roots/sampled_loop.hpp"
+
+namespace host_sim::stability {
+
+/// One contribution to the loop delay.
+struct DelayPart {
+  std::string name;
+  double seconds{};
+  bool in_loop_delay{};  ///< part of τ of the verdict; half a step and the group delay of lags are not
+};
+
+/// The delay of the loop, part by part.
+///
+/// The loop delay τ of roots, verdict and margins is the sum of the delays among the effects of the rig description and
+/// of the entries of [delay_budget]. A description without that table gives τ = effects.actuator_delay alone.
+/// The hold of the sampled loop adds about half a step. `total` includes it and is to be compared with the critical
+/// delay; the sampled loop treats the hold exactly. Lags are part of P and Q. Their delay at the critical frequency is
+/// shown but not added, because the critical delay already includes it.
+struct DelayBalance {
+  std::vector<DelayPart> parts;
+  double total{};              ///< τ and half a step [s]
+  std::optional<double> left;  ///< critical delay − total [s]
+};
+
+struct StabilityAnalysis {
+  LinearRig rig;
+  double delay{};          ///< τ [s]
+  double machine_delay{};  ///< part of τ between x_cmd and x_act [s]
+  bool stable{};
+  RootSet roots;
+  Margins margins;
+  SensitivityPeak sensitivity;
+  std::vector<PadeResult> pade;               ///< orders 1 … 5
+  std::vector<AxisValue> virtual_dampings;    ///< in 0 … most_virtual_damping with a root on the axis, at τ
+  std::optional<AxisValue> critical_damping;  ///< the border that lies nearest to the given damping
+  Complex critical_root;  ///< the root that reaches the axis at the critical delay, at the given delay; else the
+                          ///< rightmost [1/s]
+  std::vector<ParameterSensitivity> parameters;  ///< sorted by effect on the critical root, largest first
+  std::optional<SampledLoop> sampled;            ///< none: the delay exceeds the model's delay line
+  DelayBalance balance;
+
+  [[nodiscard]] DelayEquation equation() const { return rig.equation(delay); }
+};
+
+inline constexpr double usual_line = -60.0;               ///< roots right of it are listed [1/s]
+inline constexpr double most_virtual_damping = 10'000.0;  ///< [N s/m]
+
+/// Throws InputError for a rig that is not a hil rig or whose loop is not retarded. Throws CountMismatch or another
+/// std::logic_error where two independent methods disagree: the roots found and the argument principle; both and the
+/// crossings counted from zero delay; the matrix of a step and the model's step.
+[[nodiscard]] StabilityAnalysis analyse(const firmware::RigDescription& description, double line = usual_line);
+
+}  // namespace host_sim::stability

@@ -1,0 +1,41 @@
+#include "host_sim/stability/report/verdict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "host_sim/signal/spectrum.hpp"
+
+namespace host_sim::stability {
+namespace {
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  std::array<char, 240> line{};
+  std::snprintf(line.data(), line.size(), format, values...);
+  return line.data();
+}
+
+std::string milliseconds(double seconds) { return text("%.4g ms", 1e3 * seconds); }
+
+}  // namespace
+
+std::string verdict(const StabilityAnalysis& a) {
+  const Complex worst = a.roots.rightmost();
+  if (!a.stable) {
+    std::string line = text("unstable at %.4g Hz, doubling every %.3g s", worst.imag() / full_turn,
+                            std::numbers::ln2 / std::max(worst.real(), 1e-300));
+    if (worst.real() == 0.0) line = "not stable: a root lies on the imaginary axis";
+    if (a.margins.delay_margin) {
+      const double change = *a.margins.delay_margin;
+      line += ", stable with " + milliseconds(std::abs(change)) + (change < 0.0 ? " less delay" : " more delay");
+    }
+    return line;
+  }
+  if (!a.margins.delay_margin) return "stable at every delay from the given one up to 1 s";
+  return "stable, " + milliseconds(*a.margins.delay_margin) + " of delay left";
+}
+
+}  // namespace host_sim::stability

@@ -1,0 +1,264 @@
+#include "host_sim/stability/roots/linear_rig.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "model/machine.hpp"
+#include "model/rig_equations.hpp"
+#include "model/subsystems.hpp"
+
+namespace host_sim::stability {
+namespace {
+
+using Equations = model::RigEquations<double>;
+using model::Linearisation;
+
+Eigen::Index index_of(std::size_t i) { return static_cast<Eigen::Index>(i); }
+
+/// Car (1) of LinearRig: inputs F_s, z_r, ż_r; outputs z_w, z_b, F_w.
+StateSpace car_of(const Equations& equations) {
+  using State = Equations::CarState;
+  using Input = Equations::CarInput;
+  constexpr int n = State::RowsAtCompileTime;
+  StateSpace car{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 3), Eigen::MatrixXd::Zero(3, n),
+                 Eigen::MatrixXd::Zero(3, 3)};
+  for (int j = 0; j < n; ++j) {
+    const State unit = State::Unit(j);
+    car.a.col(j) = equations.car(unit, Input{});
+    car.c(2, j) = equations.tyre_force(unit, 0.0, 0.0);
+  }
+  car.b.col(0) = equations.car(State::Zero(), Input{.suspension_force = 1.0});
+  car.b.col(1) = equations.car(State::Zero(), Input{.z_r = 1.0});
+  car.b.col(2) = equations.car(State::Zero(), Input{.v_r = 1.0});
+  car.c(0, 0) = 1.0;
+  car.c(1, 2) = 1.0;
+  car.d(2, 1) = equations.tyre_force(State::Zero(), 1.0, 0.0);
+  car.d(2, 2) = equations.tyre_force(State::Zero(), 0.0, 1.0);
+  return car;
+}
+
+/// Component (3): inputs x_act, ẋ_act; output F.
+StateSpace component_of(const Equations& equations, int open) {
+  using State = Equations::ComponentState;
+  using Input = Equations::ComponentInput;
+  constexpr int n = State::RowsAtCompileTime;
+  StateSpace component{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 2), Eigen::MatrixXd(1, n), Eigen::MatrixXd(1, 2)};
+  for (int j = 0; j < n; ++j) {
+    const State unit = State::Unit(j);
+    component.a.col(j) = equations.component(unit, Input{}, open);
+    component.c(0, j) = equations.component_force(unit, 0.0, 0.0);
+  }
+  component.b.col(0) = equations.component(State::Zero(), Input{.deflection = 1.0}, open);
+  component.b.col(1) = equations.component(State::Zero(), Input{.velocity = 1.0}, open);
+  component.d(0, 0) = equations.component_force(State::Zero(), 1.0, 0.0);
+  component.d(0, 1) = equations.component_force(State::Zero(), 0.0, 1.0);
+  return component;
+}
+
+/// Machine (2) without its delay: inputs x_cmd, ẋ_cmd; outputs x_act, ẋ_act.
+StateSpace machine_of(const model::MachinePath<double>& path) {
+  using Machine = model::Machine<double>;
+  using State = Machine::State;
+  constexpr int n = State::RowsAtCompileTime;
+  constexpr double any_period = 1e-3;  // of its step, which is not asked for
+  const Machine machine(path, any_period);
+  const auto output = [&](const State& x, double position, double velocity) {
+    const model::Stroke<double> reached = machine.output(x, {position, velocity});
+    return Eigen::Vector2d(reached.position, reached.velocity);
+  };
+  StateSpace system{Eigen::MatrixXd(n, n), Eigen::MatrixXd::Zero(n, 2), Eigen::MatrixXd(2, n), Eigen::MatrixXd(2, 2)};
+  for (int j = 0; j < n; ++j) {
+    system.a.col(j) = machine.rates(State::Unit(j), 0.0);
+    system.c.col(j) = output(State::Unit(j), 0.0, 0.0);
+  }
+  system.b.col(0) = machine.rates(State::Zero(), 1.0);
+  system.d.col(0) = output(State::Zero(), 1.0, 0.0);
+  system.d.col(1) = output(State::Zero(), 0.0, 1.0);
+  return system;
+}
+
+/// Sensor of F (4) without its delay: equations (1) and (2) of model::Sensors, whose own step is discrete.
+StateSpace force_sensor_of(const model::SensorPath<double>& path) {
+  const bool lags = path.lag > 0.0;
+  const Eigen::Index n = lags ? 1 : 0;
+  StateSpace system{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 1), Eigen::MatrixXd(1, n),
+                    Eigen::MatrixXd::Constant(1, 1, lags ? 0.0 : path.gain)};
+  if (lags) {
+    system.a(0, 0) = -1.0 / path.lag;
+    system.b(0, 0) = path.gain / path.lag;
+    system.c(0, 0) = 1.0;
+  }
+  return system;
+}
+
+/// det(M + s diag(1 … 1, 0 … 0)) with `ones` ones, expanded by rows: a sum of products of entries, which keeps the
+/// digits of every coefficient although entries differ by many powers of ten. Each set of columns is expanded once.
+class PencilDeterminant {
+ public:
+  PencilDeterminant(const Eigen::MatrixXd& matrix, Eigen::Index ones)
+      : matrix_(matrix), ones_(ones), size_(matrix.rows()), known_(std::size_t{1} << static_cast<unsigned>(size_)) {}
+
+  [[nodiscard]] Polynomial polynomial() { return of(0, 0); }
+
+ private:
+  /// Of the rows from `row` on, without the columns of `used`.
+  const Polynomial& of(Eigen::Index row, std::size_t used) {
+    auto& [done, sum] = known_[used];
+    if (done) return sum;
+    done = true;
+    if (row == size_) return sum = {1.0};
+    bool positive = true;
+    for (Eigen::Index j = 0; j < size_; ++j) {
+      const std::size_t column = std::size_t{1} << static_cast<unsigned>(j);
+      if ((used & column) != 0U) continue;
+      const double entry = matrix_(row, j);
+      const bool with_s = j == row && j < ones_;
+      if (entry != 0.0 || with_s) {
+        const Polynomial factor = with_s ? Polynomial{entry, 1.0} : Polynomial{entry};
+        sum += (positive ? 1.0 : -1.0) * (factor * of(row + 1, used | column));
+      }
+      positive = !positive;
+    }
+    return sum;
+  }
+
+  const Eigen::MatrixXd& matrix_;
+  Eigen::Index ones_, size_;
+  std::vector<std::pair<bool, Polynomial>> known_;
+};
+
+/// det(sI − A)
+Polynomial characteristic(const Eigen::MatrixXd& a) {
+  const Eigen::MatrixXd negative = -a;
+  return PencilDeterminant(negative, a.rows()).polynomial();
+}
+
+/// Numerator from a displacement to `output` of a block that takes displacement (input 0) and velocity (input 1).
+Polynomial by_displacement(const TransferMatrix& block, std::size_t output) {
+  return block.numerator(output, 0) + Polynomial::s() * block.numerator(output, 1);
+}
+
+}  // namespace
+
+std::vector<bool> reached(const Eigen::MatrixXd& links, std::vector<bool> start) {
+  bool grown = true;
+  while (grown) {
+    grown = false;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      for (std::size_t j = 0; j < start.size() && !start[i]; ++j) {
+        if (start[j] && links(index_of(i), index_of(j)) != 0.0) start[i] = grown = true;
+      }
+    }
+  }
+  return start;
+}
+
+StateSpace without_idle_states(const StateSpace& system) {
+  const auto n = static_cast<std::size_t>(system.a.rows());
+  std::vector<bool> driven(n), seen(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    driven[i] = !system.b.row(index_of(i)).isZero(0.0);
+    seen[i] = !system.c.col(index_of(i)).isZero(0.0);
+  }
+  driven = reached(system.a, driven);
+  seen = reached(system.a.transpose(), seen);
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (driven[i] && seen[i]) kept.push_back(index_of(i));
+  }
+  return {system.a(kept, kept), system.b(kept, Eigen::all), system.c(Eigen::all, kept), system.d};
+}
+
+TransferMatrix::TransferMatrix(const StateSpace& full) : inputs_(static_cast<std::size_t>(full.d.cols())) {
+  const StateSpace system = without_idle_states(full);
+  denominator_ = characteristic(system.a);
+  const Eigen::Index n = system.a.rows();  // 0: nothing but d, and no rows or columns to speak of
+  for (Eigen::Index i = 0; i < system.d.rows(); ++i) {
+    for (Eigen::Index j = 0; j < system.d.cols(); ++j) {
+      // c adj(sI − A) b + d det(sI − A) = det [sI − A, b; −c, d]
+      Eigen::MatrixXd bordered(n + 1, n + 1);
+      if (n > 0) {
+        bordered.topLeftCorner(n, n) = -system.a;
+        bordered.topRightCorner(n, 1) = system.b.col(j);
+        bordered.bottomLeftCorner(1, n) = -system.c.row(i);
+      }
+      bordered(n, n) = system.d(i, j);
+      numerators_.push_back(PencilDeterminant(bordered, n).polynomial());
+    }
+  }
+}
+
+std::array<Polynomial, 2> LinearRig::machine_response() const {
+  return {by_displacement(machine, 0), machine.denominator()};
+}
+
+std::array<Polynomial, 2> LinearRig::component_response() const {
+  return {by_displacement(component, 0), component.denominator()};
+}
+
+model::RigParameters<double> linear_part(const model::RigParameters<double>& rig) {
+  model::RigParameters<double> linear = rig;
+  linear.fdva.minor_loss = 0.0;
+  linear.effects.for_each([](auto& slot) {
+    if (slot.effect.card.linearisation == Linearisation::left_out) slot.active = false;
+  });
+  linear.effects.for_each_sensor([](auto& slot, model::Channel channel) {
+    if (channel != model::Channel::F || slot.effect.card.linearisation == Linearisation::left_out) {
+      slot.active = false;
+    }
+  });
+  return linear;
+}
+
+LinearRig linearise(const model::RigParameters<double>& rig) {
+  if (rig.kind != model::RigKind::hil) {
+    throw UnfitLoop("stability analysis needs the loop of a hil rig, this is a " + std::string(model::name(rig.kind)));
+  }
+  LinearRig result;
+  if (rig.has_fdva && rig.fdva.minor_loss > 0.0 && rig.fdva.open_ducts > 0) {
+    result.left_out.emplace_back("fdva.minor_loss");
+  }
+  const auto sort = [&](Linearisation linearisation, const std::string& name) {
+    if (linearisation == Linearisation::left_out) result.left_out.push_back(name);
+    if (linearisation == Linearisation::outside) result.outside_loop.push_back(name);
+  };
+  rig.effects.for_each([&](const auto& slot) {
+    if (slot.active) sort(slot.effect.card.linearisation, std::string(slot.effect.card.name));
+  });
+  rig.effects.for_each_sensor([&](const auto& slot, model::Channel channel) {
+    if (!slot.active) return;
+    const std::string name = std::string(slot.effect.card.name) + "." + std::string(model::name(channel));
+    if (channel == model::Channel::F) {
+      sort(slot.effect.card.linearisation, name);
+    } else {
+      result.outside_loop.push_back(name);
+    }
+  });
+
+  const model::RigParameters<double> linear = linear_part(rig);
+  const Equations equations(linear);
+  model::MachinePath<double> path{};
+  linear.effects.act_on(path);
+  const model::SensorPath<double> sensor = linear.effects.sensor_paths()[model::index(model::Channel::F)];
+  result.car = car_of(equations);
+  result.component = TransferMatrix(component_of(equations, rig.has_fdva ? rig.fdva.open_ducts : 0));
+  result.machine = TransferMatrix(machine_of(path));
+  result.force_sensor = TransferMatrix(force_sensor_of(sensor));
+  result.machine_delay = path.delay;
+  result.sensor_delay = sensor.delay;
+
+  StateSpace loop = result.car;
+  loop.b = result.car.b.leftCols(1).eval();
+  loop.c = (result.car.c.row(0) - result.car.c.row(1)).eval();
+  loop.d = Eigen::MatrixXd::Zero(1, 1);
+  const TransferMatrix car(loop);
+  const TransferMatrix& m = result.machine;
+  const TransferMatrix& k = result.component;
+  const TransferMatrix& s = result.force_sensor;
+  result.p = car.denominator() * m.denominator() * k.denominator() * s.denominator();
+  result.q = -1.0 * (car.numerator(0, 0) * s.numerator(0, 0) *
+                     (k.numerator(0, 0) * by_displacement(m, 0) + k.numerator(0, 1) * by_displacement(m, 1)));
+  return result;
+}
+
+}  // namespace host_sim::stability

@@ -1,0 +1,49 @@
+// The sampled loop as the controller runs it: discrete steps, delay line, held force.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "host_sim/stability/roots/polynomial.hpp"
+#include "model/rig_parameters.hpp"
+
+namespace host_sim::stability {
+
+/// One period of model::RigModel::step as a matrix. Its columns are the step at unit vectors of the whole state: car,
+/// component, machine, received force and every sample of the delay line that will still be read. States without a path
+/// from or to the force (inactive effects, a locked piston) are left out.
+struct StepMatrix {
+  Eigen::MatrixXd matrix;
+  std::size_t own = 0;   ///< states before those of the line
+  std::size_t line = 0;  ///< samples of the line, two states (position, velocity) each, newest first
+};
+
+/// `rig` must be linear (linear_part); `delay` replaces that of its machine [s]. The matrix is checked against the
+/// model: both run from the same state in motion, and a difference is a std::logic_error.
+/// Throws UnfitLoop when the delay exceeds the capacity of the model's line.
+[[nodiscard]] StepMatrix step_matrix(const model::RigParameters<double>& rig, double period, double delay);
+
+/// Verdict on the sampled loop.
+struct SampledLoop {
+  double period{};                       ///< T [s]
+  std::size_t states{};                  ///< of the whole step
+  std::vector<Complex> eigenvalues;      ///< Im ≥ 0, largest modulus first
+  double spectral_radius{};              ///< stable below 1
+  std::optional<double> critical_delay;  ///< of machine and budget, without the delay of sampling [s]; none: see below
+  std::optional<double> added_delay;     ///< continuous critical delay − that of the sampled loop [s], about T/2
+
+  [[nodiscard]] bool stable() const { return spectral_radius < 1.0; }
+};
+
+/// `rig` must be linear, `delay` [s] is that of its machine. `critical` holds critical delay [s] and frequency [rad/s]
+/// of the continuous loop: the start values of the search for the critical delay of the sampled loop. The sampled loop
+/// has none if no delay ≥ 0 within the capacity of the delay line puts the largest eigenvalue on the unit circle.
+struct ContinuousBorder {
+  double delay{}, omega{};
+};
+[[nodiscard]] SampledLoop sampled_loop(const model::RigParameters<double>& rig, double period, double delay,
+                                       const std::optional<ContinuousBorder>& critical);
+
+}  // namespace host_sim::stability
