@@ -53,7 +53,7 @@ enum class Reason : unsigned char {
   gap,                    ///< one period began far too late
 };
 
-inline constexpr Reason last_reason = Reason::late;
+inline constexpr Reason last_reason = Reason::gap;
 
 [[nodiscard]] constexpr std::string_view name(Reason reason) {
   constexpr auto names = std::to_array<std::string_view>({"none",
