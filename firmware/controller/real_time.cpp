@@ -15,7 +15,7 @@
 namespace firmware::controller {
 namespace {
 
-std::string first_line(const char* path) {
+std::string first_line(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
@@ -136,6 +136,85 @@ void look_at_machine(Verdict& verdict, int cpu) {
                               : sleepless ? "none"
                                           : driver + ", deep ones not forbidden: no access to /dev/cpu_dma_latency",
                               awake || sleepless});
+}
+
+namespace {
+
+/// "always [madvise] never" names madvise.
+std::string chosen(const std::string& line) {
+  const std::size_t begin = line.find_first_of("[("), end = line.find_first_of("])");
+  return begin == std::string::npos || end == std::string::npos || end < begin
+             ? line
+             : line.substr(begin + 1, end - begin - 1);
+}
+
+/// Value of "Key:\tvalue" in a file; empty without it.
+std::string entry(const std::filesystem::path& path, const std::string& key) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(key + ":")) continue;
+    const std::size_t at = line.find_first_not_of(" \t", key.size() + 1);
+    return at == std::string::npos ? std::string() : line.substr(at);
+  }
+  return {};
+}
+
+/// The real-time priority of a thread, field 40 of its stat; 0: none, or no such thread.
+int priority_of(const std::filesystem::path& thread) {
+  const std::string line = first_line(thread / "stat");
+  std::size_t at = line.rfind(')');  // behind the name, which may hold spaces
+  constexpr int fields_behind_name = 38;
+  for (int i = 0; i < fields_behind_name && at != std::string::npos; ++i) at = line.find(' ', at + 1);
+  return at == std::string::npos ? 0 : std::atoi(line.c_str() + at + 1);
+}
+
+/// "irq/45-spi0 (50), …": interrupt threads that may run on this CPU, below this priority.
+std::string starved_interrupts(const std::filesystem::path& root, int cpu, int priority) {
+  std::string list;
+  std::error_code error;
+  for (const auto& process : std::filesystem::directory_iterator(root / "proc", error)) {
+    const std::string name = first_line(process.path() / "comm");
+    if (!name.starts_with("irq/")) continue;
+    const int own = priority_of(process.path());
+    if (own <= 0 || own >= priority || !names(entry(process.path() / "status", "Cpus_allowed_list"), cpu)) continue;
+    list += (list.empty() ? "" : ", ") + name + " (" + std::to_string(own) + ")";
+  }
+  return list;
+}
+
+}  // namespace
+
+void look_at_settings(Verdict& verdict, int cpu, int priority, const std::filesystem::path& root) {
+  const auto add = [&](const char* what, const std::string& found, bool good) {
+    verdict.findings.push_back({what, found, good});
+  };
+  const std::string number = std::to_string(std::max(cpu, 0));
+  const std::string governor =
+      first_line(root / "sys/devices/system/cpu" / ("cpu" + number) / "cpufreq/scaling_governor");
+  const bool fast = governor.empty() || governor == "performance";
+  add("frequency",
+      governor.empty() ? "not scaled"
+                       : governor + (fast ? "" : ": CPU " + number + " may be slow when a period begins"),
+      fast);
+  const std::string runtime = first_line(root / "proc/sys/kernel/sched_rt_runtime_us");
+  const bool free = runtime.empty() || runtime == "-1";
+  add("throttling",
+      free ? "none"
+           : "real-time tasks get " + runtime + " us of each period of theirs (kernel.sched_rt_runtime_us = -1)",
+      free);
+  const std::string huge = chosen(first_line(root / "sys/kernel/mm/transparent_hugepage/enabled"));
+  const bool small = huge != "always";
+  add("huge pages", huge.empty() ? "none" : huge + (small ? "" : ": the kernel may stop the loop to join pages"),
+      small);
+  const std::string preemption = first_line(root / "sys/kernel/debug/sched/preempt");
+  if (!preemption.empty()) {
+    const std::string mode = chosen(preemption);
+    add("preemption", mode + (mode == "full" ? "" : ": boot with preempt=full"), mode == "full");
+  }
+  const std::string starved = cpu >= 0 ? starved_interrupts(root, cpu, priority) : std::string();
+  add("interrupts",
+      starved.empty() ? "none waits for the loop" : starved + " wait while the loop spins on CPU " + number,
+      starved.empty());
 }
 
 }  // namespace firmware::controller

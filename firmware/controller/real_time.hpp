@@ -1,6 +1,7 @@
 // What real time needs of the machine, and whether it was granted.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -32,5 +33,11 @@ void schedule_loop(Verdict& verdict, int priority, int cpu);
 
 /// Keeps the CPUs out of deep sleep for as long as the program lives; kernel, clock source, isolation as they are.
 void look_at_machine(Verdict& verdict, int cpu);
+
+/// Settings of the kernel that weaken real time: frequency governor of the loop's CPU (−1: CPU 0), throttling of
+/// real-time tasks, transparent huge pages, the mode of a kernel with PREEMPT_DYNAMIC, interrupt threads on the loop's
+/// CPU whose priority is below the loop's – they wait while it spins before each period. `root`: the folder of sys/ and
+/// proc/.
+void look_at_settings(Verdict& verdict, int cpu, int priority, const std::filesystem::path& root = "/");
 
 }  // namespace firmware::controller

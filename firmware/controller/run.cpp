@@ -84,6 +84,7 @@ Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
   const auto wrong = ControlLoop::check(settings, rig.rig, roles, valves);
   lock_memory(verdict);
   look_at_machine(verdict, rig.hardware.schedule.cpu);
+  look_at_settings(verdict, rig.hardware.schedule.cpu, rig.hardware.schedule.priority);
   schedule_loop(verdict, rig.hardware.schedule.priority, rig.hardware.schedule.cpu);
   std::fputs(verdict.text().c_str(), stdout);
   std::fputs(devices.text().c_str(), stdout);

@@ -151,6 +151,7 @@ bool Session::acquire_rights() {
   const ScheduleDescription& schedule = rig_.hardware.schedule;
   if (realtime_) lock_memory(verdict_);
   look_at_machine(verdict_, schedule.cpu);
+  look_at_settings(verdict_, schedule.cpu, schedule.priority);
   if (realtime_) schedule_loop(verdict_, schedule.priority, schedule.cpu);
   std::fputs(
       realtime_ ? verdict_.text().c_str() : "real time: NOT ASKED FOR (--no-realtime, --virtual-time, --replay)\n",
@@ -246,7 +247,7 @@ bool Session::is_over(hal::Time seen) {
 
 /// Asks the loop for what leads to a run, or for what led the recording that is replayed.
 void Session::lead() {
-  const std::size_t row = progress_.periods.load(std::memory_order_relaxed);
+  const auto row = static_cast<std::size_t>(progress_.periods.load(std::memory_order_relaxed));
   const Mode mode = loop_.mode();
   const ReplayedRun* replayed = devices_.replayed();
   if (operated_) return;

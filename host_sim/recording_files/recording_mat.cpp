@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -32,6 +33,7 @@
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_gaps.hpp"
 #include "firmware/recording/sample_checks.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
