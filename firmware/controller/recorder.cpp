@@ -144,7 +144,8 @@ void Recorder::take(const Record& record) {
   }
   if (setup_.cycle_samples > 0) {
     buffer_ += ',';
-    number(in_run(record.mode) ? static_cast<double>(1 + run_samples_ / setup_.cycle_samples) : 0.0);
+    const std::uint64_t cycle = 1 + run_samples_ / setup_.cycle_samples;
+    number(in_run(record.mode) ? static_cast<double>(cycle) : 0.0);
     if (record.sample == 0) run_samples_ = 0;
     if (record.mode == Mode::running) ++run_samples_;
   }

@@ -32,7 +32,7 @@ constexpr hal::Time disk_patience = hal::milliseconds(5000);
 std::string words(const Trip& trip, const RigDescription& rig) {
   std::string text(name(trip.reason));
   if (trip.interlock >= 0) {
-    const auto i = static_cast<std::size_t>(trip.interlock);
+    const auto i = static_cast<std::size_t>(static_cast<unsigned char>(trip.interlock));
     const bool named = rig.hardware.gpio && i < rig.hardware.gpio->interlocks.size();
     return text + " " + (named ? one_line(rig.hardware.gpio->interlocks[i].name) : std::to_string(i + 1));
   }

@@ -42,7 +42,6 @@ ArmingChecks::ArmingChecks(const Settings& settings, const Expected& expected)
     : settings_(settings.arming),
       ramps_(settings.ramps),
       period_(settings.period.seconds()),
-      half_stroke_(0.5 * settings.limits.stroke),
       expected_(expected),
       rest_periods_(periods_of(settings.arming.tare_time, period_)),
       probe_periods_(periods_of(probe_time, period_)) {}

@@ -91,7 +91,6 @@ class ArmingChecks {
   Arming settings_;
   Ramps ramps_;
   double period_;
-  double half_stroke_;
   Expected expected_;
   std::uint64_t rest_periods_;
   std::uint64_t probe_periods_;

@@ -188,7 +188,7 @@ std::vector<Recording> pieces_of(Recording recording) {
     std::size_t from, to;
   };
   std::vector<Range> parts{{0, 0}};
-  const auto shortest_gap = static_cast<std::size_t>(longest / recording.sample_period + 0.5) + 1;
+  const auto shortest_gap = static_cast<std::size_t>(std::lround(longest / recording.sample_period)) + 1;
   for (std::size_t k = 0; k < filled.size(); ++k) {
     std::size_t end = k;
     while (end < filled.size() && filled[end]) ++end;
