@@ -73,7 +73,7 @@ without=$(verdict "$work/without" "$work/without.toml" "$work/run.csv")
 grep -o '"verdict":"named"' <<<"$without" || complain "$work/diagnose.txt" "diagnose names nothing"
 grep -o '"effects":\[{"name":"helper_spring"' <<<"$without" || complain "$work/diagnose.txt" "diagnose names another effect"
 
-"$controller" --rig "$work/with.toml" --simulated --virtual-time --road iso8608:C --duration 20 --out "$work/controller.csv" \
+"$controller" --rig "$work/with.toml" --simulated --virtual-time --road iso8608:B --duration 20 --out "$work/controller.csv" \
   >"$work/controller.txt" 2>&1 || complain "$work/controller.txt" "rig_controller fails"
 with=$(verdict "$work/with" "$work/with.toml" "$work/controller.csv")
 grep -o '"verdict":"no_discrepancy"' <<<"$with" || complain "$work/diagnose.txt" "the controller's rig is another one"
