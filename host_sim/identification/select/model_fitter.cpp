@@ -1,6 +1,5 @@
 #include "host_sim/identification/select/model_fitter.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +7,7 @@
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/select/linear_refit.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -15,40 +15,6 @@ namespace host_sim::identification {
 using model::Channel;
 
 namespace {
-
-/// The parameters that are fitted already, refitted linearly beside a candidate.
-class LinearRefit {
- public:
-  explicit LinearRefit(const Fit& base) : base_(base) {
-    Eigen::MatrixXd h = base.jacobian.transpose() * base.jacobian;
-    for (Eigen::Index i = 0; i < h.rows(); ++i) {
-      // What lies at a bound cannot make way for another.
-      const bool free = !base.parameters[static_cast<std::size_t>(i)].at_bound(base.hypothesis);
-      h(i, i) += (free ? 1e-10 : 1e12) * h(i, i) + 1e-30;
-    }
-    factor_.compute(h);
-    residual_ = base.jacobian.transpose() * base.residual;
-  }
-
-  /// (1)
-  [[nodiscard]] double gain(const Eigen::VectorXd& d) const {
-    double square = d.squaredNorm(), along = base_.residual.dot(d);
-    if (base_.jacobian.cols() > 0) {
-      const Eigen::VectorXd projection = base_.jacobian.transpose() * d;
-      const Eigen::VectorXd solved = factor_.solve(projection);
-      square -= projection.dot(solved);
-      along -= residual_.dot(solved);
-    }
-    if (!(square > 1e-9)) return 0.0;
-    const double factor = std::clamp(-along / square, 0.0, 2.0);
-    return -2.0 * factor * along - factor * factor * square;
-  }
-
- private:
-  const Fit& base_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
-  Eigen::VectorXd residual_;
-};
 
 firmware::PlacedEffect placed(const Candidate& candidate, const Start& start) {
   return {candidate.entry, candidate.channel, start.values};

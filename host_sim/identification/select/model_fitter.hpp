@@ -22,13 +22,8 @@ void drop_jacobian(Fit& fit);
 
 /// The only holder of the problem that a search works on: fits use it as it is, update_input_noise() weights it anew.
 ///
-/// A candidate is first scanned: with r the residuals of a model, J its Jacobian and d the change of r that the
-/// candidate's start makes, all else refitted linearly,
-///
-///   (1)  gain = max over 0 ≤ s ≤ 2 of  |r|² − min_θ |r + s d + J θ|²
-///
-/// so one start costs one simulation, and a sensor effect none. Parameters at a bound cannot make way. Source: the
-/// Lagrange multiplier (score) test, C. R. Rao, Proc. Camb. Phil. Soc. 44, 1948.
+/// A candidate is first scanned: what it gains while all else is refitted linearly (linear_refit.hpp, 1). So one start
+/// costs one simulation, and a sensor effect none.
 class ModelFitter {
  public:
   /// `common`: parameters that are free in every model. Problem, criterion and effort outlive the fitter.
@@ -55,7 +50,7 @@ class ModelFitter {
   /// Refitted without one of its effects.
   [[nodiscard]] CandidateModel without(const CandidateModel& whole, std::size_t leave_out) const;
 
-  /// One more effect: the candidates with the largest gain (1), fitted, best first. At most `most`; no more than
+  /// One more effect: the candidates with the largest gain, fitted, best first. At most `most`; no more than
   /// thresholds::always_fitted of those far behind the best, and none that gains less than `least`.
   [[nodiscard]] std::vector<CandidateModel> extended(const CandidateModel& base, const Scales& scales, std::size_t most,
                                                      double least = 0.0) const;
@@ -81,7 +76,7 @@ class ModelFitter {
   /// Everything that may move in a model with these effects: common parameters first.
   [[nodiscard]] std::vector<FreeParameter> parameters(const std::vector<firmware::PlacedEffect>& effects) const;
 
-  /// Candidates beside a model, with the gain (1) of their starts; best first.
+  /// Candidates beside a model, with the gain of their starts (linear_refit.hpp); best first.
   [[nodiscard]] std::vector<Scanned> scan(const CandidateModel& base, const Scales& scales) const;
 
   /// A candidate beside a model, fitted from its best start or two; columns of the Jacobian of the model are kept.

@@ -1,48 +1,25 @@
 #include "host_sim/identification/select/suspect_parameters.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
-#include "host_sim/identification/select/select_model.hpp"
+#include "host_sim/identification/select/linear_refit.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
 namespace {
 
-/// What a parameter gains linearly beside a fitted model, whose parameters make way unless they lie at a bound.
-class LinearGain {
- public:
-  LinearGain(const IdentificationProblem& problem, const Fit& base) : problem_(problem), base_(base) {
-    Eigen::MatrixXd h = base.jacobian.transpose() * base.jacobian;
-    for (Eigen::Index i = 0; i < h.rows(); ++i) {
-      const bool free = !base.parameters[static_cast<std::size_t>(i)].at_bound(base.hypothesis);
-      h(i, i) += (free ? 1e-10 : 1e12) * h(i, i) + 1e-30;
-    }
-    factor_.compute(h);
-  }
-
-  [[nodiscard]] double of(const FreeParameter& parameter) const {
-    Hypothesis moved = base_.hypothesis;
-    const double u = parameter.get(moved);
-    parameter.put(moved, u + parameter.difference);
-    Eigen::VectorXd d = (residuals(problem_, predict(problem_, moved)) - base_.residual) / parameter.difference;
-    if (!d.allFinite()) return 0.0;
-    const double alone = d.squaredNorm();
-    if (base_.jacobian.cols() > 0) d -= base_.jacobian * factor_.solve(base_.jacobian.transpose() * d);
-    const double square = d.squaredNorm(), along = base_.residual.dot(d);
-    // What the others can do as well gains nothing by itself.
-    return square > 1e-8 * alone ? along * along / square : 0.0;
-  }
-
- private:
-  const IdentificationProblem& problem_;
-  const Fit& base_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
-};
+/// What freeing a parameter promises beside a fitted model.
+double promise(const IdentificationProblem& problem, const Fit& base, const LinearRefit& others,
+               const FreeParameter& parameter) {
+  Hypothesis moved = base.hypothesis;
+  parameter.put(moved, parameter.get(moved) + parameter.difference);
+  const Eigen::VectorXd d = (residuals(problem, predict(problem, moved)) - base.residual) / parameter.difference;
+  return d.allFinite() ? others.free_gain(d) : 0.0;
+}
 
 bool is_same(const FreeParameter& a, const FreeParameter& b) { return a.path == b.path; }
 
@@ -63,12 +40,13 @@ class ParameterSearch {
 
   /// The model with one more freed parameter; its list of parameters grows. false: none is worth it.
   bool free_one_more(CandidateModel& model, std::vector<FreeParameter>& freed, double least_gain) {
-    const LinearGain linear(problem_, model.fit);
+    const LinearRefit others(model.fit);
     std::vector<std::pair<double, FreeParameter>> suspects;
     for (const FreeParameter& parameter : space_.suspects) {
       if (!holds(freed, parameter)) suspects.emplace_back(0.0, parameter);
     }
-    for_all(suspects.size(), [&](std::size_t i) { suspects[i].first = linear.of(suspects[i].second); });
+    for_all(suspects.size(),
+            [&](std::size_t i) { suspects[i].first = promise(problem_, model.fit, others, suspects[i].second); });
     effort_.simulations += suspects.size();
     effort_.candidates += suspects.size();
     std::sort(suspects.begin(), suspects.end(), [](const auto& a, const auto& b) { return a.first > b.first; });

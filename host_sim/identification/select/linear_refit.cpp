@@ -1,0 +1,40 @@
+#include "host_sim/identification/select/linear_refit.hpp"
+
+#include <algorithm>
+
+namespace host_sim::identification {
+
+LinearRefit::LinearRefit(const Fit& base) : base_(base) {
+  Eigen::MatrixXd h = base.jacobian.transpose() * base.jacobian;
+  for (Eigen::Index i = 0; i < h.rows(); ++i) {
+    const bool free = !base.parameters[static_cast<std::size_t>(i)].at_bound(base.hypothesis);
+    h(i, i) += (free ? 1e-10 : 1e12) * h(i, i) + 1e-30;
+  }
+  factor_.compute(h);
+  residual_ = base.jacobian.transpose() * base.residual;
+}
+
+LinearRefit::Left LinearRefit::left(const Eigen::VectorXd& d) const {
+  Left left{d.squaredNorm(), base_.residual.dot(d)};
+  if (base_.jacobian.cols() > 0) {
+    const Eigen::VectorXd projection = base_.jacobian.transpose() * d;
+    const Eigen::VectorXd solved = factor_.solve(projection);
+    left.square -= projection.dot(solved);
+    left.along -= residual_.dot(solved);
+  }
+  return left;
+}
+
+double LinearRefit::gain(const Eigen::VectorXd& d) const {
+  const auto [square, along] = left(d);
+  if (!(square > 1e-9)) return 0.0;
+  const double factor = std::clamp(-along / square, 0.0, 2.0);
+  return -2.0 * factor * along - factor * factor * square;
+}
+
+double LinearRefit::free_gain(const Eigen::VectorXd& d) const {
+  const auto [square, along] = left(d);
+  return square > 1e-8 * d.squaredNorm() ? along * along / square : 0.0;
+}
+
+}  // namespace host_sim::identification
