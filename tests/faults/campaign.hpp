@@ -31,7 +31,8 @@ struct Request {
 
 /// A rig, what goes wrong with it, and what its operator does; all of it follows from a seed.
 struct Scenario {
-  explicit Scenario(std::uint64_t seed) : generator(seed), scene(draw_kind(), 800 + whole(1200)) {
+  explicit Scenario(std::uint64_t seed)
+      : generator(seed), scene(draw_kind(), static_cast<std::size_t>(800 + whole(1200))) {
     scene.settings.ramps.rate = 0.2;  // a return takes 1 s, not 4
     scene.settings.ramps.rest = real(-0.02, 0.02);
     scene.settings.arming.tare_time = 0.02;
