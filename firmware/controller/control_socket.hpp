@@ -12,7 +12,7 @@
 
 namespace firmware::controller {
 
-/// What the loop's thread tells the others after each period.
+/// Progress of the loop, for the other threads; updated after each period.
 struct LoopProgress {
   std::atomic<std::uint64_t> periods{0};
   std::atomic<Mode> mode{Mode::idle};
@@ -71,7 +71,7 @@ class ControlSocket {
 /// 6 no program listens, or the state does not allow it.
 [[nodiscard]] int ask_controller(const std::string& path, const std::string& line);
 
-/// Whether the word is a command of the socket.
+/// True for a command of the socket.
 [[nodiscard]] bool is_command(std::string_view word);
 
 }  // namespace firmware::controller

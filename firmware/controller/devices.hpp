@@ -14,7 +14,7 @@
 
 namespace firmware::controller {
 
-/// What led the run of a recording that is replayed.
+/// Requests and states of the recorded run, for its replay.
 struct ReplayedRun {
   std::size_t rows = 0;      ///< of the recording
   std::size_t samples = 0;   ///< of the run

@@ -96,7 +96,7 @@ struct ForgetTraps {
   ~ForgetTraps() { forget_traps(); }
 };
 
-/// Whether a trap's return to rest has begun.
+/// True once a trap's return to rest has begun.
 [[nodiscard]] bool emergency_under_way();
 
 /// Whether a thread other than the loop's has trapped.

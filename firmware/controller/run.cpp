@@ -118,8 +118,8 @@ Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
   return ready ? Status::done : Status::refused;
 }
 
-/// What speaks against motion by the description alone, before anything is opened. A description without lines is no
-/// one for devices: open_devices() says so.
+/// The objection to motion that follows from the description alone, before any device is opened. A description without
+/// lines is no one for devices: open_devices() says so.
 void refuse_unfit(const RigDescription& rig, bool devices) {
   std::string objection = limits_objection(rig);
   if (objection.empty() && devices) objection = stability_objection(rig);

@@ -168,13 +168,19 @@ void compare_parameters(IdentificationProblem& problem, const SearchSpace& space
     const SearchOptions options{{}, true, progress};
     other = search(problem, space_of_freed, options);
     compare(problem, space_of_freed, options, other);
-    // Under the weights of that search.
-    found.best = ModelFitter::refitted_in(problem, space, criterion, found.best);
-  }
-  const double price = search_for.price(freed.size());
-  if (other.best.penalised_chi_squared(criterion) + price >= found.best.penalised_chi_squared(criterion)) return;
-  if (!explains && pooled_error(problem, other.best.fit.hypothesis) >
-                       thresholds::parameters_replace_error * pooled_error(problem, found.best.fit.hypothesis)) {
+    // Compared under the weights of that search; without a replacement those of the effects alone come back, since
+    // their rivals were rated under them.
+    const CandidateModel effects_alone = ModelFitter::refitted_in(problem, space, criterion, found.best);
+    const bool replaces =
+        other.best.penalised_chi_squared(criterion) + search_for.price(freed.size()) <
+            effects_alone.penalised_chi_squared(criterion) &&
+        pooled_error(problem, other.best.fit.hypothesis) <=
+            thresholds::parameters_replace_error * pooled_error(problem, effects_alone.fit.hypothesis);
+    if (!replaces) {
+      problem.update_input_noise(found.best.fit.hypothesis);
+      return;
+    }
+  } else if (model.penalised_chi_squared(criterion) + search_for.price(freed.size()) >= alone) {
     return;
   }
   for (std::size_t i = 0; i < freed.size(); ++i) {

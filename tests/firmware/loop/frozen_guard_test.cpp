@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/firmware/loop/rig_under_test.hpp"
+#include "tests/firmware/loop/silent_sensors.hpp"
 #include "tests/support/without_heap.hpp"
 
 namespace {
@@ -19,14 +20,6 @@ using firmware::SampleGuard;
 using firmware::Supervision;
 using firmware::Trip;
 using model::RigKind;
-
-class Sensors final : public hal::SensorSource {
- public:
-  explicit Sensors(const hal::SensorSetup& setup) : SensorSource(setup) {}
-
- private:
-  hal::Result<hal::Frame> do_read() override { return hal::Fault::timeout; }
-};
 
 struct Watched {
   Watched(const Parameters& rig, const std::vector<Channel>& channels, const Supervision& supervision = Supervision{})
@@ -48,7 +41,7 @@ struct Watched {
     return guard.follow(samples, command.position, command);
   }
 
-  Sensors sensors;
+  SilentSensors sensors;
   SampleGuard samples;
   FrozenGuard guard;
 };

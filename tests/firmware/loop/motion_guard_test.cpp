@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "tests/firmware/loop/rig_under_test.hpp"
+#include "tests/firmware/loop/silent_sensors.hpp"
 #include "tests/support/without_heap.hpp"
 
 namespace {
@@ -18,14 +19,6 @@ using firmware::SampleGuard;
 using firmware::Supervision;
 using firmware::Trip;
 using model::RigKind;
-
-class Sensors final : public hal::SensorSource {
- public:
-  explicit Sensors(const hal::SensorSetup& setup) : SensorSource(setup) {}
-
- private:
-  hal::Result<hal::Frame> do_read() override { return hal::Fault::timeout; }
-};
 
 /// A guard and the only sensor it needs.
 struct Watched {
@@ -52,7 +45,7 @@ struct Watched {
 
   Channel channel;
   Limits limits;
-  Sensors sensors;
+  SilentSensors sensors;
   SampleGuard samples;
   MotionGuard guard;
   hal::Time now{};

@@ -7,9 +7,10 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <random>
 #include <string>
 #include <vector>
+
+#include "tests/host_sim/signal/normal_noise.hpp"
 
 namespace {
 
@@ -19,16 +20,9 @@ using host_sim::BandRms;
 using host_sim::nominal_name;
 using host_sim::resolved_bands;
 using host_sim::third_octave_band;
+using sample::noise;
 
 constexpr double pi = std::numbers::pi;
-
-std::vector<double> noise(std::size_t count, double sigma, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal(0.0, sigma);
-  std::vector<double> signal(count);
-  for (double& x : signal) x = normal(random);
-  return signal;
-}
 
 double variance_of(const std::vector<double>& signal) {
   const double mean = std::accumulate(signal.begin(), signal.end(), 0.0) / static_cast<double>(signal.size());

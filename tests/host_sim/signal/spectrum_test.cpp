@@ -7,9 +7,10 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
-#include <random>
 #include <stdexcept>
 #include <vector>
+
+#include "tests/host_sim/signal/normal_noise.hpp"
 
 namespace {
 
@@ -17,16 +18,9 @@ using host_sim::good_fft_size;
 using host_sim::PowerSpectrum;
 using host_sim::RealTransform;
 using host_sim::welch;
+using sample::noise;
 
 constexpr double pi = std::numbers::pi;
-
-std::vector<double> noise(std::size_t count, double sigma, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal(0.0, sigma);
-  std::vector<double> signal(count);
-  for (double& x : signal) x = normal(random);
-  return signal;
-}
 
 double power_of(const PowerSpectrum& spectrum) {
   return std::accumulate(spectrum.density.begin(), spectrum.density.end(), 0.0) * spectrum.frequency[1];
