@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "host_sim/identification/assess/noise_faults.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
-#include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -117,29 +117,6 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
     list.push_back(std::move(off));
   }
   return list;
-}
-
-/// Noise that is not as declared, by channel: the mean over the recordings, weighted by their errors.
-std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem) {
-  std::vector<RecordingFault> faults;
-  for (std::size_t c = 0; c < model::channel_count; ++c) {
-    double sum = 0.0, weights = 0.0;
-    for (const PreparedRecording& r : problem.samples()) {
-      if (!r.noise_factor[c]) continue;
-      const double weight = 1.0 / std::max(std::pow(r.noise_factor[c]->half_width, 2), 1e-12);
-      sum += weight * r.noise_factor[c]->value;
-      weights += weight;
-    }
-    if (!(weights > 0.0)) continue;
-    const double factor = sum / weights, half_width = 1.0 / std::sqrt(weights);
-    const double off = std::abs(std::log(factor));
-    if (off < thresholds::noise_named || factor * off < 2.0 * half_width) continue;
-    faults.push_back({"noise_level",
-                      {model::channel_at(c)},
-                      {{"factor", {factor, factor - half_width, factor + half_width}}},
-                      thresholds::highest_confidence});
-  }
-  return faults;
 }
 
 void locate(const IdentificationProblem& problem, const SearchResult& found, bool tyre_effects, Diagnosis& result) {

@@ -73,10 +73,11 @@ struct BandSums {
 
 /// (3)
 double input_density(const InputNoise& noise, double f, double period) {
-  const double density = noise.position * noise.position;
+  const double density = noise.position * noise.position * noise.position_colour.power(f, period);
   if (!(noise.acceleration > 0.0)) return density;
   const double curvature = std::pow(2.0 * std::sin(std::numbers::pi * f * period) / period, 2);
-  return 1.0 / (1.0 / density + std::pow(curvature / noise.acceleration, 2));
+  const double acceleration = noise.acceleration * noise.acceleration * noise.acceleration_colour.power(f, period);
+  return 1.0 / (1.0 / density + curvature * curvature / acceleration);
 }
 
 /// Spectra of a tapered window.

@@ -17,16 +17,16 @@ namespace {
 
 /// The two sensors of the foot point; nullopt where they are not both recorded, or one is without noise.
 struct FootSensors {
-  double position_noise, acceleration_noise;
+  ChannelNoise position_noise, acceleration_noise;
   std::vector<double> acceleration;  ///< not a number where clipped
 };
 std::optional<FootSensors> foot_sensors(const firmware::RigDescription& description,
                                         const firmware::Recording& recording) {
   if (description.rig.kind != RigKind::quarter_car) return std::nullopt;
   if (!recording.has(Channel::z_r) || !recording.has(Channel::zdd_r)) return std::nullopt;
-  FootSensors sensors{sensor_noise(description, recording, Channel::z_r),
-                      sensor_noise(description, recording, Channel::zdd_r), recording[Channel::zdd_r]};
-  if (!(sensors.position_noise > 0.0) || !(sensors.acceleration_noise > 0.0)) return std::nullopt;
+  FootSensors sensors{find_sensor_noise(description, recording, Channel::z_r).noise,
+                      find_sensor_noise(description, recording, Channel::zdd_r).noise, recording[Channel::zdd_r]};
+  if (!(sensors.position_noise.level > 0.0) || !(sensors.acceleration_noise.level > 0.0)) return std::nullopt;
   if (const auto& range = description.range[index(Channel::zdd_r)]) {
     for (double& a : sensors.acceleration) a = range->holds(a) ? a : std::nan("");
   }
@@ -37,8 +37,10 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
                    const firmware::Recording& recording, bool disagree) {
   const Channel input = prepared.input.channel;
   if (input == Channel::x_cmd) return;  // computed, without noise
-  const double position_noise = sensor_noise(description, recording, input);
+  const ChannelNoise noise = find_sensor_noise(description, recording, input).noise;
+  const double position_noise = noise.level;
   prepared.input_noise.position = position_noise;
+  prepared.input_noise.position_colour = noise.colour;
   const auto sensors = foot_sensors(description, recording);
   if (!sensors) return;
   const double h = recording.sample_period;
@@ -50,9 +52,10 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
     return;
   }
   prepared.input.motion = firmware::through_samples(fused_displacement(recording[Channel::z_r], sensors->acceleration,
-                                                                       position_noise, sensors->acceleration_noise, h),
+                                                                       position_noise, sensors->acceleration_noise.level, h),
                                                     1.0 / h);
-  prepared.input_noise.acceleration = sensors->acceleration_noise;
+  prepared.input_noise.acceleration = sensors->acceleration_noise.level;
+  prepared.input_noise.acceleration_colour = sensors->acceleration_noise.colour;
 }
 
 /// Samples that were not recorded or lie outside the measuring range; empty: none.
@@ -66,6 +69,28 @@ std::vector<bool> clipped_samples(const firmware::RigDescription& description, c
   for (std::size_t k = 0; k < data.size(); ++k) clipped[k] = clipped[k] || (range && !range->holds(data[k]));
   if (std::find(clipped.begin(), clipped.end(), true) == clipped.end()) clipped.clear();
   return clipped;
+}
+
+/// The noise of everything that is measured: each channel by itself, then those whose colour is not clear once more with
+/// that of the others.
+void find_noise(PreparedRecording& prepared, const firmware::RigDescription& description,
+                const firmware::Recording& recording) {
+  std::vector<Channel> sensors = prepared.channels;
+  if (description.rig.kind == RigKind::quarter_car) sensors.insert(sensors.end(), {Channel::z_r, Channel::zdd_r});
+  for (const bool again : {false, true}) {
+    if (again && !prepared.expected_colour) break;
+    for (const Channel channel : sensors) {
+      const auto c = index(channel);
+      if (!recording.has(channel)) continue;
+      if (again && prepared.channel_noise[c].is_known() && prepared.channel_noise[c].colour.is_white()) continue;
+      const SensorNoise found = find_sensor_noise(description, recording, channel, prepared.expected_colour);
+      prepared.declared_noise[c] = description.noise[c];
+      prepared.channel_noise[c] = found.noise;
+      prepared.noise_factor[c] = found.factor;
+      if (prepared.explains(channel)) prepared.noise[c] = found.noise.level;
+    }
+    prepared.expected_colour = expected_colour(prepared.channel_noise);
+  }
 }
 
 void split(PreparedRecording& prepared, Use use, std::size_t samples) {
@@ -110,8 +135,8 @@ std::optional<HoldPeriod> hold_period(const std::vector<PreparedRecording>& reco
 
 bool inputs_disagree(const firmware::RigDescription& description, const firmware::Recording& recording) {
   const auto sensors = foot_sensors(description, recording);
-  return sensors && disagree(recording[Channel::z_r], sensors->acceleration, sensors->position_noise,
-                             sensors->acceleration_noise, recording.sample_period);
+  return sensors && disagree(recording[Channel::z_r], sensors->acceleration, sensors->position_noise.level,
+                             sensors->acceleration_noise.level, recording.sample_period);
 }
 
 PreparedRecording prepare_recording(const firmware::RigDescription& description, firmware::Recording recording, Use use,
@@ -134,15 +159,9 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
     const auto c = index(channel);
     prepared.channels.push_back(channel);
     prepared.renewals[c] = renewals_of(recording[channel]);
-    prepared.noise[c] = sensor_noise(description, recording, channel);
-
     prepared.clipped[c] = clipped_samples(description, recording, channel);
   }
-  std::vector<Channel> sensors = prepared.channels;
-  if (rig.kind == model::RigKind::quarter_car) sensors.insert(sensors.end(), {Channel::z_r, Channel::zdd_r});
-  for (const Channel channel : sensors) {
-    prepared.noise_factor[index(channel)] = noise_factor(description, recording, channel);
-  }
+  find_noise(prepared, description, recording);
   if (prepared.channels.empty()) {
     throw firmware::InputError(recording.source, 0, "nothing is measured that the model could explain",
                                "one channel at least beside the input");

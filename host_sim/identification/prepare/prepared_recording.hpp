@@ -16,9 +16,10 @@
 
 namespace host_sim::identification {
 
-/// rms of the noise of the measured input [SI]; 0: none, or not known.
+/// Level of the noise of the measured input [SI]; 0: none, or not known.
 struct InputNoise {
   double position = 0.0, acceleration = 0.0;
+  NoiseColour position_colour{}, acceleration_colour{};
 };
 
 /// A recording with its input prepared, split into what is fitted and what is held out.
@@ -31,7 +32,10 @@ struct PreparedRecording {
   SimulationInput input;
   bool at_rest = false;                              ///< begins at rest; else the state at the first sample is unknown
   std::vector<model::Channel> channels;              ///< measured, to be explained
-  std::array<double, model::channel_count> noise{};  ///< rms [SI], declared or estimated
+  std::array<double, model::channel_count> noise{};  ///< level [SI], declared or estimated: sensor_noise()
+  ChannelNoises channel_noise{};                     ///< the same with its colour; inputs too
+  std::array<std::optional<double>, model::channel_count> declared_noise{};  ///< rms [SI]
+  std::optional<NoiseColour> expected_colour{};                              ///< of the recorder: noise_spectrum.hpp
   /// How much louder the noise is than declared; nullopt: not known. Of all channels with samples, inputs too.
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
   std::array<std::vector<bool>, model::channel_count> clipped{};         ///< samples not to be used; empty: none
