@@ -57,12 +57,12 @@ class ControlLoop {
   ~ControlLoop() = default;
 
   /// Requests from any thread, taken up by the next period.
-  void arm() { requests_.fetch_or(arm_request); }                  ///< idle → arming → armed
-  void disarm() { requests_.fetch_or(disarm_request); }            ///< armed → idle
-  void start() { requests_.fetch_or(start_request); }              ///< armed → ready → running
-  void hold() { requests_.fetch_or(hold_request); }                ///< running → holding
-  void resume() { requests_.fetch_or(resume_request); }            ///< holding → running
-  void stop() { requests_.fetch_or(stop_request); }                ///< any → safe, in good order
+  void arm() { requests_.fetch_or(arm_request); }        ///< idle → arming → armed
+  void disarm() { requests_.fetch_or(disarm_request); }  ///< armed → idle
+  void start() { requests_.fetch_or(start_request); }    ///< armed → ready → running
+  void hold() { requests_.fetch_or(hold_request); }      ///< running → holding
+  void resume() { requests_.fetch_or(resume_request); }  ///< holding → running
+  void stop() { requests_.fetch_or(stop_request); }      ///< any → safe, in good order
   /// In safe, standing, without hazard: back to rest. Not after a reason that loses_power().
   void go_to_rest() { requests_.fetch_or(rest_request); }
   void acknowledge() { requests_.fetch_or(acknowledge_request); }  ///< safe → idle, once standing and without hazard

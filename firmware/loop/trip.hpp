@@ -117,7 +117,7 @@ inline constexpr Reason last_reason = Reason::gap;
   switch (reason) {
     case Reason::interlock:
     case Reason::interlocks_lost:
-    case Reason::command_failed:  // what the drive does is unknown
+    case Reason::command_failed:   // what the drive does is unknown
     case Reason::following_error:  // it does not go where it is told
     case Reason::measured_stroke:
     case Reason::measured_speed:

@@ -105,14 +105,14 @@ TEST_P(StopInState, BrakesHoldsAndTakesThePower) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    EachState, StopInState,
-    testing::Values(Moment{"Idle", Mode::idle, 2}, Moment{"ArmingAtRest", Mode::arming, 60},
-                    Moment{"ArmingProbe", Mode::arming, 350}, Moment{"Armed", Mode::armed, 1290},
-                    Moment{"Ready", Mode::ready, 1700}, Moment{"Running", Mode::running, 2600},
-                    Moment{"SlowingToHold", Mode::holding, 2900, 2500}, Moment{"Holding", Mode::holding, 3600, 2500},
-                    Moment{"SafeOnTheWayBack", Mode::safe, 3500}),
-    [](const auto& each) { return each.param.name; });
+INSTANTIATE_TEST_SUITE_P(EachState, StopInState,
+                         testing::Values(Moment{"Idle", Mode::idle, 2}, Moment{"ArmingAtRest", Mode::arming, 60},
+                                         Moment{"ArmingProbe", Mode::arming, 350}, Moment{"Armed", Mode::armed, 1290},
+                                         Moment{"Ready", Mode::ready, 1700}, Moment{"Running", Mode::running, 2600},
+                                         Moment{"SlowingToHold", Mode::holding, 2900, 2500},
+                                         Moment{"Holding", Mode::holding, 3600, 2500},
+                                         Moment{"SafeOnTheWayBack", Mode::safe, 3500}),
+                         [](const auto& each) { return each.param.name; });
 
 // After a stop the rig stays where it stopped. On request, with the button up, it returns to rest with power, and loses
 // that again there.
@@ -249,10 +249,9 @@ double largest_step(Journey& run, int periods) {
 // acknowledged and the rig is armed anew, without a jump.
 TEST(DriveEnable, StaysOffOnceTheWatchdogMayHaveTakenThePower) {
   constexpr int run_period = 1300, return_period = 2100;
-  for (const auto& [device, period, reason] :
-       {std::tuple{Device::heartbeat, run_period, Reason::heartbeat_failed},
-        std::tuple{Device::heartbeat, return_period, Reason::heartbeat_failed},
-        std::tuple{Device::valves, return_period, Reason::valves_failed}}) {
+  for (const auto& [device, period, reason] : {std::tuple{Device::heartbeat, run_period, Reason::heartbeat_failed},
+                                               std::tuple{Device::heartbeat, return_period, Reason::heartbeat_failed},
+                                               std::tuple{Device::valves, return_period, Reason::valves_failed}}) {
     const DeviceFault fault{device, Fault::refused, {ms * period, ms * (period + 50)}};
     Scene scene = bench();
     scene.settings.arming.position_tolerance = 5e-3;
