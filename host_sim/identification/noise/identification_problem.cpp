@@ -106,6 +106,8 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
       if (!found.is_known()) continue;
       const double highest = r.channel_noise[c].highest_level;
       if (highest > 0.0) found.level = std::min(found.level, highest);
+      // Behind a low-pass, what corners leave of the channel was filtered, and the simulation is not: no noise.
+      if (r.expected_colour && r.declared_noise[c]) found.level = std::min(found.level, r.channel_noise[c].level);
       problem.noise[c] = with_declared(found, r.declared_noise[c], period).noise;
       changed = true;
     }

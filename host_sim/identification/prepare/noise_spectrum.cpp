@@ -14,9 +14,17 @@ namespace host_sim::identification {
 namespace {
 
 /// t(f) of (2).
-double filter_coordinate(double f, double period, bool folded) {
+double filter_coordinate(double f, double period, NoiseColour::Filter filter) {
   const double angle = std::numbers::pi * std::min(f * period, 0.4999);
-  return folded ? std::sin(angle) : std::tan(angle);
+  switch (filter) {
+    case NoiseColour::Filter::analogue:
+      return angle;
+    case NoiseColour::Filter::folded:
+      return std::sin(angle);
+    case NoiseColour::Filter::digital:
+      break;
+  }
+  return std::tan(angle);
 }
 
 /// Power of a channel in a narrow band: the median over its lines.
@@ -155,7 +163,7 @@ ColourFit fit_corner(const std::vector<BandLevel>& levels, NoiseColour colour, d
 
 double NoiseColour::power(double f, double period) const {
   if (is_white()) return 1.0;
-  const double x = filter_coordinate(f, period, folded) / filter_coordinate(corner, period, folded);
+  const double x = filter_coordinate(f, period, filter) / filter_coordinate(corner, period, filter);
   return 1.0 / (1.0 + std::pow(x * x, order));
 }
 
@@ -187,8 +195,9 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
     if (expected) consider({*expected, fit_level(levels, *expected, period, has_tail), 0.0, 0.0}, tail);
     consider({{}, fit_level(levels, {}, period, has_tail), 0.0, 0.0}, tail);
     for (int order = 1; order <= thresholds::highest_filter_order; ++order) {
-      for (const bool folded : {false, true}) {
-        consider(fit_corner(levels, {0.0, order, folded}, period, has_tail), tail + corner_price);
+      using enum NoiseColour::Filter;
+      for (const NoiseColour::Filter filter : {digital, analogue, folded}) {
+        consider(fit_corner(levels, {0.0, order, filter}, period, has_tail), tail + corner_price);
       }
     }
   }
@@ -202,8 +211,7 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
   fit.noise.corner_half_width = 1.96 * best.corner_error * best.colour.corner;
   fit.tail = best.level.tail;
   const bool is_expected = expected && best.colour.corner == expected->corner;
-  const bool hidden = fit.tail * levels.front().tail > best.level.square;
-  if (hidden && !is_expected) fit.noise.corner_half_width = best.colour.corner;
+  if (fit.tail > 0.0 && !is_expected) fit.noise.corner_half_width = best.colour.corner;
   return fit;
 }
 

@@ -12,12 +12,16 @@ namespace host_sim::identification {
 /// What a low-pass makes of white noise, with T the sample period:
 ///
 ///   (1)  h(f) = 1 / (1 + (t(f)/t(corner))^{2 order})
-///   (2)  t(f) = tan(πfT) of a Butterworth filter that a computer made, sin(πfT) of one before the converter, whose
-///        noise above the Nyquist frequency is folded back (order 1: exactly, of any filter with one time constant)
+///   (2)  t(f) = tan(πfT)   digital: a Butterworth filter that a computer made
+///             = f          analogue: one before the converter, or computed for more samples than were kept
+///             = sin(πfT)   folded: the noise above the Nyquist frequency came back (order 1: exactly, of one time
+///                          constant)
 struct NoiseColour {
+  enum class Filter : unsigned char { digital, analogue, folded };
+
   double corner = 0.0;  ///< [Hz]; 0: white
   int order = 0;
-  bool folded = false;  ///< (2): sin
+  Filter filter = Filter::digital;
 
   [[nodiscard]] bool is_white() const { return order == 0; }
   [[nodiscard]] double power(double f, double period) const;  ///< (1)
