@@ -34,35 +34,42 @@ std::vector<model::Channel> channels_of(const std::vector<std::string>& names) {
   return channels;
 }
 
+/// `text` in so many columns, of which each character takes one, whatever its bytes.
+std::string right(const std::string& text, std::size_t columns) {
+  const auto characters =
+      static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  return std::string(columns - std::min(columns, characters), ' ') + text;
+}
+
+void print_effect(const plan::PlannedEffect& effect) {
+  const bool any = !effect.subject.values.empty();
+  std::printf("%-32s %-15s ", plan::words(effect.subject).c_str(),
+              any ? std::string(effect.subject.entry->parameters[effect.parameter].name).c_str() : "");
+  if (!effect.why.empty()) {
+    std::printf("%s\n", effect.why.c_str());
+    return;
+  }
+  const auto shown = [&](std::optional<double> value) {
+    return right(any && value ? plan::value_text(effect, *value) : "-", 18);
+  };
+  std::printf("%s %s %7.3g σ", shown(effect.shows_at).c_str(), shown(effect.named_at).c_str(),
+              effect.at_default.significance);
+  if (!effect.taken_for.empty()) {
+    std::printf("  %s (%.2g)", effect.taken_for.front().name.c_str(), effect.taken_for.front().left);
+  }
+  std::printf("\n");
+}
+
 void print_plan(const plan::Plan& made) {
   std::printf("%s\n", plan::summary(made).c_str());
-  std::printf("what would help\n");
-  for (std::size_t i = 0; i < std::min<std::size_t>(4, made.advice.size()); ++i) {
-    std::printf("  %s\n", plan::sentence(made.advice[i]).c_str());
+  const std::vector<plan::Advice> advice = plan::helpful(made);
+  if (advice.empty()) std::printf("%s\n", std::string(plan::nothing_helps).c_str());
+  for (std::size_t i = 0; i < std::min<std::size_t>(4, advice.size()); ++i) {
+    std::printf("  %s\n", plan::sentence(advice[i]).c_str());
   }
-  std::printf("%-34s %-17s %12s %12s %-6s %9s  %s\n", "effect", "parameter", "shows at", "named at", "", "σ typical",
-              "taken for (σ left of 10)");
-  for (const plan::PlannedEffect& effect : made.effects) {
-    const bool any = !effect.subject.values.empty();
-    const std::string parameter(any ? effect.subject.entry->parameters[effect.parameter].name : "");
-    if (!effect.why.empty()) {
-      std::printf("%-34s %-17s %s\n", plan::words(effect.subject).c_str(), parameter.c_str(), effect.why.c_str());
-      continue;
-    }
-    const auto number = [](std::optional<double> value) {
-      char text[32] = "–";
-      if (value) std::snprintf(text, sizeof text, "%.3g", *value);
-      return std::string(text);
-    };
-    const int width = effect.named_at ? 12 : 14;  // – is three bytes
-    std::printf("%-34s %-17s %*s %*s %-6s %9.3g", plan::words(effect.subject).c_str(), parameter.c_str(),
-                effect.shows_at ? 12 : 14, number(effect.shows_at).c_str(), width, number(effect.named_at).c_str(),
-                any ? plan::unit_of(effect.subject, effect.parameter).c_str() : "", effect.at_default.significance);
-    if (!effect.taken_for.empty()) {
-      std::printf("  %s (%.2g)", effect.taken_for.front().name.c_str(), effect.taken_for.front().left);
-    }
-    std::printf("\n");
-  }
+  std::printf("%-32s %-15s %18s %18s %9s  %s\n", "effect", "parameter", "shows at", "named at", "typical",
+              "taken for (left of 10)");
+  for (const plan::PlannedEffect& effect : made.effects) print_effect(effect);
   std::printf("parameters, half width of the 95 %% interval: nothing else known, beside tolerances\n");
   for (const plan::PlannedParameter& p : made.parameters) {
     std::printf("  %-28s %10.4g  ±%8.3g %%  ±%8.3g %%  %s\n", p.path.c_str(), p.described, 100.0 * p.determined_to,

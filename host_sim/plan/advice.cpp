@@ -27,6 +27,7 @@ struct Variant {
   firmware::RigDescription description;
   Setting setting;
   std::optional<Channel> sensor{};
+  bool is_band = false;
 };
 
 /// What a rehearsal of a variant says.
@@ -35,6 +36,12 @@ struct Outcome {
   Information information;
   std::string refused;
 };
+
+/// What a refusal says, without the file and what is expected instead.
+std::string reason_of(std::string refusal, const std::string& source) {
+  if (refusal.starts_with(source + ": ")) refusal.erase(0, source.size() + 2);
+  return refusal.substr(0, refusal.find(", expected"));
+}
 
 /// Sines over an octave that fade in within a second, with the velocity of the road.
 firmware::FootPointMotion octave(identification::Band band, const firmware::FootPointMotion& road, double rate) {
@@ -76,6 +83,7 @@ std::vector<Variant> variants(const firmware::RigDescription& description, const
     char words[64];
     std::snprintf(words, sizeof words, "excitation from %g to %g Hz", from, 2.0 * from);
     Variant& variant = add(words);
+    variant.is_band = true;
     variant.setting.motion = octave({from, 2.0 * from}, setting.motion, description.sample_rate);
   }
   if (description.rig.has_fdva && description.controller.valve_plan.empty()) {
@@ -111,6 +119,25 @@ Outcome outcome_of(const Rehearsal& rehearsal, const std::vector<Rival>& rivals)
   return outcome;
 }
 
+/// A band that the rig cannot follow is tried with half of the amplitude, and a quarter.
+Outcome rehearsed(Variant& variant, const std::vector<Rival>& rivals) {
+  Outcome outcome;
+  const std::string words = variant.words;
+  for (const char* const level : {"", " at half the road's velocity", " at a quarter of the road's velocity"}) {
+    try {
+      const Rehearsal rehearsal(variant.description, variant.setting);
+      outcome = outcome_of(rehearsal, rivals);
+      variant.words = words + level;
+      return outcome;
+    } catch (const firmware::InputError& error) {
+      outcome.refused = reason_of(error.what(), variant.description.source);
+    }
+    if (!variant.is_band) break;
+    identification::scale(variant.setting.motion, 0.5);
+  }
+  return outcome;
+}
+
 double half_width(const Information& information, std::size_t parameter) {
   OpenCombination alone;
   alone.parts.push_back({information.parameters[parameter].path, 1.0});
@@ -128,7 +155,7 @@ Advice compared(const Variant& variant, const Outcome& with, const Outcome& with
     sum += std::log(std::clamp(ratio, 1.0 / thresholds::most_gain, thresholds::most_gain));
     count += 1.0;
     if (ratio > advice.most) {
-      advice.most = ratio;
+      advice.most = std::min(ratio, thresholds::most_gain);
       advice.helps = identification::words(*rivals[i].strong);
     }
   }
@@ -184,16 +211,11 @@ AdviceResult advice_for(const firmware::RigDescription& description, const Setti
       shorter.motion.size(), static_cast<std::size_t>(thresholds::advice_duration * description.sample_rate)));
   const Rehearsal now(description, shorter);
   const Outcome without = outcome_of(now, rivals);
-  const std::vector<Variant> tried = variants(description, shorter, now);
+  std::vector<Variant> tried = variants(description, shorter, now);
   std::vector<Outcome> outcomes(tried.size());
   std::atomic<std::size_t> done{0};
   identification::for_all(tried.size(), [&](std::size_t v) {
-    try {
-      const Rehearsal rehearsal(tried[v].description, tried[v].setting);
-      outcomes[v] = outcome_of(rehearsal, rivals);
-    } catch (const firmware::InputError& error) {
-      outcomes[v].refused = error.what();
-    }
+    outcomes[v] = rehearsed(tried[v], rivals);
     progress(static_cast<double>(++done) / static_cast<double>(tried.size()));
   });
   AdviceResult result;

@@ -92,28 +92,35 @@ SizeSearch::SizeSearch(const Rehearsal& rehearsal, const Subject& subject, std::
   }
   const double middle = place_of(start);
   default_ = {start, 0.0};
-  const std::optional<Trial> first = trial(middle);
-  if (!of_either_sign && first) {
-    const auto more = trial(middle + std::log(2.0));
-    const bool grows = more ? more->significance >= first->significance : [&] {
-      const auto less = trial(middle - std::log(2.0));
-      return less && less->significance < first->significance;
-    }();
-    direction_ = grows ? 1.0 : -1.0;
-  }
-  for (Trial& t : trials_) t.place *= direction_;
+  if (!of_either_sign) direction_ = direction_at(middle);
   lowest_ = direction_ * middle - std::log(thresholds::range);
   highest_ = direction_ * middle + std::log(thresholds::range);
-  if (subject.entry->corner != model::Corner::none) {
-    firmware::PlacedEffect none = subject.placed();
-    none.values[parameter] = value_at(direction_ * middle + std::log(thresholds::absent));
-    absent_ = rehearsal.residuals_with(none);
-    if (absent_) absent_effect_ = std::move(none);
-    trials_.clear();
-    if (const auto again = trial(direction_ * middle)) default_.significance = again->significance;
-  } else if (first) {
-    default_.significance = first->significance;
-  }
+  if (subject.entry->corner != model::Corner::none) take_absent(direction_ * middle + std::log(thresholds::absent));
+  if (const auto first = trial(direction_ * middle)) default_.significance = first->significance;
+}
+
+/// Twice the value and half of it: the effect is more where the same factor changes more.
+double SizeSearch::direction_at(double middle) const {
+  const auto at = [&](double factor) { return change(value_at(middle + std::log(factor))); };
+  const auto half = at(0.5), whole = at(1.0), twice = at(2.0);
+  if (!whole) return 1.0;
+  const auto between = [&](const Change& a, const Change& b) {
+    return rehearsal_.significance({a.whitened - b.whitened, a.tolerated - b.tolerated});
+  };
+  if (half && twice) return between(*twice, *whole) >= between(*whole, *half) ? 1.0 : -1.0;
+  // Next to a rig that the model refuses: the described rig has none of the effect.
+  if (twice) return rehearsal_.significance(*twice) >= rehearsal_.significance(*whole) ? 1.0 : -1.0;
+  if (half) return rehearsal_.significance(*whole) >= rehearsal_.significance(*half) ? 1.0 : -1.0;
+  return 1.0;
+}
+
+void SizeSearch::take_absent(double place) {
+  firmware::PlacedEffect none = subject_.placed();
+  none.values[parameter_] = value_at(place);
+  absent_ = rehearsal_.residuals_with(none);
+  if (absent_) absent_effect_ = std::move(none);
+  trials_.clear();
+  strongest_ = {};
 }
 
 double SizeSearch::value_at(double place) const {
@@ -142,44 +149,60 @@ std::optional<SizeSearch::Trial> SizeSearch::trial(double place) {
   return trials_.back();
 }
 
+/// The trials on both sides of a significance.
+SizeSearch::Bracket SizeSearch::bracket(double wanted) const {
+  Bracket found;
+  for (const Trial& t : trials_) {
+    if (t.significance < wanted && (!found.below || t.place > found.below->place)) found.below = t;
+    if (t.significance >= wanted && (!found.above || t.place < found.above->place)) found.above = t;
+  }
+  return found;
+}
+
 std::optional<Size> SizeSearch::with(double wanted) {
-  double last_refused = INFINITY;
+  // Places beyond which the model refuses the rig, or does not know it.
+  double lowest = lowest_, highest = highest_;
+  bool least_taken = absent_.has_value();
   for (int i = 0; i < thresholds::most_trials; ++i) {
-    const Trial* below = nullptr;
-    const Trial* above = nullptr;
-    for (const Trial& t : trials_) {
-      if (std::abs(std::log(std::max(t.significance, 1e-9) / wanted)) < thresholds::size_error) {
-        return Size{value_at(t.place), t.significance};
+    const auto [below, above] = bracket(wanted);
+    for (const auto& t : {below, above}) {
+      if (t && std::abs(std::log(std::max(t->significance, 1e-9) / wanted)) < thresholds::size_error) {
+        return Size{value_at(t->place), t->significance};
       }
-      if (t.significance < wanted && (below == nullptr || t.place > below->place)) below = &t;
-      if (t.significance > wanted && (above == nullptr || t.place < above->place)) above = &t;
     }
     double place = 0.0;
-    if (below != nullptr && above != nullptr) {
-      if (std::abs(above->place - below->place) < 0.2 * thresholds::size_error) {  // a jump: from here on it shows
-        return Size{value_at(above->place), above->significance};
-      }
+    if (below && above) {
+      // Where the significance jumps, the effect shows from there on.
+      if (above->place - below->place < 0.2 * thresholds::size_error) break;
       const double from = std::log(std::max(below->significance, 1e-3 * wanted)), to = std::log(above->significance);
       const double share = std::clamp((std::log(wanted) - from) / (to - from), 0.1, 0.9);
       place = below->place + share * (above->place - below->place);
-    } else if (above != nullptr) {
-      if (above->place <= lowest_) return std::nullopt;
-      place = std::max(lowest_, above->place - std::max(std::log(above->significance / wanted), 0.1));
-    } else if (below != nullptr) {
-      const double far = std::min(highest_, last_refused);
-      if (below->place >= far - 1e-3 || value_at(below->place) == value_at(far)) return std::nullopt;
-      place = std::min(highest_, below->place + std::clamp(std::log(wanted / std::max(below->significance, 1e-3)), 0.1,
-                                                           std::log(30.0)));
-      if (place >= last_refused) place = 0.5 * (below->place + last_refused);
+    } else if (above) {
+      place = above->place - std::max(std::log(above->significance / wanted), 0.1);
+      if (place <= lowest) place = 0.5 * (above->place + lowest);
+      if (above->place - lowest < thresholds::size_error) {
+        // As small as it can be simulated it still shows, by what its equations do to the step: counted from there.
+        if (least_taken || above->significance > thresholds::vanishes * default_.significance) return std::nullopt;
+        least_taken = true;
+        take_absent(above->place);
+        place = std::log(std::abs(default_.value - neutral_)) * direction_;
+      }
+    } else if (below) {
+      place = below->place + std::clamp(std::log(wanted / std::max(below->significance, 1e-3)), 0.1, std::log(30.0));
+      if (place >= highest) place = 0.5 * (below->place + highest);
+      if (highest - below->place < thresholds::size_error || value_at(below->place) == value_at(highest)) {
+        return std::nullopt;
+      }
     } else {
       return std::nullopt;
     }
-    if (!trial(place)) {
-      if (below == nullptr || above != nullptr) return std::nullopt;
-      last_refused = place;  // a rig that the step cannot resolve
-    }
+    if (trial(place)) continue;
+    (above ? lowest : highest) = place;
+    if (below && above) return std::nullopt;
   }
-  return std::nullopt;
+  const auto [below, above] = bracket(wanted);
+  if (!below || !above) return std::nullopt;
+  return Size{value_at(above->place), above->significance};
 }
 
 }  // namespace host_sim::plan

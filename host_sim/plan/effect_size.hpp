@@ -31,10 +31,11 @@ struct Subject {
 
 /// How an effect shows as one of its parameters moves, all others in the middle of their starts.
 ///
-/// A larger value may mean more of the effect (a friction) or less (a clearance): which, two simulations beside the
-/// start say. From there the significance grows with the size, so that a size with a given significance is found by
-/// interpolation of logarithms between bounds. Of an effect with a corner the change is taken from a simulation with
-/// thresholds::absent of it.
+/// A larger value may mean more of the effect (a friction) or less (a clearance): it means more where doubling the
+/// value changes more than halving it. The significance grows with the size, so that a size with a given significance
+/// is found by interpolation of logarithms between bounds. Of an effect with a corner the change is taken from a
+/// simulation with thresholds::absent of it; so is that of an effect which still changes something when it is as small
+/// as it can be simulated.
 class SizeSearch {
  public:
   SizeSearch(const Rehearsal& rehearsal, const Subject& subject, std::size_t parameter);
@@ -55,6 +56,13 @@ class SizeSearch {
   struct Trial {
     double place, significance;  ///< place: logarithm of the size, growing with the effect
   };
+  /// Trials next to a significance, on either side.
+  struct Bracket {
+    std::optional<Trial> below{}, above{};
+  };
+  [[nodiscard]] Bracket bracket(double wanted) const;
+  [[nodiscard]] double direction_at(double middle) const;
+  void take_absent(double place);
   [[nodiscard]] double value_at(double place) const;
   [[nodiscard]] double place_of(double value) const;
   [[nodiscard]] std::optional<Trial> trial(double place);

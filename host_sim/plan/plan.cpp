@@ -38,6 +38,19 @@ std::string shows_too_little(const SizeSearch& search, const Subject& subject, s
   return text;
 }
 
+/// Of a law without parameters that changes nothing here: how far the wheel load falls, and how far it would have to.
+std::string not_reached(const Rehearsal& rehearsal, const Subject& subject) {
+  const auto responses = read_all(rehearsal.problem(), rehearsal.given());
+  const auto& load = responses.front()[index(Channel::F_w)];
+  if (subject.entry->tyre_force == nullptr || load.empty()) return "not reached by this excitation";
+  const auto& rig = rehearsal.given().rig;
+  const double gravity = 9.80665, still = gravity * (rig.body.mass + rig.wheel.mass);
+  char text[128];
+  std::snprintf(text, sizeof text, "not reached: the wheel load falls by %.3g N, needs %.3g N",
+                -*std::min_element(load.begin(), load.end()), still);
+  return text;
+}
+
 /// Of a held channel: it shows by repetition, from two samples on.
 void add_seen(const Rehearsal& rehearsal, const Subject& subject, Sized& sized) {
   const auto change = rehearsal.change(subject.placed());
@@ -62,7 +75,7 @@ Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double g
       sized.rival.strong = subject.placed();
       sized.leading = 0;
     }
-    if (row.at_default.significance < thresholds::shows) row.why = "not reached by this excitation";
+    if (row.at_default.significance < thresholds::shows) row.why = not_reached(rehearsal, subject);
     sized.rows.push_back(std::move(row));
     sized.rival.directions = directions_of(rehearsal, sized.rival);
     return sized;
@@ -74,7 +87,7 @@ Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double g
     if (const auto size = search.with(thresholds::shows / growth)) {
       row.shows_at = size->value;
     } else if (search.strongest().significance * growth >= thresholds::shows) {
-      row.why = "has no size: shows with every value";
+      row.why = "shows with every value: it is no size of this effect here";
     } else {
       row.why = shows_too_little(search, subject, p);
     }

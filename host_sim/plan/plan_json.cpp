@@ -16,16 +16,22 @@ double rounded(double value) {
   return std::isfinite(result) ? result : value;
 }
 
+/// Of a parameter: four digits of the difference to its value without effect.
+double rounded_value(const PlannedEffect& effect, double value) {
+  const model::EffectParameter& card = effect.subject.entry->parameters[effect.parameter];
+  return card.neutral + rounded(value - card.neutral);
+}
+
 ordered_json effect_json(const PlannedEffect& effect) {
   ordered_json json{{"name", effect.subject.entry->name}};
   if (effect.subject.channel) json["channel"] = model::name(*effect.subject.channel);
   if (!effect.subject.values.empty()) {
     json["parameter"] = effect.subject.entry->parameters[effect.parameter].name;
     json["unit"] = unit_of(effect.subject, effect.parameter);
-    json["default"] = rounded(effect.at_default.value);
+    json["default"] = rounded_value(effect, effect.at_default.value);
   }
-  if (effect.shows_at) json["shows_at"] = rounded(*effect.shows_at);
-  if (effect.named_at) json["named_at"] = rounded(*effect.named_at);
+  if (effect.shows_at) json["shows_at"] = rounded_value(effect, *effect.shows_at);
+  if (effect.named_at) json["named_at"] = rounded_value(effect, *effect.named_at);
   json["sigma_at_default"] = rounded(effect.at_default.significance);
   if (!effect.why.empty()) json["why"] = effect.why;
   json["taken_for"] = ordered_json::array();

@@ -13,9 +13,6 @@ namespace {
 
 using report::figure_text;
 
-std::string with_unit(double value, const std::string& unit) {
-  return figure_text(value, 3) + (unit.empty() ? "" : " " + unit);
-}
 
 /// The effects whose leading parameter decides, once each.
 struct Count {
@@ -34,13 +31,9 @@ Count count_of(const Plan& plan) {
 
 void add_advice(report::Report& page, const Plan& plan) {
   page.add_section("What would help most");
-  bool any = false;
-  for (const Advice& advice : plan.advice) {
-    if (advice.gain < thresholds::worth_saying && advice.determines.empty()) continue;
-    page.add_text(sentence(advice));
-    any = true;
-  }
-  if (!any) page.add_text("No other level, octave, sensor or number of open ducts that was tried shows effects sooner.");
+  const std::vector<Advice> list = helpful(plan);
+  for (const Advice& advice : list) page.add_text(sentence(advice));
+  if (list.empty()) page.add_text(nothing_helps);
   if (plan.advice.empty()) return;
   report::Figure figure;
   figure.title = "How many times smaller effects may be";
@@ -78,7 +71,6 @@ void add_effects(report::Report& page, const Plan& plan) {
     const bool has_parameter = !effect.subject.values.empty();
     const std::string parameter =
         has_parameter ? std::string(effect.subject.entry->parameters[effect.parameter].name) : "";
-    const std::string unit = has_parameter ? unit_of(effect.subject, effect.parameter) : "";
     if (!effect.why.empty()) {
       silent.rows.push_back({words(effect.subject), parameter, effect.why});
       continue;
@@ -89,16 +81,14 @@ void add_effects(report::Report& page, const Plan& plan) {
       left = figure_text(effect.taken_for.front().left, 2);
     }
     table.rows.push_back({words(effect.subject), parameter, nearest, left,
-                          effect.shows_at ? with_unit(*effect.shows_at, unit) : "–",
-                          effect.named_at ? with_unit(*effect.named_at, unit) : "–",
-                          has_parameter ? with_unit(effect.at_default.value, unit) : "–",
+                          effect.shows_at ? value_text(effect, *effect.shows_at) : "–",
+                          effect.named_at ? value_text(effect, *effect.named_at) : "–",
+                          has_parameter ? value_text(effect, effect.at_default.value) : "–",
                           figure_text(effect.at_default.significance, 3)});
   }
   page.add_table(table);
   if (!silent.rows.empty()) page.add_table(silent);
 }
-
-std::string axis_name(const std::string& name) { return name; }
 
 void add_matrix(report::Report& page, const Plan& plan) {
   const SeparationMatrix& matrix = plan.separations;
@@ -130,7 +120,7 @@ void add_matrix(report::Report& page, const Plan& plan) {
   for (std::size_t c = 0; c < matrix.columns.size(); ++c) {
     const bool row = std::find(matrix.rows.begin(), matrix.rows.end(), matrix.columns[c]) != matrix.rows.end();
     const std::string number = std::to_string(c + 1);
-    numbers.rows.push_back({axis_name(matrix.columns[c]), row ? number : "–", number});
+    numbers.rows.push_back({matrix.columns[c], row ? number : "–", number});
   }
   page.add_table(numbers);
 }
@@ -158,6 +148,23 @@ void add_parameters(report::Report& page, const Plan& plan) {
 
 }  // namespace
 
+std::string value_text(const PlannedEffect& effect, double value) {
+  const double neutral = effect.subject.entry->parameters[effect.parameter].neutral;
+  // Enough digits for three of the difference to the value without effect.
+  const double size = std::abs(value - neutral);
+  const int more = neutral != 0.0 && size > 0.0 ? static_cast<int>(std::ceil(std::log10(std::abs(value) / size))) : 0;
+  const std::string unit = unit_of(effect.subject, effect.parameter);
+  return figure_text(value, 3 + std::clamp(more, 0, 9)) + (unit.empty() ? "" : " " + unit);
+}
+
+std::vector<Advice> helpful(const Plan& plan) {
+  std::vector<Advice> list;
+  for (const Advice& advice : plan.advice) {
+    if (advice.gain >= thresholds::worth_saying || !advice.determines.empty()) list.push_back(advice);
+  }
+  return list;
+}
+
 std::string sentence(const Advice& advice) {
   std::string text = advice.what;
   if (!text.empty() && text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 'a' + 'A');
@@ -165,7 +172,7 @@ std::string sentence(const Advice& advice) {
               ? ": effects may be " + figure_text(advice.gain, 2) + " times smaller"
               : ": effects show about as soon";
   if (!advice.helps.empty() && advice.most > thresholds::worth_saying) {
-    text += ", " + advice.helps + " " + (advice.most > 100.0 ? "over 100" : figure_text(advice.most, 2)) + " times";
+    text += ", " + advice.helps + " " + (advice.most >= thresholds::most_gain ? "over 10" : figure_text(advice.most, 2)) + " times";
   }
   if (!advice.determines.empty()) text += "; it determines " + identification::joined(advice.determines);
   return text + ".";

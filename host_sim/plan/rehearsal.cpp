@@ -49,12 +49,18 @@ std::vector<double> added_channel(const firmware::RigDescription& description, c
   return simulate(rig, input, resting(rig, input))[index(channel)];
 }
 
-/// The description with noise for every channel that is recorded; remarks on what was assumed.
+/// Whether a channel comes from a sensor whose readings are compared; the virtual car of a hil rig is computed.
+bool is_compared(model::RigKind kind, Channel channel) {
+  if (kind != model::RigKind::quarter_car) return channel == Channel::x_act || channel == Channel::F;
+  return channel != Channel::z_r && channel != Channel::zdd_r && channel != Channel::F_act;
+}
+
+/// The description with noise for every channel that is compared; remarks on what was assumed.
 void declare_noise(firmware::RigDescription& description, const firmware::Recording& silent,
                    std::vector<std::string>& remarks) {
   for (std::size_t c = 0; c < model::channel_count; ++c) {
     const Channel channel = model::channel_at(c);
-    if (silent.channels[c].empty() || channel == Channel::x_cmd || channel == Channel::F_act) continue;
+    if (silent.channels[c].empty() || !is_compared(description.rig.kind, channel)) continue;
     if (description.noise[c] && *description.noise[c] > 0.0) continue;
     const double rms = rms_of(silent.channels[c]);
     if (!(rms > 0.0)) continue;
