@@ -32,7 +32,7 @@ std::optional<NoiseFactor> noise_factor_of(const ProblemRecording& r, std::size_
   const ChannelNoise &prepared = r.samples->channel_noise[channel], &noise = r.noise[channel];
   // Unless what was found replaced it, the factor of the samples, which no prior limits.
   if (noise.level == prepared.level || !declared || !(*declared > 0.0)) return r.samples->noise_factor[channel];
-  const double factor = noise.rms(r.samples->input.period) / *declared;
+  const double factor = noise.rms(r.samples->compared_period()) / *declared;
   return NoiseFactor{factor, 1.96 * factor * noise.relative_error};
 }
 
@@ -44,10 +44,8 @@ std::optional<RecordingFault> level_fault(const IdentificationProblem& problem, 
   if (!(mean.weights > 0.0)) return std::nullopt;
   const double off = std::abs(std::log(mean.value()));
   if (off < thresholds::noise_named || mean.value() * off < 2.0 * mean.half_width()) return std::nullopt;
-  return RecordingFault{"noise_level",
-                        {model::channel_at(channel)},
-                        {{"factor", mean.interval()}},
-                        thresholds::highest_confidence};
+  return RecordingFault{
+      "noise_level", {model::channel_at(channel)}, {{"factor", mean.interval()}}, thresholds::highest_confidence};
 }
 
 /// The low-pass of one channel: nullopt where a recording has none.
@@ -94,10 +92,8 @@ std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem) {
     members[static_cast<std::size_t>(same - groups.begin())].push_back(corner->channel);
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    faults.push_back({"noise_colour",
-                      members[g],
-                      {{"corner_hz", groups[g].mean.interval()}},
-                      thresholds::highest_confidence});
+    faults.push_back(
+        {"noise_colour", members[g], {{"corner_hz", groups[g].mean.interval()}}, thresholds::highest_confidence});
   }
   return faults;
 }

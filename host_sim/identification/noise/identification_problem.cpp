@@ -25,7 +25,7 @@ std::vector<double> left_of(const PreparedRecording& r, Channel channel, const R
   const auto c = index(channel);
   const Window window = r.comparable(channel, r.fitted.size() > 0 ? r.fitted : r.held_out);
   std::vector<double> left;
-  for (std::size_t k = window.from; k < window.to; ++k) {
+  for (std::size_t k = r.compared_from(window.from); k < window.to; k += r.step) {
     const bool clipped = !r.clipped[c].empty() && r.clipped[c][k];
     left.push_back(clipped ? 0.0 : r.recording[channel][k] - read[c][k]);
   }
@@ -64,7 +64,7 @@ bool IdentificationProblem::has_held_out() const {
 
 bool IdentificationProblem::update_input_noise(const Hypothesis& hypothesis) {
   const bool channels = update_channel_noise(hypothesis);
-  if (!(samples_->front().input_noise.position > 0.0)) {
+  if (!samples_->front().input_noise.any()) {
     if (channels) whiten();
     return channels;
   }
@@ -101,7 +101,7 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
     for (const Channel channel : r.channels) {
       if (!is_open(r, channel)) continue;
       const auto c = index(channel);
-      const double period = r.input.period;
+      const double period = r.compared_period();
       ChannelNoise found = noise_in(left_of(r, channel, read), period, channel, r.expected_colour);
       if (!found.is_known()) continue;
       const double highest = r.channel_noise[c].highest_level;
@@ -135,15 +135,18 @@ IdentificationProblem IdentificationProblem::truncated_and_coarse(double share) 
   return part;
 }
 
+Whitening IdentificationProblem::whitening(std::size_t recording, Window window) const {
+  const ProblemRecording& r = recordings_[recording];
+  return {*r.samples, window, r.noise, r.input_noise.spectrum, model_error_};
+}
+
 void IdentificationProblem::whiten() {
   for_all(recordings_.size(), [&](std::size_t i) {
     ProblemRecording& r = recordings_[i];
     r.fit_whitening.reset();
     r.held_out_whitening.reset();
-    if (r.fitted.size() > 0) r.fit_whitening.emplace(*r.samples, r.fitted, r.noise, r.input_noise.spectrum, model_error_);
-    if (r.held_out.size() > 0) {
-      r.held_out_whitening.emplace(*r.samples, r.held_out, r.noise, r.input_noise.spectrum, model_error_);
-    }
+    if (r.fitted.size() > 0) r.fit_whitening.emplace(whitening(i, r.fitted));
+    if (r.held_out.size() > 0) r.held_out_whitening.emplace(whitening(i, r.held_out));
   });
 }
 

@@ -179,8 +179,8 @@ double ChannelNoise::rms(double period) const { return level * std::sqrt(colour.
 
 bool ChannelNoise::is_known() const { return relative_error <= thresholds::noise_level_known; }
 
-std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period,
-                                                   bool is_position, const std::optional<NoiseColour>& expected) {
+std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period, bool is_position,
+                                                   const std::optional<NoiseColour>& expected) {
   const std::vector<BandLevel> levels = band_levels(samples, period, is_position);
   constexpr std::size_t fewest = 6;
   if (levels.size() < fewest) return std::nullopt;

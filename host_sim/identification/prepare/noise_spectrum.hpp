@@ -56,8 +56,8 @@ using ChannelNoises = std::array<ChannelNoise, model::channel_count>;
 /// over white noise and low-passes of order 1 … 4. `level` is thresholds::least_of_tail of the lowest power of a band,
 /// ÷ h, at least: below a tail, noise is not seen. `expected`: the colour of other channels, which one recorder has
 /// filtered; it costs nothing, and another corner thresholds::other_corner_price. A corner under a tail that no other
-/// channel has is a guess, and its half width is the corner itself. nullopt: too few samples. Source of (5): P. Whittle, as in
-/// noise/whitening.hpp.
+/// channel has is a guess, and its half width is the corner itself. nullopt: too few samples. Source of (5): P.
+/// Whittle, as in noise/whitening.hpp.
 struct NoiseSpectrumFit {
   ChannelNoise noise;
   double tail = 0.0;  ///< b

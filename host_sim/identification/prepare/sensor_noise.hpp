@@ -39,8 +39,8 @@ struct SensorNoise {
   std::optional<NoiseFactor> factor;  ///< nullopt: nothing declared, or its samples say nothing
 };
 
-/// The noise in samples. It is white where (1) of the samples, which weighs the highest third of the frequencies, and of
-/// every other one, an octave below, agree within thresholds::white_noise; else the spectrum is fitted
+/// The noise in samples. It is white where (1) of the samples, which weighs the highest third of the frequencies, and
+/// of every other one, an octave below, agree within thresholds::white_noise; else the spectrum is fitted
 /// (noise_spectrum.hpp, with `expected`).
 [[nodiscard]] ChannelNoise noise_in(const std::vector<double>& samples, double period, model::Channel channel,
                                     const std::optional<NoiseColour>& expected = {});

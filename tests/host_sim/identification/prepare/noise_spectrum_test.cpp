@@ -41,8 +41,8 @@ std::vector<double> low_passed(const std::vector<double>& samples, double corner
   return out;
 }
 
-// Point. At its corner a low-pass of any order leaves half of the power; white noise has no corner. The mean of (1) with
-// order 1 and the digital filter is t/(1 + t), t = tan(π corner T).
+// Point. At its corner a low-pass of any order leaves half of the power; white noise has no corner. The mean of (1)
+// with order 1 and the digital filter is t/(1 + t), t = tan(π corner T).
 TEST(NoiseColour, HasHalfOfThePowerAtItsCorner) {
   using enum NoiseColour::Filter;
   for (const NoiseColour::Filter filter : {digital, analogue, folded}) {
@@ -72,8 +72,8 @@ TEST(NoiseSpectrum, FindsLevelAndCornerUnderAMotion) {
   }
 }
 
-// Law. Steps of a force at every reversal are a tail, no colour and no noise: the level of the white noise below them is
-// found, while sixth differences take the tail for noise.
+// Law. Steps of a force at every reversal are a tail, no colour and no noise: the level of the white noise below them
+// is found, while sixth differences take the tail for noise.
 TEST(NoiseSpectrum, TellsTheTailOfStepsFromNoise) {
   std::vector<double> samples = normal(1.0, 60'000, 4);
   support::NormalNoise noise(5);
