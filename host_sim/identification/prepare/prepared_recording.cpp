@@ -151,9 +151,9 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   if (prepared.inputs_disagree) simulated.push_back(Channel::zdd_r);
   // A sensor of F_w that feels the road's acceleration says nothing where that is not known.
   const auto described = firmware::effects_of(rig);
-  const bool feels_road = std::any_of(described.begin(), described.end(),
-                                      [&](const auto& placed) { return !prepared.shows(*placed.entry) &&
-                                                                       placed.entry->subsystem == model::Subsystem::sensor; });
+  const bool feels_road = std::any_of(described.begin(), described.end(), [&](const auto& placed) {
+    return !prepared.shows(*placed.entry) && placed.entry->subsystem == model::Subsystem::sensor;
+  });
   if (feels_road) std::erase(simulated, Channel::F_w);
   for (const Channel channel : simulated) {
     if (!recording.has(channel)) continue;

@@ -83,8 +83,8 @@ enum class Use { fitted, shared, held_out };
 
 /// InputError where the recording does not hold what is needed: the input, a measured channel,
 /// thresholds::shortest_recording. `disagree`: whether z_r and zdd_r are treated as contradicting each other.
-[[nodiscard]] PreparedRecording prepare_recording(const firmware::RigDescription& description,
-                                                  SampledRecording sampled, Use use, bool disagree);
+[[nodiscard]] PreparedRecording prepare_recording(const firmware::RigDescription& description, SampledRecording sampled,
+                                                  Use use, bool disagree);
 [[nodiscard]] PreparedRecording prepare_recording(const firmware::RigDescription& description,
                                                   firmware::Recording recording, Use use, bool disagree);
 

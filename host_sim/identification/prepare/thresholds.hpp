@@ -10,8 +10,8 @@ namespace host_sim::identification::thresholds {
 // Length of recordings ----------------------------------------------------------------------------------------------
 
 /// [s] A shorter recording is refused. Derivation: its fitted three quarters must hold two periods of a body mode of
-/// 1.5 Hz between tapers of 0.25 s: (2/1.5 + 0.5)/0.75 = 2.4. A channel then has 330 residuals up to 90 Hz, against some
-/// 20 parameters and states. Half: less than one period, so stiffness and start are not told apart. Twice: refuses
+/// 1.5 Hz between tapers of 0.25 s: (2/1.5 + 0.5)/0.75 = 2.4. A channel then has 330 residuals up to 90 Hz, against
+/// some 20 parameters and states. Half: less than one period, so stiffness and start are not told apart. Twice: refuses
 /// recordings of 3.5 s, of which several say as much as a long one.
 inline constexpr double shortest_recording = 2.5;
 /// [s] Fitted at most, of each recording. Derivation: standard errors fall with √T, and memory grows with T (the
@@ -23,12 +23,13 @@ inline constexpr double longest_held_out = 100.0;
 /// One part in so many of a recording is held out at its end, as contract.md says.
 inline constexpr std::size_t held_out_part = 4;
 
-/// [s] Of a faster recording every n-th sample is kept. Derivation: what is compared ends at 90 Hz, and a simulation with
-/// this step is exact to 4e-5 at 30 Hz. Half: noise √2 smaller at twice the time. Twice: 6e-4 at 30 Hz, which shows.
+/// [s] Of a faster recording every n-th sample is kept. Derivation: what is compared ends at 90 Hz, and a simulation
+/// with this step is exact to 4e-5 at 30 Hz. Half: noise √2 smaller at twice the time. Twice: 6e-4 at 30 Hz, which
+/// shows.
 inline constexpr double shortest_period = 1e-3;
 
-/// [recorded rate] up to which interpolated samples are what was recorded (signal/interpolation.hpp). Half: loses half of
-/// what a recording of 100 Hz says. Twice: beyond half the rate there is nothing.
+/// [recorded rate] up to which interpolated samples are what was recorded (signal/interpolation.hpp). Half: loses half
+/// of what a recording of 100 Hz says. Twice: beyond half the rate there is nothing.
 inline constexpr double recorded_share_of_rate = 0.45;
 
 // Simulation --------------------------------------------------------------------------------------------------------
@@ -93,6 +94,10 @@ inline constexpr double unit_check_correlation = 0.5;
 /// the distance between any two units (a factor of 9.8 at least). Half: a gain error of 20 % hides a unit. Twice: a
 /// factor of 2, still no two units overlap.
 inline constexpr double unit_factor_distance = 0.35;
+/// [ln] and within which it certainly is that: 0.15 = 16 %, what parameters inside usual tolerances make of a channel.
+/// A description that is 500 times too soft is 0.7 from a thousand. Half: a damping that is 10 % off lets millimetres
+/// pass. Twice: nearly unit_factor_distance, so guesses are refused.
+inline constexpr double unit_factor_certain = 0.15;
 /// [1] factors between which a channel counts as right, or as right with the sign swapped: no effect of the catalogue
 /// within its bounds makes more of it. Tuned on our own generator.
 inline constexpr double lowest_right_factor = 0.4, highest_right_factor = 2.5;
