@@ -25,7 +25,8 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 ///   (3)  whitened = √(2/Σw²) L(f)⁻¹ R(f),   Σ = L Lᴴ (Cholesky)
 ///   (4)  h_c(f) = P sinc²(f P h) of a channel that is held for P samples, whose noise is held too; else 1
 ///
-/// k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
+/// Where the mean of the input is unknown (PreparedRecording::mean_unknown) each channel is freed from its own, Σ w x /
+/// Σ w. k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
 ///
 /// N: covariance of what the input's noise makes of the channels (input_noise_covariance.hpp); S_c: power of the
 /// channel; ε: error of the simulation itself; ε_c: an allowed error of the model, alike at every frequency.

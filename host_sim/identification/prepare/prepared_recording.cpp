@@ -43,12 +43,7 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
   if (input == Channel::x_cmd) return;  // computed, without noise
   const bool integrated = input == Channel::zdd_r || input == Channel::zdd_w;
   (integrated ? prepared.input_noise.acceleration : prepared.input_noise.position) = sampled.noise[index(input)];
-  if (integrated) {
-    double squares = 0.0;
-    for (const auto& m : prepared.input.motion) squares += m.velocity * m.velocity;
-    const auto n = static_cast<double>(prepared.input.size());
-    prepared.input_noise.mean_variance = 2.0 * squares / n / std::pow(n * recording.sample_period, 2);
-  }
+  prepared.mean_unknown = integrated;
   const auto sensors = foot_sensors(description, sampled);
   if (!sensors) return;
   const double h = recording.sample_period;
