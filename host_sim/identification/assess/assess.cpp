@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host_sim/identification/assess/lost_samples.hpp"
 #include "host_sim/identification/assess/noise_faults.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/estimate/residual_over_time.hpp"
@@ -198,6 +199,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
   add_tyre_effects(car, criterion, result);
   result.recording_faults = noise_faults(problem);
+  for (RecordingFault& fault : lost_samples(problem)) result.recording_faults.push_back(std::move(fault));
   add_failed_relations(result);
   result.verdict = verdict_of(result, explained, close);
 

@@ -175,8 +175,7 @@ InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording, 
   }
   for (std::size_t b = 0; b < bands; ++b) {
     const double f = (static_cast<double>(b) + 0.5) * thresholds::covariance_band;
-    double density = input_density(recording.input_noise, f, recording.input.period);
-    if (b == 0) density += recording.input_noise.mean_variance * static_cast<double>(spectrum_of.length());
+    const double density = input_density(recording.input_noise, f, recording.input.period);
     result.spectrum.push_back(sums[b].covariance(density, spectrum_of.taper_power()));
   }
   return result;

@@ -23,7 +23,6 @@ struct InputNoiseCovariance {
 ///   (3)  S_p = σ_z², of an acceleration that is integrated σ_a², with a fused accelerometer
 ///        1/(1/σ_z² + (4 sin²(πfh)/h²)²/σ_a²); σ² times the h(f) of its colour
 ///
-/// The mean of an integrated acceleration is not known (InputNoise::mean_variance): it adds to S_p in the lowest band.
 /// The second term of (2) is as uncertain as the instants of events are: when a contact sticks depends on the noise.
 /// Scaling the first term to the known density (3) makes a few realisations enough.
 [[nodiscard]] InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording,

@@ -72,7 +72,9 @@ Whitening::Whitening(const PreparedRecording& recording, Window window, const Ch
       step_(recording.step),
       channels_(recording.channels.size()),
       period_(recording.compared_period()) {
-  length_ = decimation_.factor() * good_fft_size_at_most(window.size() / step_ / decimation_.factor());
+  window_.from = recording.compared_from(window.from);
+  length_ = decimation_.factor() *
+            good_fft_size_at_most((window.to - std::min(window.to, window_.from)) / step_ / decimation_.factor());
   window_.to = window_.from + length_ * step_;
   const double resolution = 1.0 / (period_ * static_cast<double>(length_));
   const double top = std::min(thresholds::highest_frequency, thresholds::highest_share_of_rate / period_);
@@ -167,6 +169,18 @@ Spectrum Whitening::spectrum(const PreparedRecording& recording, std::size_t cha
   if (!clipped.empty()) {
     for (std::size_t k = 0; k < length_; ++k) {
       if (clipped[window_.from + k * step_]) tapered[k] = 0.0;
+    }
+  }
+  if (recording.mean_unknown) {
+    double sum = 0.0, weights = 0.0;
+    const auto used = [&](std::size_t k) { return clipped.empty() || !clipped[window_.from + k * step_]; };
+    for (std::size_t k = 0; k < length_; ++k) {
+      sum += tapered[k];
+      if (used(k)) weights += taper_[k];
+    }
+    const double mean = weights > 0.0 ? sum / weights : 0.0;
+    for (std::size_t k = 0; k < length_; ++k) {
+      if (used(k)) tapered[k] -= mean * taper_[k];
     }
   }
   const std::vector<double> decimated = decimation_(std::move(tapered));

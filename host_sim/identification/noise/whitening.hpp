@@ -28,7 +28,8 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 ///   (6)  (1 − h_c)² S_c is added to Σ: the low-pass acts on the signal, too, and on what corners leave of it not as on
 ///        the input that drives the simulation. |1 − H|² of a Butterworth filter, less its delay, is of that order.
 ///
-/// k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
+/// Where the mean of the input is unknown (PreparedRecording::mean_unknown) each channel is freed from its own, Σ w x /
+/// Σ w. k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
 ///
 /// N: covariance of what the input's noise makes of the channels (input_noise_covariance.hpp); S_c: power of the
 /// channel; ε: error of the simulation itself; ε_c: an allowed error of the model, alike at every frequency.

@@ -46,12 +46,7 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
   (integrated ? noise.acceleration : noise.position) = sampled.noise[index(input)];
   noise.position_colour = noise.acceleration_colour = sampled.channel_noise[index(input)].colour;
   noise.sample_period = recording.sample_period * static_cast<double>(sampled.step);
-  if (integrated) {
-    double squares = 0.0;
-    for (const auto& m : prepared.input.motion) squares += m.velocity * m.velocity;
-    const auto n = static_cast<double>(prepared.input.size());
-    prepared.input_noise.mean_variance = 2.0 * squares / n / std::pow(n * recording.sample_period, 2);
-  }
+  prepared.mean_unknown = integrated;
   const auto sensors = foot_sensors(description, sampled);
   if (!sensors) return;
   const double h = recording.sample_period;

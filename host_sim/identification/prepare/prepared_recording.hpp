@@ -25,8 +25,6 @@ struct InputNoise {
   double acceleration = 0.0;  ///< of the accelerometer beside it, or alone
   NoiseColour position_colour{}, acceleration_colour{};
   double sample_period = 1e-3;  ///< [s] of the colours
-  /// Of an integrated acceleration the mean is removed, (ż(T) − ż(0))/T of which is motion: its variance.
-  double mean_variance = 0.0;
   [[nodiscard]] bool any() const { return position > 0.0 || acceleration > 0.0; }
 };
 
@@ -52,6 +50,9 @@ struct PreparedRecording {
   std::array<std::optional<Renewals>, model::channel_count> renewals{};  ///< of held channels
   Window fitted, held_out;
   InputNoise input_noise;
+  /// The input is an integrated acceleration: its mean was removed, (ż(T) − ż(0))/T of which was motion, and with it
+  /// what a channel is on average. Nothing is compared at 0 Hz.
+  bool mean_unknown = false;
   /// z_r and zdd_r contradict each other: the foot point moves on z_r alone and zdd_r is one of the channels. Where
   /// they agree the foot point moves on the fusion of both.
   bool inputs_disagree = false;

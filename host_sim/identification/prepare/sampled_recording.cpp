@@ -32,6 +32,8 @@ firmware::Recording picked(const firmware::Recording& recording, std::size_t n) 
   fewer.comments = recording.comments;
   fewer.source = recording.source;
   fewer.remark = recording.remark;
+  fewer.lost_rows = recording.lost_rows;
+  fewer.gaps = recording.gaps;
   fewer.ignored_columns = recording.ignored_columns;
   const auto pick = [n](const auto& values, auto& result) {
     for (std::size_t k = 0; k < values.size(); k += n) result.push_back(values[k]);

@@ -126,6 +126,10 @@ inline constexpr double unit_check_correlation = 0.5;
 /// the distance between any two units (a factor of 9.8 at least). Half: a gain error of 20 % hides a unit. Twice: a
 /// factor of 2, still no two units overlap.
 inline constexpr double unit_factor_distance = 0.35;
+/// [ln] and within which it certainly is that: 0.15 = 16 %, what parameters inside usual tolerances make of a channel.
+/// A description that is 500 times too soft is 0.7 from a thousand. Half: a damping that is 10 % off lets millimetres
+/// pass. Twice: nearly unit_factor_distance, so guesses are refused.
+inline constexpr double unit_factor_certain = 0.15;
 /// [1] factors between which a channel counts as right, or as right with the sign swapped: no effect of the catalogue
 /// within its bounds makes more of it. Tuned on our own generator.
 inline constexpr double lowest_right_factor = 0.4, highest_right_factor = 2.5;

@@ -317,7 +317,7 @@ std::string sentence(const Diagnosis& diagnosis) {
 std::string words(const RecordingFault& fault) {
   std::vector<std::string> channels;
   for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
-  std::string text = fault.name + " of " + joined(channels);
+  std::string text = fault.name + (channels.empty() ? "" : " of " + joined(channels));
   for (const auto& [parameter, value] : fault.parameters) text += ": " + parameter + " " + with_interval(value, "");
   return text;
 }
