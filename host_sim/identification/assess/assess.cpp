@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host_sim/identification/assess/recording_causes.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
@@ -74,7 +75,7 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
 /// Where no effect is named, a relation that fails counts as a residual: what drives the simulation, or is computed by
 /// the program, shows in the relations alone.
 void add_failed_relations(Diagnosis& result) {
-  if (!result.effects.empty() || !result.parameters_off.empty()) return;
+  if (!result.effects.empty() || !result.parameters_off.empty() || result.has_cause_in_recording()) return;
   for (const ParityResidual& r : result.relations) {
     if (!r.significant()) continue;
     result.unexplained = true;
@@ -84,7 +85,7 @@ void add_failed_relations(Diagnosis& result) {
 }
 
 Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
-  if (result.effects.empty() && result.parameters_off.empty())
+  if (result.effects.empty() && result.parameters_off.empty() && !result.has_cause_in_recording())
     return result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
   if (result.unexplained && explained < thresholds::explains_all) return Verdict::unexplained;
   return close ? Verdict::ambiguous : Verdict::named;
@@ -194,12 +195,15 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.parameters_off = parameters_off(description, found, result.parameters, certainty);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
+  result.recording_faults = recording_causes(problem, found, criterion, parameters, certainty);
   const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close) ||
-                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close);
+                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close) ||
+                     std::any_of(result.recording_faults.begin(), result.recording_faults.end(), has_close);
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
   add_tyre_effects(car, criterion, result);
-  result.recording_faults = noise_faults(problem);
+  const std::vector<RecordingFault> noise = noise_faults(problem);
+  result.recording_faults.insert(result.recording_faults.end(), noise.begin(), noise.end());
   add_failed_relations(result);
   result.verdict = verdict_of(result, explained, close);
 
