@@ -154,12 +154,14 @@ void locate(const IdentificationProblem& problem, const SearchResult& found, boo
   result.locations.push_back({Channel::F_w, 0.0, 0.5 / problem.sample_period(), "tyre", 1.0 - other});
 }
 
-void put_into_rig(const firmware::RigDescription& description, Diagnosis& result) {
+/// A parameter that drifts has its value in the middle of the recording.
+void put_into_rig(const firmware::RigDescription& description, const Hypothesis& found, Diagnosis& result) {
   result.rig = description;
   for (const auto& [path, value] : result.parameters) {
     if (double* const parameter = firmware::find_parameter(result.rig.rig, path)) *parameter = value.value;
   }
   for (const NamedEffect& named : result.effects) firmware::put_effect(result.rig.rig, named.effect);
+  result.rig.rig = drifted(result.rig.rig, found.faults, 0.5);
 }
 
 }  // namespace
@@ -210,7 +212,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   locate(problem, found, !car.effects.empty(), result);
   result.prediction_errors.merge(prediction_errors(problem, space.given, refit, after));
   result.overlays = overlays_of(problem, space.given, refit, after);
-  put_into_rig(description, result);
+  put_into_rig(description, after, result);
   return result;
 }
 

@@ -30,9 +30,6 @@ std::vector<Channel> on_the_inputs_clock(const IdentificationProblem& problem, c
   return channels;
 }
 
-/// (4) of predict/recording_faults.hpp relative to the value at the beginning.
-double per_cent_over_record(double change) { return 100.0 * change / (1.0 - 0.5 * change); }
-
 Interval known(double value) { return {value, value, value}; }
 
 /// `next`: the intervals of the fault's fitted values.
@@ -75,10 +72,7 @@ std::vector<RecordingFault> described(const IdentificationProblem& problem, cons
     case FaultKind::drift: {
       RecordingFault& drift = add("drift", {});
       drift.path = fault.path;
-      const Interval& change = *next;
-      drift.parameters["per_cent_over_record"] = {per_cent_over_record(change.value),
-                                                  per_cent_over_record(change.lower),
-                                                  per_cent_over_record(change.upper)};
+      drift.parameters["per_cent_over_record"] = times(*next, 100.0);
       break;
     }
   }

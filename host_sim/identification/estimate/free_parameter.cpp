@@ -73,8 +73,12 @@ std::vector<FreeParameter> tolerated_parameters(const firmware::RigDescription& 
 }
 
 std::vector<FreeParameter> suspect_parameters(const firmware::RigDescription& description) {
+  return parameters_of_part(explained_part(description.rig));
+}
+
+std::vector<FreeParameter> parameters_of_part(const model::RigParameters<double>& explained) {
   std::vector<FreeParameter> parameters;
-  model::RigParameters<double> part = explained_part(description.rig);
+  model::RigParameters<double> part = explained;
   const bool has_car = part.kind != model::RigKind::component_bench;
   for (const firmware::ParameterPath& p : firmware::parameter_paths()) {
     const std::string path = std::string(p.table) + "." + std::string(p.key);

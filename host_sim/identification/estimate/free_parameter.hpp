@@ -56,6 +56,7 @@ struct FreeParameter {
 /// Every parameter of the explained part that is not 0, within a factor thresholds::parameter_range of what is
 /// described.
 [[nodiscard]] std::vector<FreeParameter> suspect_parameters(const firmware::RigDescription& description);
+[[nodiscard]] std::vector<FreeParameter> parameters_of_part(const model::RigParameters<double>& explained);
 
 /// The states at the beginnings of fitted recordings that do not begin at rest.
 [[nodiscard]] std::vector<FreeParameter> start_parameters(const firmware::RigDescription& description,

@@ -38,9 +38,9 @@ inline constexpr double lowest_corner = 10.0, highest_corner = 900.0;
 /// [Hz] Scale and bound of what hum is off the mains' nominal frequency: grids keep ± 0.2 Hz in operation, ± 0.5 Hz
 /// before they shed load.
 inline constexpr double hum_scale = 0.01, hum_range = 0.5;
-/// [1] Scale and bound of a drift over the recording: at 1.5 the parameter ends at a quarter of its mean.
+/// [1] Scale and bound of a drift over the recording: a parameter that loses nine tenths does not drift, it breaks.
 /// And of its curvature κ = T/time constant: at 20 it is over in the first eighth of the recording.
-inline constexpr double drift_scale = 0.1, largest_drift = 1.5, largest_curvature = 20.0;
+inline constexpr double drift_scale = 0.1, largest_drift = 0.9, largest_curvature = 20.0;
 /// [coordinate] Difference for the Jacobian: 1 % of each scale, as of a tolerance.
 inline constexpr double fault_difference = 1e-2;
 

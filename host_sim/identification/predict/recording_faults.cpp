@@ -98,7 +98,7 @@ void add_hum(std::vector<double>& values, const PlacedFault& hum, Channel channe
 
 /// g of (4)
 double warm_up(double s, double kappa) {
-  return (std::abs(kappa) < 1e-6 ? s : std::expm1(-kappa * s) / std::expm1(-kappa)) - 0.5;
+  return std::abs(kappa) < 1e-6 ? s : std::expm1(-kappa * s) / std::expm1(-kappa);
 }
 
 }  // namespace

@@ -17,10 +17,10 @@ namespace host_sim::identification {
 ///   common_filter  (2)  order 1: T ẏ + y = truth;  order 2: ÿ + √2 ω ẏ + ω² y = ω² truth;  ω = 1/T = 2π · corner
 ///   mains_hum      (3)  reading(t) = truth(t) + a_c cos(2π f t) + b_c sin(2π f t)      for each channel c
 ///   drift          (4)  parameter(t) = value · (1 + change · g(t/T)),   T: length of the recording
-///                       g(s) = (1 − e^{−κ s})/(1 − e^{−κ}) − ½          a first-order warm-up; κ = 0: g = s − ½
+///                       g(s) = (1 − e^{−κ s})/(1 − e^{−κ})              a first-order warm-up; κ = 0: g = s
 ///
 /// (1): offset > 0 is late; with rate > 0 the clock of these channels runs slow. (1) to (3) act on each of `channels` behind the model's own sensors, in the order (2), (1), (3). In (4) `value` is
-/// that of the hypothesis' rig: the mean of the parameter's values at the two ends of the recording.
+/// that of the hypothesis' rig, at the beginning of the recording.
 enum class FaultKind : unsigned char { clock, common_filter, mains_hum, drift };
 
 struct PlacedFault {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "host_sim/identification/common/golden_section.hpp"
@@ -60,7 +62,8 @@ class FaultScan {
 
   void add_clocks_and_filters(std::vector<FaultCandidate>& list) const;
   void add_hum(std::vector<FaultCandidate>& list) const;
-  void add_drifts(std::vector<FaultCandidate>& list) const;
+  /// `simulates`: also parameters that the fit does not hold, each by a simulation.
+  void add_drifts(bool simulates, std::vector<FaultCandidate>& list) const;
 
   /// Change of the residuals by faults that differ from those of the fit on these channels only.
   [[nodiscard]] Eigen::VectorXd change(const std::vector<PlacedFault>& faults,
@@ -80,6 +83,7 @@ class FaultScan {
   [[nodiscard]] std::vector<GroupGain> group_gains() const;
   void add_filter(Group group, std::vector<FaultCandidate>& list) const;
   [[nodiscard]] std::vector<double> raw_residual(std::size_t recording, std::size_t channel) const;
+  [[nodiscard]] std::optional<FaultCandidate> drift_of(const std::string& path, const Eigen::VectorXd& derivative) const;
   [[nodiscard]] Eigen::VectorXd weighted_by_time(const Eigen::VectorXd& column) const;
 
   const IdentificationProblem& problem_;
@@ -296,7 +300,7 @@ Eigen::VectorXd FaultScan::weighted_by_time(const Eigen::VectorXd& column) const
       fill(odd, true);
       for (std::size_t n = 0; n < length; ++n) {
         const double t = from + share * (static_cast<double>(n) + 0.5) / static_cast<double>(length);
-        signal[n] *= (t - 0.5) * 2.0 / static_cast<double>(length);
+        signal[n] *= t * 2.0 / static_cast<double>(length);
       }
       const auto spectrum = transform(signal);
       for (Eigen::Index k = 0; k < bins; ++k) {
@@ -309,35 +313,57 @@ Eigen::VectorXd FaultScan::weighted_by_time(const Eigen::VectorXd& column) const
   return result;
 }
 
-void FaultScan::add_drifts(std::vector<FaultCandidate>& list) const {
+/// d of (1) in fault_candidates.hpp as a candidate; `derivative`: ∂r/∂p · p.
+std::optional<FaultCandidate> FaultScan::drift_of(const std::string& path, const Eigen::VectorXd& derivative) const {
+  const Eigen::MatrixXd d = weighted_by_time(derivative) * thresholds::drift_scale;
+  if (!d.allFinite()) return std::nullopt;
+  const LinearRefit::Directions direction = others_.directions(d);
+  if (!(direction.matrix(0, 0) > 1e-8 * d.squaredNorm())) return std::nullopt;
+  const double step = -direction.gradient(0) / direction.matrix(0, 0) * thresholds::drift_scale;
+  PlacedFault fault;
+  fault.kind = FaultKind::drift;
+  fault.path = path;
+  fault.values = {std::clamp(step, -0.5 * thresholds::largest_drift, 0.5 * thresholds::largest_drift), 0.0};
+  fault.fitted = {true, false};
+  return FaultCandidate{std::move(fault), direction.gradient(0) * direction.gradient(0) / direction.matrix(0, 0)};
+}
+
+void FaultScan::add_drifts(bool simulates, std::vector<FaultCandidate>& list) const {
   if (base_.jacobian.cols() != static_cast<Eigen::Index>(base_.parameters.size())) return;
-  std::vector<FaultCandidate> drifts(base_.parameters.size());
-  for_all(base_.parameters.size(), [&](std::size_t i) {
-    const FreeParameter& parameter = base_.parameters[i];
+  std::vector<FreeParameter> parameters = base_.parameters;
+  const auto is_known = [&](const FreeParameter& p) {
+    return std::any_of(base_.parameters.begin(), base_.parameters.end(),
+                       [&](const FreeParameter& known) { return known.path == p.path; });
+  };
+  if (simulates) {
+    for (FreeParameter& exact : parameters_of_part(base_.hypothesis.rig)) {
+      if (!is_known(exact)) parameters.push_back(std::move(exact));
+    }
+  }
+  std::vector<std::optional<FaultCandidate>> drifts(parameters.size());
+  for_all(parameters.size(), [&](std::size_t i) {
+    const FreeParameter& parameter = parameters[i];
     const bool of_rig = parameter.role == FreeParameter::Role::tolerated ||
                         (parameter.role == FreeParameter::Role::effect && !parameter.sensor);
-    if (!of_rig) return;
-    for (const PlacedFault& fault : base_.hypothesis.faults) {
-      if (fault.kind == FaultKind::drift && fault.path == parameter.path) return;
-    }
+    const auto drifts_already = [&](const PlacedFault& fault) {
+      return fault.kind == FaultKind::drift && fault.path == parameter.path;
+    };
+    const auto& faults = base_.hypothesis.faults;
+    if (!of_rig || std::any_of(faults.begin(), faults.end(), drifts_already)) return;
     const double u = parameter.get(base_.hypothesis), value = parameter.value(u);
     const double unit = parameter.logarithmic ? value : parameter.scale;  // ∂value/∂u
     if (!(std::abs(value) > 0.0)) return;
-    const Eigen::MatrixXd d =
-        weighted_by_time(base_.jacobian.col(static_cast<Eigen::Index>(i))) * (value / unit * thresholds::drift_scale);
-    const LinearRefit::Directions direction = others_.directions(d);
-    if (!(direction.matrix(0, 0) > 1e-8 * d.squaredNorm()) || !d.allFinite()) return;
-    const double step = -direction.gradient(0) / direction.matrix(0, 0) * thresholds::drift_scale;
-    PlacedFault fault;
-    fault.kind = FaultKind::drift;
-    fault.path = parameter.path;
-    fault.values = {std::clamp(step, -0.5 * thresholds::largest_drift, 0.5 * thresholds::largest_drift),
-                    0.0};
-    fault.fitted = {true, false};
-    drifts[i] = {std::move(fault), direction.gradient(0) * direction.gradient(0) / direction.matrix(0, 0)};
+    if (i < base_.parameters.size()) {
+      drifts[i] = drift_of(parameter.path, base_.jacobian.col(static_cast<Eigen::Index>(i)) * (value / unit));
+      return;
+    }
+    Hypothesis moved = base_.hypothesis;
+    parameter.put(moved, u + parameter.difference);
+    const Eigen::VectorXd change = residuals(problem_, predict(problem_, moved)) - base_.residual;
+    drifts[i] = drift_of(parameter.path, change * (value / unit / parameter.difference));
   });
-  for (FaultCandidate& drift : drifts) {
-    if (drift.gain > 0.0) list.push_back(std::move(drift));
+  for (auto& drift : drifts) {
+    if (drift && drift->gain > 0.0) list.push_back(std::move(*drift));
   }
 }
 
@@ -348,12 +374,12 @@ void sort_by_gain(std::vector<FaultCandidate>& list) {
 
 }  // namespace
 
-std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& problem, const Fit& base) {
+std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& problem, const Fit& base, bool only_noise) {
   const FaultScan scan(problem, base);
   std::vector<FaultCandidate> list;
-  scan.add_clocks_and_filters(list);
-  scan.add_hum(list);
-  scan.add_drifts(list);
+  if (!only_noise) scan.add_clocks_and_filters(list);
+  if (!only_noise) scan.add_hum(list);
+  scan.add_drifts(!only_noise, list);
   sort_by_gain(list);
   return list;
 }

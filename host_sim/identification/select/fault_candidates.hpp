@@ -22,11 +22,14 @@ struct FaultCandidate {
 ///   common_filter  below its corner a filter is a delay: the groups whose common offset gains most are tried with
 ///                  orders 1 and 2 and thresholds::filter_corners
 ///   mains_hum      the largest line of the residuals within thresholds::hum_range of the mains' frequencies
-///   drift          (1)  d = F{ (t/T − ½) F⁻¹{∂r/∂p} } · p       for each fitted parameter p of rig and effects
+///   drift          (1)  d = F{ t/T F⁻¹{∂r/∂p} } · p       for each parameter p of rig and effects; the derivative is
+///                       that of the fit's Jacobian, or costs a simulation for a parameter that is no part of it
 ///
-/// (1): a rig whose parameter is p (1 + s (t/T − ½)) answers as the derivative says, weighted with time, as long as its
-/// motion forgets fast beside T. Source: score tests, as linear_refit.hpp.
-[[nodiscard]] std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& problem, const Fit& base);
+/// (1): a rig whose parameter is p (1 + s t/T) answers as the derivative says, weighted with time, as long as its motion
+/// forgets fast beside T. Source: score tests, as linear_refit.hpp. `only_noise`: the fit leaves nothing but noise in
+/// each band, so only drifts are tried that cost no simulation: what changes with time is weak in every band.
+[[nodiscard]] std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& problem, const Fit& base,
+                                                           bool only_noise);
 
 /// The same fault with one channel more or less, where that promises at least `least` [χ²]: best first.
 [[nodiscard]] std::vector<FaultCandidate> neighbouring_groups(const IdentificationProblem& problem, const Fit& base,

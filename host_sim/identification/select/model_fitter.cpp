@@ -184,7 +184,13 @@ bool ModelFitter::is_seen(const firmware::PlacedEffect& effect) const {
 }
 
 std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateModel& base, double least) const {
-  auto list = fault_candidates(problem_, base.fit);
+  const bool only_noise = leaves_noise(base);
+  auto list = fault_candidates(problem_, base.fit, only_noise);
+  if (only_noise) {
+    std::erase_if(list, [&](const FaultCandidate& candidate) {
+      return candidate.gain < penalty(criterion_, candidate.fault, problem_.channels().size());
+    });
+  }
   effort_.candidates += list.size();
   std::erase_if(list, [least](const FaultCandidate& candidate) { return candidate.gain < least; });
   if (list.size() > thresholds::fitted_faults) list.resize(thresholds::fitted_faults);

@@ -50,6 +50,7 @@ class Search {
                                                             SearchResult& found) const;
   [[nodiscard]] std::optional<CandidateModel> by_fault(const CandidateModel& base,
                                                        const std::vector<CandidateModel>& others) const;
+  bool add_last_fault(SearchResult& found) const;
   void update_noise(std::vector<CandidateModel>& beam, SearchResult& found);
 
   // Backward.
@@ -86,11 +87,22 @@ class Search {
   double first_share_;  ///< of the windows, where candidates far above noise are told apart
 };
 
+/// What drifts slowly may be left in no band. true: it was added.
+bool Search::add_last_fault(SearchResult& found) const {
+  auto fault = by_fault(found.best, {});
+  if (!fault || !criterion_.accepts(*fault, found.best, criterion_.share(found.best))) return false;
+  found.best = std::move(*fault);
+  return true;
+}
+
 void Search::forward(SearchResult& found) {
   begin(found);
   std::vector<CandidateModel> beam{found.best};
   for (std::size_t depth = 0; found.best.effects.size() < thresholds::most_effects; ++depth) {
-    if (depth > 0 && fitter_.leaves_noise(found.best)) break;
+    if (depth > 0 && fitter_.leaves_noise(found.best)) {
+      if (!add_last_fault(found)) break;
+      continue;
+    }
     report(std::min(0.1 + 0.15 * static_cast<double>(depth), 0.55), depth == 0 ? "one effect" : "one more effect");
     std::vector<CandidateModel> next = one_effect_more(beam, found);
     if (next.empty() || !criterion_.prefers(next.front(), found.best)) break;
@@ -144,12 +156,10 @@ std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateM
 }
 
 /// A model with one more fault of the recordings, where that is better than the best of `others`, which have one more
-/// effect. Where only noise is left none is looked for.
+/// effect.
 std::optional<CandidateModel> Search::by_fault(const CandidateModel& base,
                                                const std::vector<CandidateModel>& others) const {
-  if (!criterion_.faults || base.faults().size() >= thresholds::most_faults || fitter_.leaves_noise(base)) {
-    return std::nullopt;
-  }
+  if (!criterion_.faults || base.faults().size() >= thresholds::most_faults) return std::nullopt;
   double least = least_gain(base, false);
   if (!others.empty()) {
     const double gained = base.fit.chi_squared - others.front().fit.chi_squared;
