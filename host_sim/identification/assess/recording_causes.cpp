@@ -85,9 +85,8 @@ std::vector<RecordingFault> recording_causes(const IdentificationProblem& proble
                                              const SelectionCriterion& criterion,
                                              const std::vector<Interval>& parameters, const Certainty& certainty) {
   const CandidateModel& best = found.best;
-  const auto first = std::find_if(best.fit.parameters.begin(), best.fit.parameters.end(), [](const FreeParameter& p) {
-    return p.role == FreeParameter::Role::fault;
-  });
+  const auto first = std::find_if(best.fit.parameters.begin(), best.fit.parameters.end(),
+                                  [](const FreeParameter& p) { return p.role == FreeParameter::Role::fault; });
   auto next = parameters.begin() + (first - best.fit.parameters.begin());
   std::vector<RecordingFault> list;
   for (std::size_t f = 0; f < best.faults().size(); ++f) {

@@ -26,11 +26,11 @@ struct FreeParameter {
   std::optional<model::Channel> sensor{};  ///< of a sensor effect: only this channel's readings depend on it
   double centre{}, scale{};
   bool logarithmic = false;
-  bool is_linear = false;   ///< residuals are linear in it: a step of any length is trusted
-  double lower{}, upper{};  ///< bounds of u
-  double difference{};      ///< of u, for the Jacobian
-  std::size_t fault{}, number{};            ///< of a fault: which of Hypothesis::faults, which of its values
-  std::vector<model::Channel> readings{};   ///< of a fault that costs no simulation: only these channels depend on it
+  bool is_linear = false;                  ///< residuals are linear in it: a step of any length is trusted
+  double lower{}, upper{};                 ///< bounds of u
+  double difference{};                     ///< of u, for the Jacobian
+  std::size_t fault{}, number{};           ///< of a fault: which of Hypothesis::faults, which of its values
+  std::vector<model::Channel> readings{};  ///< of a fault that costs no simulation: only these channels depend on it
 
   [[nodiscard]] double value(double u) const;
   [[nodiscard]] double coordinate(double value) const;

@@ -19,8 +19,9 @@ namespace host_sim::identification {
 ///   drift          (4)  parameter(t) = value · (1 + change · g(t/T)),   T: length of the recording
 ///                       g(s) = (1 − e^{−κ s})/(1 − e^{−κ})              a first-order warm-up; κ = 0: g = s
 ///
-/// (1): offset > 0 is late; with rate > 0 the clock of these channels runs slow. (1) to (3) act on each of `channels` behind the model's own sensors, in the order (2), (1), (3). In (4) `value` is
-/// that of the hypothesis' rig, at the beginning of the recording.
+/// (1): offset > 0 is late; with rate > 0 the clock of these channels runs slow. (1) to (3) act on each of `channels`
+/// behind the model's own sensors, in the order (2), (1), (3). In (4) `value` is that of the hypothesis' rig, at the
+/// beginning of the recording.
 enum class FaultKind : unsigned char { clock, common_filter, mains_hum, drift };
 
 struct PlacedFault {

@@ -13,9 +13,10 @@ using Rig = model::RigParameters<double>;
 
 namespace {
 
-/// [s] A drifting parameter is renewed so often. Derivation: of a change by 50 % over 10 s each step is 0.25 % too early
-/// or late by at most half of that, and the errors of neighbouring steps cancel above 20 Hz: below 1e-4 of a signal
-/// whose sensitivity to the parameter is 1 (a test measures it). Half: twice the time for building models. Twice: 1e-4.
+/// [s] A drifting parameter is renewed so often. Derivation: of a change by 50 % over 10 s each step is 0.25 % too
+/// early or late by at most half of that, and the errors of neighbouring steps cancel above 20 Hz: below 1e-4 of a
+/// signal whose sensitivity to the parameter is 1 (a test measures it). Half: twice the time for building models.
+/// Twice: 1e-4.
 constexpr double drift_refresh = 0.05;
 
 }  // namespace

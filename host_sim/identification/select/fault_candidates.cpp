@@ -83,7 +83,8 @@ class FaultScan {
   [[nodiscard]] std::vector<GroupGain> group_gains() const;
   void add_filter(Group group, std::vector<FaultCandidate>& list) const;
   [[nodiscard]] std::vector<double> raw_residual(std::size_t recording, std::size_t channel) const;
-  [[nodiscard]] std::optional<FaultCandidate> drift_of(const std::string& path, const Eigen::VectorXd& derivative) const;
+  [[nodiscard]] std::optional<FaultCandidate> drift_of(const std::string& path,
+                                                       const Eigen::VectorXd& derivative) const;
   [[nodiscard]] Eigen::VectorXd weighted_by_time(const Eigen::VectorXd& column) const;
 
   const IdentificationProblem& problem_;
@@ -139,10 +140,9 @@ void FaultScan::add_clocks_and_filters(std::vector<FaultCandidate>& list) const 
   const auto bounded = [](double value, double bound) { return std::clamp(value, -0.9 * bound, 0.9 * bound); };
   if (!has_clock) {
     for (const GroupGain& g : best(thresholds::tried_groups, [](const GroupGain& x) { return x.gain; })) {
-      list.push_back(
-          {clock_of(channels_in(problem_, g.group), bounded(g.offset, thresholds::largest_offset),
-                    bounded(g.rate, thresholds::largest_rate)),
-           g.gain});
+      list.push_back({clock_of(channels_in(problem_, g.group), bounded(g.offset, thresholds::largest_offset),
+                               bounded(g.rate, thresholds::largest_rate)),
+                      g.gain});
     }
   }
   if (has_filter) return;
@@ -177,9 +177,9 @@ std::vector<double> FaultScan::raw_residual(std::size_t recording, std::size_t c
       sensor_readings(base_.hypothesis, *r.samples, of, (*base_.prediction.truth[recording])[index(of)]);
   const std::vector<double>& measured = r.samples->recording[of];
   const std::vector<bool>& clipped = r.samples->clipped[index(of)];
-  std::vector<double> left(window.size(), 0.0);
+  std::vector<double> left(window.size() / r.samples->step, 0.0);
   for (std::size_t k = 0; k < left.size(); ++k) {
-    const std::size_t at = window.from + k;
+    const std::size_t at = window.from + k * r.samples->step;
     if (clipped.empty() || !clipped[at]) left[k] = measured[at] - readings[at];
   }
   return left;
@@ -228,8 +228,8 @@ void FaultScan::add_hum(std::vector<FaultCandidate>& list) const {
     }
     const double noise = std::max(2.0 * static_cast<double>(m), (around - strongest) / std::max(count - 1.0, 1.0));
     if (!(strongest > thresholds::line_above_neighbours * noise)) continue;
-    const double period = r.samples->input.period;
-    const double begin = static_cast<double>(whitening.window().from) * period;
+    const double period = r.samples->compared_period();
+    const double begin = static_cast<double>(whitening.window().from) * r.samples->input.period;
     std::vector<std::vector<double>> left;
     for (std::size_t c = 0; c < m; ++c) left.push_back(raw_residual(first, c));
     const auto minus_power = [&](double f) {
@@ -368,8 +368,7 @@ void FaultScan::add_drifts(bool simulates, std::vector<FaultCandidate>& list) co
 }
 
 void sort_by_gain(std::vector<FaultCandidate>& list) {
-  std::sort(list.begin(), list.end(),
-            [](const FaultCandidate& a, const FaultCandidate& b) { return a.gain > b.gain; });
+  std::sort(list.begin(), list.end(), [](const FaultCandidate& a, const FaultCandidate& b) { return a.gain > b.gain; });
 }
 
 }  // namespace

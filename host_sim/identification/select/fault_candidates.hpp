@@ -25,9 +25,9 @@ struct FaultCandidate {
 ///   drift          (1)  d = F{ t/T F⁻¹{∂r/∂p} } · p       for each parameter p of rig and effects; the derivative is
 ///                       that of the fit's Jacobian, or costs a simulation for a parameter that is no part of it
 ///
-/// (1): a rig whose parameter is p (1 + s t/T) answers as the derivative says, weighted with time, as long as its motion
-/// forgets fast beside T. Source: score tests, as linear_refit.hpp. `only_noise`: the fit leaves nothing but noise in
-/// each band, so only drifts are tried that cost no simulation: what changes with time is weak in every band.
+/// (1): a rig whose parameter is p (1 + s t/T) answers as the derivative says, weighted with time, as long as its
+/// motion forgets fast beside T. Source: score tests, as linear_refit.hpp. `only_noise`: the fit leaves nothing but
+/// noise in each band, so only drifts are tried that cost no simulation: what changes with time is weak in every band.
 [[nodiscard]] std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& problem, const Fit& base,
                                                            bool only_noise);
 

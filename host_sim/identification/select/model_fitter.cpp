@@ -203,9 +203,8 @@ std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateMode
   });
   std::erase_if(models, [](const CandidateModel& model) { return !std::isfinite(model.fit.chi_squared); });
   if (models.empty()) return std::nullopt;
-  CandidateModel best = *std::min_element(models.begin(), models.end(), [this](const auto& a, const auto& b) {
-    return criterion_.prefers(a, b);
-  });
+  CandidateModel best = *std::min_element(models.begin(), models.end(),
+                                          [this](const auto& a, const auto& b) { return criterion_.prefers(a, b); });
   refit(best, 4);
   improve_group(best);
   simplify_clock(best);
@@ -215,8 +214,8 @@ std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateMode
 
 void ModelFitter::improve_group(CandidateModel& model) const {
   for (std::size_t round = 0; round < problem_.channels().size(); ++round) {
-    const auto others =
-        neighbouring_groups(problem_, model.fit, model.faults().size() - 1, thresholds::promising * criterion_.parameter);
+    const auto others = neighbouring_groups(problem_, model.fit, model.faults().size() - 1,
+                                            thresholds::promising * criterion_.parameter);
     if (others.empty()) return;
     Hypothesis start = model.fit.hypothesis;
     start.faults.back() = others.front().fault;

@@ -55,8 +55,8 @@ inline constexpr double parameters_replace_error = 0.9;
 
 /// Faults of one model at most: those of issue reports hold two (a clock and a drift). Beside most_effects.
 inline constexpr std::size_t most_faults = 3;
-/// [χ²] Choice of the channels that a clock or filter acts on, for each channel measured: 2 ln 2 is the prior of each to
-/// be one of them. Derived.
+/// [χ²] Choice of the channels that a clock or filter acts on, for each channel measured: 2 ln 2 is the prior of each
+/// to be one of them. Derived.
 inline constexpr double group_choice = 1.386;
 /// [χ²] A filter is a limit of a clock that is late, and a clock that is late of a sensor's delay: the simpler cause
 /// wins by the penalty of its parameters, nothing else.

@@ -59,7 +59,8 @@ inline double sinc_value(const std::vector<double>& values, double place) {
     const double x = place - static_cast<double>(i);
     const double sinc = std::abs(x) < 1e-12 ? 1.0 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x);
     const double weight = sinc * (0.5 + 0.5 * std::cos(std::numbers::pi * x / (reach + 0.5)));
-    const auto k = std::min<std::ptrdiff_t>(std::max<std::ptrdiff_t>(i, 0), static_cast<std::ptrdiff_t>(values.size()) - 1);
+    const auto k =
+        std::min<std::ptrdiff_t>(std::max<std::ptrdiff_t>(i, 0), static_cast<std::ptrdiff_t>(values.size()) - 1);
     sum += weight * values[static_cast<std::size_t>(k)];
     weights += weight;
   }

@@ -43,7 +43,8 @@ PlacedFault fault(FaultKind kind, std::vector<double> values, int order = 1) {
 // the bound is what the header of interpolated() says.
 TEST(RecordingFaults, AClockShowsAnotherInstant) {
   for (const double frequency : {1.0, 12.0, 90.0}) {
-    const auto seen = with_faults({fault(FaultKind::clock, {2.3e-3, 3e-4})}, Channel::F, cosine(frequency, 5000), period);
+    const auto seen =
+        with_faults({fault(FaultKind::clock, {2.3e-3, 3e-4})}, Channel::F, cosine(frequency, 5000), period);
     const auto expected = cosine(frequency, 5000, 2.3e-3, 3e-4);
     const double bound = frequency < 50.0 ? 1e-6 : 2e-4;
     for (std::size_t k = 10; k < 4900; ++k) ASSERT_NEAR(seen[k], expected[k], bound) << frequency << " Hz, " << k;
@@ -59,8 +60,8 @@ TEST(RecordingFaults, AFilterHasItsGainAndPhase) {
   for (const int order : {1, 2}) {
     for (const double corner : {20.0, 150.0, 390.0}) {
       for (const double frequency : {12.0, 60.0, 90.0}) {
-        const auto seen =
-            with_faults({fault(FaultKind::common_filter, {corner}, order)}, Channel::F, cosine(frequency, 3000), period);
+        const auto seen = with_faults({fault(FaultKind::common_filter, {corner}, order)}, Channel::F,
+                                      cosine(frequency, 3000), period);
         const Complex s(0.0, frequency / corner);
         const Complex gain = 1.0 / (order == 1 ? 1.0 + s : 1.0 + std::numbers::sqrt2 * s + s * s);
         for (std::size_t k = 1000; k < 2900; ++k) {
@@ -88,7 +89,9 @@ TEST(RecordingFaults, AParameterDrifts) {
   PlacedFault drift = fault(FaultKind::drift, {-0.2, 0.0});
   drift.channels.clear();
   drift.path = "suspension.damping";
-  const auto at = [&](double share) { return drifted(rig, {drift}, share).suspension.damping / rig.suspension.damping; };
+  const auto at = [&](double share) {
+    return drifted(rig, {drift}, share).suspension.damping / rig.suspension.damping;
+  };
   EXPECT_NEAR(at(0.0), 1.0, 1e-12);
   EXPECT_NEAR(at(0.5), 0.9, 1e-12);
   EXPECT_NEAR(at(1.0), 0.8, 1e-12);
