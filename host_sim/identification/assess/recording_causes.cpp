@@ -107,6 +107,18 @@ std::vector<RecordingFault> recording_causes(const IdentificationProblem& proble
     }
     next += std::count(fault.fitted.begin(), fault.fitted.end(), true);
   }
+  for (const ExternalEvent& event : found.events) {
+    // An event that costs nothing, in a part that is held out, is believed since the rest went away with it.
+    const double odds = event.gain > 0.0
+                            ? std::exp(std::min(0.5 * event.gain / certainty.temper, thresholds::most_logarithmic_odds))
+                            : thresholds::close_odds;
+    RecordingFault cause{"event", {}, {}, confidence({odds}, INFINITY, certainty)};
+    cause.is_cause = true;
+    const double half = thresholds::event_edge;
+    cause.parameters["from_s"] = {event.from, event.from - half, event.from + half};
+    cause.parameters["to_s"] = {event.to, event.to - half, event.to + half};
+    list.push_back(std::move(cause));
+  }
   return list;
 }
 

@@ -9,8 +9,8 @@ namespace host_sim::identification {
 
 /// The faults of `found.best`, under the names of contract.md: a clock as clock_offset [s] and clock_drift [ppm], those
 /// of its values that are fitted. Where a clock is off in more than half of the channels, the input's included, it is
-/// the others', with the input among them, that are off by the opposite: the smaller group is named. `parameters`:
-/// intervals() of its fit.
+/// the others', with the input among them, that are off by the opposite: the smaller group is named. Then the
+/// events of `found`. `parameters`: intervals() of its fit.
 [[nodiscard]] std::vector<RecordingFault> recording_causes(const IdentificationProblem& problem,
                                                            const SearchResult& found,
                                                            const SelectionCriterion& criterion,

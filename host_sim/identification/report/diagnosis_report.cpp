@@ -264,14 +264,20 @@ void require_finite(const firmware::RigDescription& found) {
 
 namespace {
 
+/// "clock_drift of dz_b and F_w", "drift of suspension.damping", "event"
+std::string named(const RecordingFault& fault) {
+  std::vector<std::string> channels;
+  for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
+  const std::string of = fault.path.empty() ? joined(channels) : fault.path;
+  return fault.name + (of.empty() ? "" : " of " + of);
+}
+
 /// The faults of the recording that must be taken into account, in words; empty without one.
 std::string causes_in_recording(const Diagnosis& diagnosis) {
   std::vector<std::string> causes;
   for (const RecordingFault& fault : diagnosis.recording_faults) {
     if (!fault.is_cause) continue;
-    std::vector<std::string> channels;
-    for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
-    std::string text = fault.name + " of " + (fault.path.empty() ? joined(channels) : fault.path) + " (";
+    std::string text = named(fault) + " (";
     const char* separator = "";
     for (const auto& [parameter, value] : fault.parameters) {
       text += separator + parameter + " " + figure_text(value.value, 4);
@@ -353,9 +359,7 @@ std::string sentence(const Diagnosis& diagnosis) {
 }
 
 std::string words(const RecordingFault& fault) {
-  std::vector<std::string> channels;
-  for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
-  std::string text = fault.name + " of " + (fault.path.empty() ? joined(channels) : fault.path);
+  std::string text = named(fault);
   const char* separator = ": ";
   for (const auto& [parameter, value] : fault.parameters) {
     const bool exact = !(value.upper > value.lower);

@@ -29,11 +29,19 @@ struct FaultSupport {
   std::vector<Rival> rivals;  ///< effects in its place
 };
 
+/// Something acted on the rig from outside; those samples are left out.
+struct ExternalEvent {
+  std::size_t recording = 0;
+  double from = 0.0, to = 0.0;  ///< [s], as in the recording
+  double gain = 0.0;            ///< of the criterion
+};
+
 struct SearchResult {
   CandidateModel nothing;  ///< only the tolerated parameters refitted
   CandidateModel best;
   std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
   std::vector<double> gains;  ///< of each effect in `best`: how much larger χ² is without it, all else refitted
+  std::vector<ExternalEvent> events{};
   std::vector<FaultSupport> faults;        ///< of each fault of the recordings in `best`
   std::vector<FreeParameter> freed;        ///< parameters that no tolerance binds in `best`
   std::vector<SuspectParameter> suspects;  ///< each of them

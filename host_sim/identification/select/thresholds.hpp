@@ -73,6 +73,24 @@ inline constexpr double mains_frequencies[] = {50.0, 60.0, 16.7};
 /// one of 10⁷ bins (χ² of 14). And the deviations of an amplitude from which a channel holds the line.
 inline constexpr double line_above_neighbours = 5.0, least_line = 5.0;
 
+// Events from outside (external_event.hpp) ----------------------------------------------------------------------------
+
+/// Events of one diagnosis at most: each costs a search.
+inline constexpr std::size_t most_events = 2;
+/// [s] Length of the stretches whose power is compared.
+inline constexpr double event_stretch = 0.25;
+/// [1] Power of the loudest stretch, relative to that of three quarters of the stretches: where these are noise (below
+/// `only_noise_else`), 2 is 15 standard deviations of 300 residuals; beside a missing effect the road itself makes
+/// stretches up to eight times as loud (tests/truth, seeds 1 to 3). Half: searches for nothing. Twice: weak pushes are
+/// not looked for. Either way (1) of external_event.hpp decides.
+inline constexpr double loud_in_noise = 2.0, loud_in_rest = 8.0, only_noise_else = 1.5;
+/// [1] The event lasts until a stretch is quieter than this, relative to the usual one.
+inline constexpr double quiet_again = 1.25;
+/// [1] More of a recording is no event.
+inline constexpr double most_left_out = 0.3;
+/// [Hz] A push has no faster details: 20 parameters a second.
+inline constexpr double event_bandwidth = 10.0;
+
 // How much data ------------------------------------------------------------------------------------------------------
 
 /// [times the power of noise] from which a part of the recordings tells candidates apart, and its length [s].

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host_sim/comparison/simulation.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
 #include "tests/host_sim/identification/faulty_recording.hpp"
@@ -146,6 +147,59 @@ TEST(RecordingFaults, MainsHumIsNamedByChannel) {
   expect_near(hums.at(Channel::F_w)->parameters.at("hz"), 50.1);
   expect_near(hums.at(Channel::F_w)->parameters.at("amplitude"), 2.0 * force);
   expect_near(hums.at(Channel::zdd_b)->parameters.at("amplitude"), 0.5 * acceleration);
+}
+
+// Damping that fades by 15 %, in the model's own simulation: tests/truth has no parameter that changes.
+TEST(RecordingFaults, DampingThatFadesIsADrift) {
+  const truth::Truth truth = sample::quarter_car(10);
+  const Diagnosis found = sample::diagnosis_of(truth, [&](Columns& columns) {
+    const firmware::RigDescription description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
+    firmware::Recording recording;
+    recording.sample_period = 1e-3;
+    recording.time = firmware::sample_times(columns.at("z_r").size(), 1000.0);
+    recording[Channel::z_r] = columns.at("z_r");
+    const host_sim::SimulationInput input = host_sim::simulation_input(description.rig, recording);
+    host_sim::RigVariation variation;
+    variation.every = 1;
+    variation.at = [&](std::size_t k) {
+      auto rig = description.rig;
+      rig.suspension.damping *= 1.0 - 0.15 * static_cast<double>(k) / static_cast<double>(input.size());
+      return rig;
+    };
+    const auto response =
+        host_sim::simulate(description.rig, input, host_sim::resting(description.rig, input), 0, 1, variation);
+    for (const Channel channel : host_sim::response_channels(description.rig.kind, input)) {
+      const auto column = columns.find(std::string(model::name(channel)));
+      if (column != columns.end()) column->second = response[index(channel)];
+    }
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_TRUE(found.effects.empty()) << said;
+  const RecordingFault* const drift = fault_of(found, "drift");
+  ASSERT_NE(drift, nullptr) << said;
+  EXPECT_EQ(drift->path, "suspension.damping");
+  expect_near(drift->parameters.at("per_cent_over_record"), -15.0);
+}
+
+// A push of 0.4 s on the force of a bench.
+TEST(RecordingFaults, APushIsAnEvent) {
+  truth::Wanted wanted;
+  wanted.duration = 16.0;
+  truth::Truth truth = truth::draw("single:component_bench:quadratic_damping", 11, wanted);
+  truth.records.resize(1);
+  const double size = 20.0 * truth.noise.at("F"), begin = truth.records[0].start;
+  const Diagnosis found = sample::diagnosis_of(truth, [&](Columns& columns) {
+    for (std::size_t k = 6200; k < 6600; ++k) columns.at("F")[k] += size;
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects[0].effect.entry->name, "quadratic_damping");
+  const RecordingFault* const event = fault_of(found, "event");
+  ASSERT_NE(event, nullptr) << said;
+  EXPECT_NEAR(event->parameters.at("from_s").value, begin + 6.2, 0.05);
+  EXPECT_NEAR(event->parameters.at("to_s").value, begin + 6.6, 0.05);
 }
 
 // Nothing wrong: no fault is named.
