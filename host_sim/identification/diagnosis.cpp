@@ -29,10 +29,10 @@ Diagnosis diagnose(const firmware::RigDescription& description, std::vector<Reco
   PreparedData data = prepare(description, std::move(records));                 // prepare/
   const Hypothesis given = described_hypothesis(description, data.recordings);  // predict/
   require_finite(description, data, given);
-  IdentificationProblem problem(std::move(data.recordings), given);                                   // noise/
-  std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());           // parity/
-  const SearchSpace space = search_space(description, problem.samples(), given);                      // estimate/
-  SearchResult found = select_model(problem, space, progress);                                        // select/
+  IdentificationProblem problem(std::move(data.recordings), given);                          // noise/
+  std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());  // parity/
+  const SearchSpace space = search_space(description, problem.samples(), given);             // estimate/
+  SearchResult found = select_model(problem, space, progress);                               // select/
   leave_out_events(description, problem, space, progress, found);
   Diagnosis diagnosis = assess(description, problem, space, std::move(relations), std::move(found));  // assess/
   diagnosis.remarks.insert(diagnosis.remarks.begin(), data.remarks.begin(), data.remarks.end());

@@ -34,6 +34,27 @@ double median_size(std::vector<double> sizes) {
   return *middle;
 }
 
+/// Blocks that exceed the usual size so much, up to thresholds::span_gap quieter ones between them.
+struct Run {
+  std::size_t first = 0, last = 0;
+  double sum = 0.0;  ///< of their squares, relative to the usual size
+};
+
+template <class Counts>
+Run loudest_run(const std::vector<double>& sizes, double usual, const Counts& counts) {
+  Run best, run;
+  for (std::size_t b = 0; b < sizes.size(); ++b) {
+    const double ratio = sizes[b] / usual;
+    if (!counts(b) || ratio < thresholds::span_deviations) continue;
+    if (run.sum > 0.0 && b - run.last > thresholds::span_gap + 1) run = {};
+    if (!(run.sum > 0.0)) run.first = b;
+    run.last = b;
+    run.sum += ratio * ratio;
+    if (run.sum > best.sum) best = run;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::optional<TimeSpan> disturbed_span(const firmware::RigDescription& description, const PreparedRecording& recording,
@@ -50,29 +71,20 @@ std::optional<TimeSpan> disturbed_span(const firmware::RigDescription& descripti
   const double block = period * static_cast<double>(samples);
   const SmoothWindow window(period);
   std::optional<TimeSpan> span;
-  double strongest = thresholds::span_deviations;
+  double strongest = 0.0;
   for (const ParityRelation& relation : parity_relations(description.rig, recordings.front())) {
     const RelationFit fit(known, recordings, window, relation, highest);
     if (!fit.has_data()) continue;
     const std::vector<double> sizes = block_sizes(fit.residual().front(), samples);
     const double usual = median_size(sizes);
     if (!(usual > 0.0)) continue;
-    double peak = 0.0;
-    TimeSpan found{0.0, 0.0};
-    bool begun = false;
-    for (std::size_t b = 0; b < sizes.size(); ++b) {
+    const Run run = loudest_run(sizes, usual, [&](std::size_t b) {
       const double from = begin + block * static_cast<double>(b);
-      if (from + block < within.from || from > within.to) continue;
-      const double ratio = sizes[b] / usual;
-      peak = std::max(peak, ratio);
-      if (ratio < thresholds::span_deviations) continue;
-      if (!begun) found.from = from;
-      begun = true;
-      found.to = from + block;
-    }
-    if (peak <= strongest) continue;
-    strongest = peak;
-    span = found;
+      return from + block >= within.from && from <= within.to;
+    });
+    if (run.sum <= strongest) continue;
+    strongest = run.sum;
+    span = TimeSpan{begin + block * static_cast<double>(run.first), begin + block * static_cast<double>(run.last + 1)};
   }
   return span;
 }

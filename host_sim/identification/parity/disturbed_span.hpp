@@ -13,9 +13,10 @@ struct TimeSpan {
   double from, to;
 };
 
-/// The part of a stretch in which a parity relation fails as nowhere else: a balance holds again as soon as a push ends,
-/// while the motion that it left lasts on. Of the relation that fails most, blocks of thresholds::span_block whose rms is
-/// above thresholds::span_deviations times the median block's. nullopt: no relation fails there so much.
+/// The part of a stretch in which a parity relation fails as nowhere else: a balance holds again as soon as a push
+/// ends, while the motion that it left lasts on. The run of blocks of thresholds::span_block whose rms is above
+/// thresholds::span_deviations times the median block's, the loudest of all relations. nullopt: no relation fails there
+/// so much.
 [[nodiscard]] std::optional<TimeSpan> disturbed_span(const firmware::RigDescription& description,
                                                      const PreparedRecording& recording, const TimeSpan& within);
 

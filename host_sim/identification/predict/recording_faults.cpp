@@ -22,7 +22,7 @@ bool drifts(const std::vector<PlacedFault>& faults) {
                      [](const PlacedFault& fault) { return fault.kind == FaultKind::drift; });
 }
 
-double interpolated(const std::vector<double>& values, double place) {
+double value_between(const std::vector<double>& values, double place) {
   constexpr std::ptrdiff_t points = 6;
   const auto count = static_cast<std::ptrdiff_t>(values.size());
   place = std::clamp(place, 0.0, static_cast<double>(count - 1));
@@ -47,11 +47,14 @@ double interpolated(const std::vector<double>& values, double place) {
 
 namespace {
 
-/// (2) by the classical Runge-Kutta method with steps of half a period, from the steady state of the first sample.
-/// Corners up to a third of the sample rate are stable; what is faster is left as it is.
+/// (2) by the classical Runge-Kutta method, from the steady state of the first sample. A step turns the fastest pole by
+/// 0.6 rad at most, which is wrong by 1e-4 of the signal. A corner beyond three times the sample rate changes nothing.
 std::vector<double> low_passed(const std::vector<double>& values, double corner, int order, double period) {
-  const double omega = 2.0 * std::numbers::pi * corner, step = 0.5 * period;
-  if (omega * step > 1.25) return values;
+  const double omega = 2.0 * std::numbers::pi * corner;
+  int steps = 2;
+  while (steps < 32 && omega * period / steps > 0.6) steps *= 2;
+  const double step = period / steps;
+  if (omega * step > 0.6) return values;
   std::array<double, 2> state{values.front(), 0.0};
   const auto rate = [&](const std::array<double, 2>& y, double u) -> std::array<double, 2> {
     if (order == 1) return {omega * (u - y[0]), 0.0};
@@ -62,15 +65,16 @@ std::vector<double> low_passed(const std::vector<double>& values, double corner,
   };
   std::vector<double> filtered(values.size());
   filtered.front() = values.front();
+  double input = values.front();
   for (std::size_t n = 1; n < values.size(); ++n) {
-    for (const double begin : {0.0, 0.5}) {
-      const double place = static_cast<double>(n - 1) + begin;
-      const double u0 = begin == 0.0 ? values[n - 1] : interpolated(values, place);
-      const double u1 = interpolated(values, place + 0.25);
-      const double u2 = begin == 0.0 ? interpolated(values, place + 0.5) : values[n];
-      const auto k1 = rate(state, u0), k2 = rate(moved(state, k1, 0.5 * step), u1);
-      const auto k3 = rate(moved(state, k2, 0.5 * step), u1), k4 = rate(moved(state, k3, step), u2);
-      for (std::size_t i = 0; i < 2; ++i) state[i] += step / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+    for (int i = 0; i < steps; ++i) {
+      const double place = static_cast<double>(n - 1) + static_cast<double>(i) / steps;
+      const double middle = value_between(values, place + 0.5 / steps);
+      const double next = i + 1 == steps ? values[n] : value_between(values, place + 1.0 / steps);
+      const auto k1 = rate(state, input), k2 = rate(moved(state, k1, 0.5 * step), middle);
+      const auto k3 = rate(moved(state, k2, 0.5 * step), middle), k4 = rate(moved(state, k3, step), next);
+      for (std::size_t c = 0; c < 2; ++c) state[c] += step / 6.0 * (k1[c] + 2.0 * k2[c] + 2.0 * k3[c] + k4[c]);
+      input = next;
     }
     filtered[n] = state[0];
   }
@@ -81,7 +85,7 @@ std::vector<double> shifted(const std::vector<double>& values, double offset, do
   std::vector<double> moved(values.size());
   for (std::size_t k = 0; k < values.size(); ++k) {
     const auto at = static_cast<double>(k);
-    moved[k] = interpolated(values, at - offset / period + rate * at);
+    moved[k] = value_between(values, at - offset / period + rate * at);
   }
   return moved;
 }

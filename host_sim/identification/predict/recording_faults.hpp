@@ -52,6 +52,6 @@ struct PlacedFault {
 
 /// The value at `place` [samples] on the polynomial of fifth order through the six samples around it; beyond the ends
 /// the first or last. Of a sine of ω = 0.57 rad per sample (90 Hz at 1 kHz) it is wrong by 2e-4 at most.
-[[nodiscard]] double interpolated(const std::vector<double>& values, double place);
+[[nodiscard]] double value_between(const std::vector<double>& values, double place);
 
 }  // namespace host_sim::identification

@@ -17,6 +17,7 @@ namespace {
 struct LoudStretches {
   std::size_t recording = 0;
   double from = 0.0, to = 0.0;  ///< [s]
+  double peak_to = 0.0;         ///< [s] end of the loudest
   double ratio = 0.0;           ///< power of the loudest ÷ that of three quarters of all others
 };
 
@@ -37,7 +38,8 @@ std::optional<LoudStretches> loudest(const std::vector<StretchPower>& stretches,
   if (static_cast<double>(last - first + 1) > thresholds::most_left_out * static_cast<double>(powers.size())) {
     return std::nullopt;
   }
-  return LoudStretches{stretches[peak].recording, stretches[first].from, stretches[last].to, powers[peak] / usual};
+  return LoudStretches{stretches[peak].recording, stretches[first].from, stretches[last].to, stretches[peak].to,
+                       powers[peak] / usual};
 }
 
 std::optional<LoudStretches> loud_stretches(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
@@ -96,7 +98,7 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
     if (!loud) return;
     const PreparedRecording& recording = problem.samples()[loud->recording];
     const Window samples = samples_of_stretch(recording, loud->from, loud->to);
-    TimeSpan span{loud->from, loud->to};
+    TimeSpan span{loud->from, loud->peak_to};
     const TimeSpan within{loud->from - thresholds::event_stretch, loud->to};
     if (const auto sharp = disturbed_span(description, recording, within)) span = *sharp;
 
@@ -104,12 +106,13 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
     IdentificationProblem without = problem;
     without.leave_out(loud->recording, samples);
     SearchResult again = select_model(without, space, progress);
-    const double price = criterion.effect + criterion.parameter *
-                                                (2.0 + 2.0 * thresholds::event_bandwidth * (span.to - span.from));
-    const double gain = found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) -
-                        left_out - price;
-    // In a part that is held out the event costs nothing: it is believed where the rest goes away.
-    const bool better = left_out > 0.0 ? gain > 0.0 : !leaves_rest(without, again);
+    const double price =
+        criterion.effect + criterion.parameter * (2.0 + 2.0 * thresholds::event_bandwidth * (span.to - span.from));
+    const double gain =
+        found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) - left_out - price;
+    // What is held out has no part in (1): the event is believed where the rest goes away with it.
+    const bool held_out = samples.to > problem.recordings()[loud->recording].fitted.to;
+    const bool better = gain > 0.0 || (held_out && !leaves_rest(without, again));
     if (!better) return;
     again.simulations += found.simulations;
     again.candidates += found.candidates;

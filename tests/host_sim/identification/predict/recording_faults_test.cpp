@@ -14,8 +14,10 @@
 
 namespace {
 
+using host_sim::identification::drifted;
 using host_sim::identification::FaultKind;
 using host_sim::identification::PlacedFault;
+using host_sim::identification::with_faults;
 using model::Channel;
 
 constexpr double period = 1e-3, two_pi = 2.0 * std::numbers::pi;
@@ -40,7 +42,7 @@ PlacedFault fault(FaultKind kind, std::vector<double> values, int order = 1) {
 }
 
 // (1): a clock that is late by 2.3 ms and slow by 300 ppm shows the signal then. 90 Hz is the fastest that is fitted;
-// the bound is what the header of interpolated() says.
+// the bound is what the header of value_between() says.
 TEST(RecordingFaults, AClockShowsAnotherInstant) {
   for (const double frequency : {1.0, 12.0, 90.0}) {
     const auto seen =
