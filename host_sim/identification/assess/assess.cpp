@@ -7,6 +7,7 @@
 
 #include "host_sim/identification/assess/lost_samples.hpp"
 #include "host_sim/identification/assess/noise_faults.hpp"
+#include "host_sim/identification/assess/recording_causes.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
@@ -85,7 +86,7 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
 /// Where no effect is named, a relation that fails counts as a residual: what drives the simulation, or is computed by
 /// the program, shows in the relations alone.
 void add_failed_relations(Diagnosis& result) {
-  if (!result.effects.empty() || !result.parameters_off.empty()) return;
+  if (!result.effects.empty() || !result.parameters_off.empty() || result.has_cause_in_recording()) return;
   for (const ParityResidual& r : result.relations) {
     if (!r.significant()) continue;
     result.unexplained = true;
@@ -95,7 +96,7 @@ void add_failed_relations(Diagnosis& result) {
 }
 
 Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
-  if (result.effects.empty() && result.parameters_off.empty())
+  if (result.effects.empty() && result.parameters_off.empty() && !result.has_cause_in_recording())
     return result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
   if (result.unexplained && explained < thresholds::explains_all) return Verdict::unexplained;
   return close ? Verdict::ambiguous : Verdict::named;
@@ -141,12 +142,14 @@ void locate(const IdentificationProblem& problem, const SearchResult& found, boo
   result.locations.push_back({Channel::F_w, 0.0, 0.5 / problem.sample_period(), "tyre", 1.0 - other});
 }
 
-void put_into_rig(const firmware::RigDescription& description, Diagnosis& result) {
+/// A parameter that drifts has its value in the middle of the recording.
+void put_into_rig(const firmware::RigDescription& description, const Hypothesis& found, Diagnosis& result) {
   result.rig = description;
   for (const auto& [path, value] : result.parameters) {
     if (double* const parameter = firmware::find_parameter(result.rig.rig, path)) *parameter = value.value;
   }
   for (const NamedEffect& named : result.effects) firmware::put_effect(result.rig.rig, named.effect);
+  result.rig.rig = drifted(result.rig.rig, found.faults, 0.5);
 }
 
 }  // namespace
@@ -193,13 +196,16 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.parameters_off = parameters_off(description, found, result.parameters, certainty);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
+  result.recording_faults = recording_causes(problem, found, criterion, parameters, certainty);
   const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close) ||
-                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close);
+                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close) ||
+                     std::any_of(result.recording_faults.begin(), result.recording_faults.end(), has_close);
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
   add_tyre_effects(car, criterion, result);
-  result.recording_faults = noise_faults(problem);
-  for (RecordingFault& fault : lost_samples(problem)) result.recording_faults.push_back(std::move(fault));
+  for (const auto& faults : {noise_faults(problem), lost_samples(problem)}) {
+    result.recording_faults.insert(result.recording_faults.end(), faults.begin(), faults.end());
+  }
   add_failed_relations(result);
   result.verdict = verdict_of(result, explained, close);
 
@@ -207,7 +213,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.power_over_time = power_over_time(problem, refit, after);
   result.prediction_errors.merge(prediction_errors(problem, space.given, refit, after));
   result.overlays = overlays_of(problem, space.given, refit, after);
-  put_into_rig(description, result);
+  put_into_rig(description, after, result);
   return result;
 }
 

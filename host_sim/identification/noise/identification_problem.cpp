@@ -135,6 +135,20 @@ IdentificationProblem IdentificationProblem::truncated_and_coarse(double share) 
   return part;
 }
 
+void IdentificationProblem::leave_out(std::size_t recording, Window left_out) {
+  auto samples = std::make_shared<std::vector<PreparedRecording>>(*samples_);
+  PreparedRecording& r = (*samples)[recording];
+  for (const model::Channel channel : r.channels) {
+    std::vector<bool>& clipped = r.clipped[index(channel)];
+    clipped.resize(r.size(), false);
+    std::fill(clipped.begin() + static_cast<std::ptrdiff_t>(left_out.from),
+              clipped.begin() + static_cast<std::ptrdiff_t>(std::min(left_out.to, r.size())), true);
+  }
+  for (std::size_t i = 0; i < recordings_.size(); ++i) recordings_[i].samples = &(*samples)[i];
+  samples_ = std::move(samples);
+  whiten();
+}
+
 Whitening IdentificationProblem::whitening(std::size_t recording, Window window) const {
   const ProblemRecording& r = recordings_[recording];
   return {*r.samples, window, r.noise, r.input_noise.spectrum, model_error_};

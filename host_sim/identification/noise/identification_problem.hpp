@@ -52,6 +52,9 @@ class IdentificationProblem {
   /// Allows for an error of the model, relative to the rms of each channel: ε_c of Whitening (2).
   void allow_model_error(double relative);
 
+  /// Samples of a recording that are not used any more, of any channel.
+  void leave_out(std::size_t recording, Window left_out);
+
   /// Whitening of any window of a recording, with the weights of the problem.
   [[nodiscard]] Whitening whitening(std::size_t recording, Window window) const;
 
