@@ -24,9 +24,9 @@ constexpr double after_sizes = 0.5, after_separations = 0.6;
 
 /// A subject while its sizes are found.
 struct Sized {
-  std::vector<PlannedEffect> rows;   ///< one for each of its parameters that has a size
+  std::vector<PlannedEffect> rows;       ///< one for each of its parameters that has a size
   std::optional<std::size_t> leading{};  ///< of `rows`
-  double growth = 1.0;  ///< what stands for the road that was cut: √(whole ÷ rehearsed)
+  double growth = 1.0;                   ///< what stands for the road that was cut: √(whole ÷ rehearsed)
   Rival rival;
 };
 
