@@ -7,6 +7,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "firmware/description/input_error.hpp"
 #include "host_sim/plan/plan_json.hpp"
@@ -136,7 +139,7 @@ TEST(Plan, NamesWhatStaysUndetermined) {
   const auto force =
       std::find_if(plan.advice.begin(), plan.advice.end(), [](const Advice& a) { return a.what == "a sensor of F_w"; });
   ASSERT_NE(force, plan.advice.end());
-  EXPECT_GT(force->gain, 1.1);
+  EXPECT_GT(force->gain, 0.9);  // the two accelerations say the same of all effects
   EXPECT_NE(std::find(force->determines.begin(), force->determines.end(), "body.mass"), force->determines.end());
 }
 
