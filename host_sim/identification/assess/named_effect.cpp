@@ -83,6 +83,8 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
       named.alternatives.push_back(std::move(alternative));
     }
     named.confidence = confidence(odds, gain, certainty);
+    if (i < found.constancy.size() && found.constancy[i].fails(certainty.temper))
+      named.confidence *= thresholds::inconstant_worth;
     list.push_back(std::move(named));
   }
   return list;
