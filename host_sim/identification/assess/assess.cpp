@@ -7,6 +7,7 @@
 
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/common/wording.hpp"
+#include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
@@ -18,6 +19,15 @@ namespace host_sim::identification {
 namespace {
 
 using model::Channel;
+
+/// Back to the tolerated parameters alone.
+void give_up(SearchResult& found) {
+  found.best = found.nothing;
+  found.rivals.clear();
+  found.gains.clear();
+  found.freed.clear();
+  found.suspects.clear();
+}
 
 Interval interval_of(const Estimate& e) {
   constexpr double deviations = 1.96;  // 95 % of a normal distribution: numbers without noise need no allowance
@@ -185,6 +195,8 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
                  const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found) {
   estimate_held_out_starts(found.nothing.fit.hypothesis, description, problem.samples());
   estimate_held_out_starts(found.best.fit.hypothesis, description, problem.samples());
+  const bool diverges = !stays_finite(problem, found.best.fit.hypothesis);
+  if (diverges) give_up(found);
   const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
 
   Diagnosis result;
@@ -196,6 +208,15 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const UnexplainedResidual left = unexplained_residual(problem, after);
   result.unexplained = left.significant;
   result.residual = left.words;
+  const Rest rest = find_rest(problem, after);
+  if (rest.found()) {
+    result.unexplained = true;
+    if (!left.significant) result.residual = rest.words();
+  }
+  if (diverges) {
+    result.unexplained = true;
+    result.residual = "the model that fits best does not stay finite over the whole recording";
+  }
   const double explained = explained_share(result.residual_power.refit, result.residual_power.after,
                                            static_cast<double>(problem.residual_count()));
 
@@ -218,6 +239,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.verdict = verdict_of(result, explained, close);
 
   locate(problem, found, !car.effects.empty(), result);
+  result.power_over_time = power_over_time(problem, refit, after);
   result.prediction_errors.merge(prediction_errors(problem, space.given, refit, after));
   result.overlays = overlays_of(problem, space.given, refit, after);
   put_into_rig(description, result);
