@@ -20,7 +20,7 @@ inline constexpr double most_logarithmic_odds = 300.0;
 /// power by which a law outside the catalogue differs from the nearest effect is at least this. Both are priors, chosen
 /// and not measured: half of `outside_share` halves the doubt about weak effects, twice doubles it.
 inline constexpr double outside_share = 0.2, closest_outside = 1e-3;
-/// [1] Factor on the confidence of an effect whose size is not constant (select/law_constancy): its law is another one, or
+/// [1] Factor on the confidence of an effect whose law is in doubt (select/law_constancy): its law is another one, or
 /// something else hides at its place. Below a half, so that no such name is believed; not 0, since the effect still is
 /// what comes nearest. Half and twice: other numbers below a half.
 inline constexpr double inconstant_worth = 0.3;

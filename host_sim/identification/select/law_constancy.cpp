@@ -139,4 +139,14 @@ std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, co
   return list;
 }
 
+bool law_in_doubt(const SearchResult& found, std::size_t effect, double temper) {
+  const firmware::PlacedEffect& own = found.best.effects[effect];
+  for (std::size_t i = 0; i < std::min(found.constancy.size(), found.best.effects.size()); ++i) {
+    const firmware::PlacedEffect& other = found.best.effects[i];
+    const bool same_place = !own.channel && !other.channel && own.entry->subsystem == other.entry->subsystem;
+    if ((i == effect || same_place) && found.constancy[i].fails(temper)) return true;
+  }
+  return false;
+}
+
 }  // namespace host_sim::identification

@@ -1,6 +1,7 @@
 // Whether an effect that was found has the same size at every amplitude and all the time.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "host_sim/identification/select/search.hpp"
@@ -18,5 +19,9 @@ namespace host_sim::identification {
 /// grows by (p − q) times the logarithm of the amplitude. Source: score test, C. R. Rao, Proc. Camb. Phil. Soc. 44,
 /// 1948.
 [[nodiscard]] std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, const SearchResult& found);
+
+/// Whether the law of an effect that was found is in doubt: it fails, or another effect of the same subsystem does. Two
+/// laws together imitate a third one: viscous and quadratic damping the power 1.4 of velocity.
+[[nodiscard]] bool law_in_doubt(const SearchResult& found, std::size_t effect, double temper);
 
 }  // namespace host_sim::identification
