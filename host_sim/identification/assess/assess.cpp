@@ -9,6 +9,7 @@
 #include "host_sim/identification/assess/noise_faults.hpp"
 #include "host_sim/identification/assess/recording_causes.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
@@ -92,6 +93,18 @@ void add_failed_relations(Diagnosis& result) {
     result.unexplained = true;
     result.residual.append(result.residual.empty() ? "" : "; ").append(r.relation).append(" does not hold");
     if (!r.description.empty()) result.residual.append(", ").append(r.description);
+  }
+}
+
+/// An effect whose size changes with its amplitude or with time is not the law that acts there.
+void add_inconstant_laws(const SearchResult& found, double temper, Diagnosis& result) {
+  for (std::size_t i = 0; i < found.constancy.size(); ++i) {
+    const LawConstancy& constancy = found.constancy[i];
+    if (!constancy.fails(temper)) continue;
+    result.unexplained = true;
+    result.residual.append(result.residual.empty() ? "" : "; ")
+        .append(words(found.best.effects[i]))
+        .append(constancy.with_time ? ": its size changes over the record" : ": its size depends on the amplitude");
   }
 }
 
@@ -190,6 +203,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
 
   const SelectionCriterion criterion;
   const Certainty certainty = certainty_of(problem, found, result.unexplained, explained);
+  add_inconstant_laws(found, certainty.temper, result);
   const std::vector<Interval> parameters = intervals(found.best.fit, certainty.temper);
   const std::vector<FreeParameter> tolerated = untied(space, found.freed).tolerated;
   for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];

@@ -1,11 +1,13 @@
 #include "host_sim/identification/select/search.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -54,8 +56,12 @@ class Search {
   void update_noise(std::vector<CandidateModel>& beam, SearchResult& found);
 
   // Backward.
+  void compare_in_sample(SearchResult& found);
   bool improve(std::size_t effect, SearchResult& found);
   bool improve_fault(std::size_t fault, SearchResult& found);
+  bool eliminate_by_held_out(SearchResult& found);
+  void rate_by_held_out(SearchResult& found) const;
+  [[nodiscard]] CandidateModel promoted(const CandidateModel& best, std::size_t effect, const Rival& rival) const;
   [[nodiscard]] CandidateModel without(std::size_t effect, const SearchResult& found) const;
   [[nodiscard]] std::vector<Rival> rivals_of(const CandidateModel& best, const CandidateModel& reduced,
                                              std::size_t effect, const std::vector<CandidateModel>& others) const;
@@ -66,6 +72,10 @@ class Search {
                                                              bool all) const;
   [[nodiscard]] std::size_t most(bool all) const { return all ? criterion_.most_rivals : criterion_.most_candidates; }
   [[nodiscard]] double least_gain(const CandidateModel& base, bool all) const;
+  /// Evidence for a model from all windows: penalised χ² of the fitted, χ² of the held-out ones.
+  [[nodiscard]] double rating(const Hypothesis& hypothesis, double penalised) const {
+    return penalised + held_out_chi_squared(fitter_.problem(), hypothesis);
+  }
   void sort(std::vector<CandidateModel>& models) const {
     std::sort(models.begin(), models.end(),
               [this](const CandidateModel& a, const CandidateModel& b) { return criterion_.prefers(a, b); });
@@ -84,7 +94,8 @@ class Search {
   const SelectionCriterion& criterion_;
   mutable Effort effort_;
   ModelFitter fitter_;
-  double first_share_;  ///< of the windows, where candidates far above noise are told apart
+  std::map<std::size_t, CandidateModel> reduced_;  ///< the compared model without its effect i, fitted
+  double first_share_;                             ///< of the windows, where candidates far above noise are told apart
 };
 
 /// What drifts slowly may be left in no band. true: it was added.
@@ -190,8 +201,21 @@ void Search::update_noise(std::vector<CandidateModel>& beam, SearchResult& found
 void Search::backward(SearchResult& found) {
   effort_.simulations = found.simulations;
   effort_.candidates = found.candidates;
+  compare_in_sample(found);
+  if (fitter_.problem().has_held_out()) {
+    for (int round = 0; round < thresholds::most_rounds && eliminate_by_held_out(found); ++round)
+      compare_in_sample(found);
+    rate_by_held_out(found);
+  }
+  found.alone.clear();
+  count(found);
+}
+
+/// Rounds of elimination and swaps on the fitted windows.
+void Search::compare_in_sample(SearchResult& found) {
   const auto is_bare = [&] { return found.best.effects.empty() && found.best.faults().empty(); };
   for (int round = 0; round < thresholds::most_rounds && !is_bare(); ++round) {
+    reduced_.clear();
     found.rivals.assign(found.best.effects.size(), {});
     found.gains.assign(found.best.effects.size(), 0.0);
     found.faults.assign(found.best.faults().size(), {});
@@ -205,8 +229,62 @@ void Search::backward(SearchResult& found) {
       found.alone.clear();
     }
   }
-  found.alone.clear();
-  count(found);
+}
+
+/// Leaves out the effect without which the held-out windows are predicted better, by more than it gains in the fitted
+/// ones. false: there is none.
+bool Search::eliminate_by_held_out(SearchResult& found) {
+  const double with = rating(found.best.fit.hypothesis, found.best.penalised_chi_squared(criterion_));
+  for (std::size_t i = 0; i < found.best.effects.size(); ++i) {
+    const auto reduced = reduced_.find(i);
+    if (reduced == reduced_.end()) continue;
+    const CandidateModel& other = reduced->second;
+    if (rating(other.fit.hypothesis, other.penalised_chi_squared(criterion_)) >= with) continue;
+    found.best = fitter_.refitted(other.fit.hypothesis, other.effects, 2);
+    found.rivals.clear();
+    found.gains.clear();
+    return true;
+  }
+  return false;
+}
+
+/// Adds to the rivals nearby what they predict worse or better than the model; the one that is better in all takes the
+/// place of the effect, which becomes its rival.
+void Search::rate_by_held_out(SearchResult& found) const {
+  for (std::size_t i = 0; i < found.rivals.size(); ++i) {
+    std::vector<Rival>& rivals = found.rivals[i];
+    double held_out = held_out_chi_squared(fitter_.problem(), found.best.fit.hypothesis);
+    for (std::size_t r = 0; r < std::min(thresholds::near_rivals, rivals.size()); ++r) {
+      Rival& rival = rivals[r];
+      const double now = found.best.penalised_chi_squared(criterion_);
+      if (rival.penalised_chi_squared - now > thresholds::beyond_held_out) continue;
+      rival.penalised_chi_squared += held_out_chi_squared(fitter_.problem(), rival.hypothesis) - held_out;
+      if (rival.penalised_chi_squared >= now - thresholds::replaces) continue;
+      const Rival before{found.best.effects[i], now, found.best.fit.hypothesis};
+      CandidateModel better = promoted(found.best, i, rival);
+      const double held_out_better = held_out_chi_squared(fitter_.problem(), better.fit.hypothesis);
+      const double then = better.penalised_chi_squared(criterion_);
+      if (then + held_out_better >= now + held_out - thresholds::replaces) continue;
+      found.gains[i] += found.best.fit.chi_squared - better.fit.chi_squared;
+      found.best = std::move(better);
+      rival = before;
+      // Relative to the new model: its own held-out windows are what all are compared with.
+      for (std::size_t k = 0; k <= i; ++k) {
+        const std::size_t rated = k < i ? std::min(thresholds::near_rivals, found.rivals[k].size()) : r + 1;
+        for (std::size_t n = 0; n < rated; ++n) found.rivals[k][n].penalised_chi_squared += held_out - held_out_better;
+      }
+      held_out = held_out_better;
+    }
+    std::sort(rivals.begin(), rivals.end(),
+              [](const Rival& a, const Rival& b) { return a.penalised_chi_squared < b.penalised_chi_squared; });
+  }
+}
+
+/// The model with a rival in the place of an effect.
+CandidateModel Search::promoted(const CandidateModel& best, std::size_t effect, const Rival& rival) const {
+  std::vector<firmware::PlacedEffect> effects = best.effects;
+  effects[effect] = rival.effect;
+  return fitter_.refitted(rival.hypothesis, std::move(effects), 6);
 }
 
 /// Tries the model without one effect and with each other in its place. true: it became better; false: the others are
@@ -235,6 +313,16 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   }
   found.rivals[effect] = rivals_of(best, reduced, effect, others);
   found.gains[effect] = reduced.fit.chi_squared - best.fit.chi_squared;
+  // Refitted beside the other effects as they are now, a rival may be better after all.
+  if (!found.rivals[effect].empty() && found.rivals[effect].front().penalised_chi_squared < to_beat) {
+    CandidateModel better = promoted(best, effect, found.rivals[effect].front());
+    if (better.penalised_chi_squared(criterion_) < to_beat) {
+      best = std::move(better);
+      return true;
+    }
+  }
+  drop_jacobian(reduced.fit);
+  reduced_[effect] = std::move(reduced);
   return false;
 }
 

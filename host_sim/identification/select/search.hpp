@@ -36,6 +36,16 @@ struct ExternalEvent {
   double gain = 0.0;            ///< of the criterion
 };
 
+/// How far the size of an effect depends on what it must not depend on (law_constancy.hpp).
+struct LawConstancy {
+  double gain = 0.0;       ///< [χ²] that a size which changes with the amplitude, or with time, would gain
+  double share = 0.0;      ///< [1] √ of that gain relative to the gain of the effect: relative change of its size
+  bool with_time = false;  ///< that gain belongs to time
+
+  /// Whether the law is another one than that of the effect. `temper`: χ² per residual, at least 1.
+  [[nodiscard]] bool fails(double temper) const;
+};
+
 struct SearchResult {
   CandidateModel nothing;  ///< only the tolerated parameters refitted
   CandidateModel best;
@@ -43,6 +53,7 @@ struct SearchResult {
   std::vector<double> gains;  ///< of each effect in `best`: how much larger χ² is without it, all else refitted
   std::vector<ExternalEvent> events{};
   std::vector<FaultSupport> faults;        ///< of each fault of the recordings in `best`
+  std::vector<LawConstancy> constancy;     ///< of each effect in `best`
   std::vector<FreeParameter> freed;        ///< parameters that no tolerance binds in `best`
   std::vector<SuspectParameter> suspects;  ///< each of them
   std::vector<CandidateModel> alone;       ///< single effects that were tried, best first; until they are compared
