@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/description/control_settings.hpp"
 #include "firmware/description/input_error.hpp"
 #include "firmware/loop/reference_player.hpp"
 #include "firmware/recording/recording.hpp"
@@ -33,11 +34,33 @@ std::size_t interlock_of(const std::string& file, const RigDescription& rig) {
   return found == interlocks.end() ? 0 : static_cast<std::size_t>(found - interlocks.begin());
 }
 
+/// A first row that began late belongs to a session that had been idle before: with an idle period before it the loop
+/// has the grid of that session. A late period moved it: its time is when it began.
+AsRecorded with_the_period_before(AsRecorded recorded, const RigDescription& rig) {
+  if (recorded.late.empty() || recorded.mode.empty() || recorded.late.front() == 0.0) return recorded;
+  const auto prepend = [](std::vector<double>& column, double value) {
+    if (!column.empty()) column.insert(column.begin(), value);
+  };
+  const auto repeat = [&](std::vector<double>& column) {
+    if (!column.empty()) prepend(column, column.front());
+  };
+  const double period = rig.period(), late = recorded.late.front();
+  const bool moved = late > control_settings(rig).limits.late_after * period;
+  prepend(recorded.recording.time, recorded.recording.time.front() - period - (moved ? late : 0.0));
+  prepend(recorded.late, 0.0);
+  prepend(recorded.mode, static_cast<double>(Mode::idle));
+  prepend(recorded.reason, 0.0);
+  repeat(recorded.level);
+  for (auto& age : recorded.age) repeat(age);
+  for (auto& channel : recorded.recording.channels) repeat(channel);
+  return recorded;
+}
+
 class ReplayDevices final : public Devices {
  public:
   ReplayDevices(const RigDescription& rig, const Options& options)
       : file_(options.replay),
-        recorded_(read_csv_as_recorded(options.replay, rig.channels)),
+        recorded_(with_the_period_before(read_csv_as_recorded(options.replay, rig.channels), rig)),
         rig_(played(rig), simulated_sensors(rig), rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0,
              hal::Openings::from_bits(rig.controller.safe_ducts), {}) {}
 

@@ -218,7 +218,7 @@ bool Session::is_over(hal::Time seen) {
   }
   const ReplayedRun* replayed = devices_.replayed();
   const std::uint64_t periods = progress_.periods.load(std::memory_order_relaxed);
-  if (replayed != nullptr && periods >= replayed->rows) return true;  // nothing more was recorded
+  if (replayed != nullptr) return periods >= replayed->rows;  // what was recorded, and no more
   if (safe_since_ == hal::never) safe_since_ = seen;
   if (operated_ && supervisor_->cause() == Cause::none && !trapped()) return false;
   return loop_.at_rest() || (seen - safe_since_).seconds() > longest_return_;
