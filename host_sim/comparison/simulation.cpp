@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "firmware/description/input_error.hpp"
 #include "firmware/description/quantity.hpp"
@@ -19,6 +20,24 @@ Rig without_machine(Rig rig) {
     if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::machine) slot.active = false;
   });
   return rig;
+}
+
+/// On a wheel that moves as prescribed: a tyre so stiff that the wheel follows within (ω² m_w/k = 3e-5 at 40 Hz), at
+/// critical damping, without effects of its own. F_w is then what it takes to move the wheel so.
+Rig on_prescribed_wheel(Rig rig) {
+  constexpr double stiffness = 1e11;  // [N/m]
+  rig.tyre.stiffness = stiffness;
+  rig.tyre.damping = 2.0 * std::sqrt(stiffness * rig.wheel.mass);
+  rig.effects.for_each([](auto& slot) {
+    if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::tyre) slot.active = false;
+  });
+  return rig;
+}
+
+/// The rig that answers to an input.
+Rig answering(const Rig& rig, const SimulationInput& input) {
+  if (input.deflection_reached) return without_machine(rig);
+  return input.wheel_prescribed ? on_prescribed_wheel(rig) : rig;
 }
 
 /// Between two samples, where the model has it (model::hermite); its z̈ is the measured one, straight between.
@@ -71,6 +90,7 @@ SimulationInput simulation_input(const Rig& rig, const firmware::Recording& reco
 std::vector<Channel> response_channels(RigKind kind, const SimulationInput& input) {
   switch (kind) {
     case RigKind::quarter_car:
+      if (input.wheel_prescribed) return {Channel::z_b, Channel::zdd_b, Channel::dz_b, Channel::F_w};
       return {Channel::z_w, Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w, Channel::dz_b, Channel::F_w};
     case RigKind::hil:
       return {Channel::z_w,  Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w,
@@ -89,14 +109,17 @@ InitialState resting(const Rig& rig, const SimulationInput& input) {
     start(4) = first;
   } else {
     start(0) = start(2) = first;
+    if (input.wheel_prescribed && !input.motion.empty()) start(1) = start(3) = input.motion.front().velocity;
   }
   return start;
 }
 
 Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
-                  int substeps) {
+                  int substeps, const RigVariation& variation) {
   const bool bench = rig.kind == RigKind::component_bench;
-  const model::RigModel<> model(input.deflection_reached ? without_machine(rig) : rig, input.period / substeps);
+  std::optional<model::RigModel<>> model;
+  const auto become = [&](const Rig& present) { model.emplace(answering(present, input), input.period / substeps); };
+  become(variation.every > 0 ? variation.at(0) : rig);
   const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
   const std::vector<Channel> channels = response_channels(rig.kind, input);
   Response response;
@@ -105,29 +128,30 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
 
   const auto& first = input.motion.front();
   model::MachinePath<double> machine{};
-  model.parameters().effects.act_on(machine);
+  model->parameters().effects.act_on(machine);
   model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
   if (bench) reached = {first.position, first.velocity};
   reached.position -= reached.velocity * machine.delay;
-  auto x = model.start(start, first, reached);
+  auto x = model->start(start, first, reached);
   if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();
 
   for (std::size_t k = 0;; ++k) {
-    const auto measured = model.measured(x);
+    const auto measured = model->measured(x);
     for (const Channel channel : channels) response[index(channel)][k] = measured[index(channel)];
     if (k + 1 == count) return response;
-    if (!input.ducts.empty() && input.ducts[k] != x.ducts.open()) model.open_ducts(x, input.ducts[k]);
+    if (k > 0 && variation.every > 0 && k % variation.every == 0) become(variation.at(k));
+    if (!input.ducts.empty() && input.ducts[k] != x.ducts.open()) model->open_ducts(x, input.ducts[k]);
     const auto& next = input.motion[k + 1];
     const double actuator_force = input.actuator_force.empty() ? 0.0 : input.actuator_force[k + 1];
     for (int substep = 1; substep < substeps; ++substep) {
       const double share = static_cast<double>(substep) / substeps;
       const model::Motion<double> inside = between(input.motion[k], next, share, input.period);
-      model.step(x,
-                 {.foot_point = inside,
-                  .command = {inside.position, inside.velocity},
-                  .actuator_force = x.actuator_force + (actuator_force - x.actuator_force) / (substeps - substep + 1)});
+      model->step(
+          x, {.foot_point = inside,
+              .command = {inside.position, inside.velocity},
+              .actuator_force = x.actuator_force + (actuator_force - x.actuator_force) / (substeps - substep + 1)});
     }
-    model.step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
+    model->step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
@@ -26,6 +27,7 @@ struct SimulationInput {
   std::vector<double> actuator_force;            ///< F_act [N]; empty: none
   std::vector<model::OpenDucts> ducts;           ///< in force from each sample on; empty: as in the rig description
   bool deflection_reached = false;               ///< motion is x_act
+  bool wheel_prescribed = false;                 ///< motion is the wheel's; what is below it is not simulated
   model::Channel channel = model::Channel::z_r;  ///< that the motion comes from
 
   [[nodiscard]] std::size_t size() const { return motion.size(); }
@@ -35,13 +37,14 @@ struct SimulationInput {
 [[nodiscard]] SimulationInput simulation_input(const model::RigParameters<double>& rig,
                                                const firmware::Recording& recording);
 
-/// The channels that the model computes: all of this kind of rig except its input.
+/// The channels that the model computes: all of this kind of rig except its input. On a prescribed wheel z_b, z̈_b, dz_b
+/// and F_w.
 [[nodiscard]] std::vector<model::Channel> response_channels(model::RigKind kind, const SimulationInput& input);
 
 /// z_w, ż_w, z_b, ż_b, y, ẏ
 using InitialState = model::Column<double, 6>;
 
-/// At rest above the first sample of the input.
+/// At rest above the first sample of the input; on a prescribed wheel moving with it.
 [[nodiscard]] InitialState resting(const model::RigParameters<double>& rig, const SimulationInput& input);
 
 /// Simulated channels, by model::Channel; those that the rig does not have stay empty. `samples`: how many, 0 for all.
@@ -49,7 +52,15 @@ using InitialState = model::Column<double, 6>;
 /// substeps a law with a corner (friction, a stop) acts near its own instant and not at the next sample. A controller
 /// runs 1.
 using Response = std::array<std::vector<double>, model::channel_count>;
+
+/// A rig whose parameters change while it moves: from every `every`-th sample on it is `at` that sample.
+struct RigVariation {
+  std::size_t every = 0;  ///< 0: it does not change
+  std::function<model::RigParameters<double>(std::size_t sample)> at{};
+};
+
 [[nodiscard]] Response simulate(const model::RigParameters<double>& rig, const SimulationInput& input,
-                                const InitialState& start, std::size_t samples = 0, int substeps = 1);
+                                const InitialState& start, std::size_t samples = 0, int substeps = 1,
+                                const RigVariation& variation = {});
 
 }  // namespace host_sim

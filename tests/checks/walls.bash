@@ -55,7 +55,7 @@ forbid 'tests are not part of the product' '"tests/' $(in_room host_sim/)
 forbid 'the truth generator shares nothing with what it judges' '"(model|hal|firmware|host_sim)/' $(in_room tests/truth/)
 
 order firmware loop description recording simulation controller
-order host_sim signal least_squares report recording_files closed_loop comparison stability frf paper identification commands
+order host_sim signal least_squares report recording_files closed_loop comparison stability frf paper identification plan commands
 order host_sim/stability roots margins map report
 order host_sim/identification common prepare predict noise parity estimate select assess report
 exit $status

@@ -1,16 +1,21 @@
 #include "tests/confusion/outcome.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <exception>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
 #include "tests/confusion/rough.hpp"
 
 namespace confusion {
@@ -59,6 +64,22 @@ std::string found_words(const Diagnosis& diagnosis) {
     text += " [" + number(named.confidence) + "]";
   }
   return text.empty() ? "nothing" : text;
+}
+
+/// As `rigtwin diagnose` reads a file: what may be left out is marked.
+std::vector<firmware::Recording> parts_of(const std::string& csv, const firmware::RigDescription& description) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("rigtwin_confusion_" + std::to_string(::getpid()) + ".csv");
+  firmware::write_file(file, csv);
+  std::vector<firmware::Recording> parts;
+  try {
+    parts = host_sim::read_parts(file, description.channels, description.sample_rate);
+  } catch (...) {
+    std::filesystem::remove(file);
+    throw;
+  }
+  std::filesystem::remove(file);
+  return parts;
 }
 
 /// JSON has no NaN: it is written as null.
@@ -144,6 +165,11 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
     std::vector<host_sim::identification::Record> records;
     for (const truth::Record& record : truth::simulate(truth)) {
       const std::string file = "rec" + std::to_string(records.size() + 1) + ".csv";
+      if (rough) {
+        for (firmware::Recording& part : parts_of(truth::csv(truth, record), description))
+          records.push_back({std::move(part), host_sim::identification::Use::shared});
+        continue;
+      }
       records.push_back({firmware::parse_recording_csv(truth::csv(truth, record), file, description.channels,
                                                        description.sample_rate),
                          host_sim::identification::Use::shared});

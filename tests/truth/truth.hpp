@@ -126,7 +126,7 @@ struct Wanted {
   bool varied = false;       ///< other rigs, roads, noise and sample rates than those of the samples
   double sample_rate = 0.0;  ///< [Hz]; 0: drawn
   double level = 1.0;        ///< factor on road or command
-  std::string form;          ///< of road or command, see RecordPlan
+  std::string form{};        ///< of road or command, see RecordPlan
 };
 
 /// "quarter_car", "hil", "component_bench".

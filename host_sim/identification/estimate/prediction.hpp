@@ -25,10 +25,19 @@ void predict_recording(const IdentificationProblem& problem, const Hypothesis& h
 [[nodiscard]] Prediction predict_sensor(const IdentificationProblem& problem, const Hypothesis& hypothesis,
                                         const Prediction& base, model::Channel channel);
 
+/// The same of several channels: also where the hypotheses differ in faults of the recording that act on them.
+[[nodiscard]] Prediction predict_readings(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                          const Prediction& base, const std::vector<model::Channel>& channels);
+
 /// Whitened residuals of the fitted windows, recording after recording (noise/whitening.hpp).
 [[nodiscard]] Eigen::VectorXd residuals(const IdentificationProblem& problem, const Prediction& prediction);
 
 /// Readings of every recording in full.
 [[nodiscard]] std::vector<Response> read_all(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+
+/// Whether the simulation of every recording stays finite from its first to its last sample, what is held out too: the
+/// sum of the squares of each explained channel is a number.
+[[nodiscard]] bool stays_finite(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+[[nodiscard]] bool stays_finite(const PreparedRecording& recording, const Response& readings);
 
 }  // namespace host_sim::identification

@@ -8,8 +8,10 @@
 #include "firmware/description/channel_map.hpp"
 #include "firmware/description/input_error.hpp"
 #include "host_sim/comparison/simulation.hpp"
+#include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/prepared_recording.hpp"
 #include "host_sim/identification/prepare/recording_window.hpp"
+#include "host_sim/identification/prepare/sampled_recording.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -100,7 +102,7 @@ Likenesses likenesses(const model::RigParameters<double>& rig, firmware::Recordi
   for (double& v : part[input]) v /= factor;
   Likenesses result;
   result[index(Channel::zdd_r)] = acceleration_of_foot_point(part);
-  const SimulationInput simulated = simulation_input(rig, part);
+  const SimulationInput simulated = driving_input(rig, part);
   const Response response = simulate(rig, simulated, resting(rig, simulated));
   const auto from = static_cast<std::size_t>(thresholds::unit_check_settling / part.sample_period);
   for (const Channel channel : response_channels(rig.kind, simulated)) {
@@ -126,7 +128,7 @@ void add_unit_errors(const model::RigParameters<double>& rig, const firmware::Re
   const auto known = [&](Channel channel) {
     return std::any_of(found.begin(), found.end(), [&](const UnitError& s) { return s.channel == channel; });
   };
-  const Channel input = simulation_input(rig, part).channel;
+  const Channel input = driving_input(rig, part).channel;
   Likenesses best = likenesses(rig, part, input, 1.0);
   double input_factor = 1.0;
   if (!known(input)) {
@@ -143,12 +145,19 @@ void add_unit_errors(const model::RigParameters<double>& rig, const firmware::Re
       input_factor = factor;
     }
   }
+  const std::size_t known_before = found.size();
   if (input_factor != 1.0) found.push_back({input, input_factor});
+  bool description_fits = true;
   for (std::size_t c = 0; c < best.size(); ++c) {
     const Channel channel = model::channel_at(c);
     if (!(best[c].correlation > thresholds::unit_check_correlation) || known(channel)) continue;
     const double factor = nominal(channel, best[c].factor);
-    if (factor != 1.0) found.push_back({channel, factor});
+    description_fits = description_fits && (factor != 1.0 || is_right(best[c].factor));
+    const bool exact = std::abs(std::log(best[c].factor / factor)) < thresholds::unit_factor_certain;
+    if (factor != 1.0) found.push_back({channel, factor, factor < 0.0 || exact});
+  }
+  for (std::size_t i = known_before; i < found.size(); ++i) {
+    found[i].certain = found[i].certain && (description_fits || found[i].factor < 0.0);
   }
 }
 
@@ -169,30 +178,39 @@ std::vector<UnitError> unit_errors(const firmware::RigDescription& description, 
   const std::size_t count = std::min(recording.size(), n), from = (recording.size() - count) / 2;
   std::vector<UnitError> found;
   if (static_cast<double>(count) * recording.sample_period <= thresholds::unit_check_settling) return found;
-  const firmware::Recording part = cut(recording, {from, from + count});
+  const firmware::Recording part = at_simulated_rate(cut(recording, {from, from + count}));
   add_unit_errors(explained_part(description.rig), part, found);
   if (description.rig.kind == RigKind::hil) add_unit_errors(description.rig, part, found);
   return found;
 }
 
-void refuse_unit_errors(const firmware::RigDescription& description, const firmware::Recording& recording) {
-  const std::vector<UnitError> found = unit_errors(description, recording);
-  if (found.empty()) return;
+std::vector<std::string> check_units(const firmware::RigDescription& description,
+                                     const firmware::Recording& recording) {
+  std::vector<std::string> remarks;
   std::string wrong, entries;
-  for (const UnitError& slip : found) {
+  for (const UnitError& slip : unit_errors(description, recording)) {
     const std::string channel(model::name(slip.channel));
     const auto entry = description.channels.find(channel);
     const firmware::ColumnSource source =
         entry == description.channels.end() ? firmware::ColumnSource{channel} : entry->second;
+    if (source.scale_given) {
+      remarks.push_back(recording.source + ": " + unit_error_text(slip) + "; kept as [channels] says");
+      continue;
+    }
+    if (!slip.certain) {
+      remarks.push_back(recording.source + ": " + unit_error_text(slip) + ", or the rig description is far off");
+      continue;
+    }
     char scale[32];
     std::snprintf(scale, sizeof scale, "%.4g", source.scale / slip.factor);
     wrong += (wrong.empty() ? "" : "; ") + unit_error_text(slip);
     entries += (entries.empty() ? "" : " and ") + channel + " = { column = \"" + source.column +
                "\", scale = " + scale + (source.offset == 0.0 ? "" : ", offset = …") + " }";
   }
-  throw firmware::InputError(
-      recording.source, 0, wrong,
-      "SI units and the contract's signs, or in the rig description under [channels]: " + entries);
+  if (wrong.empty()) return remarks;
+  throw firmware::InputError(recording.source, 0, wrong,
+                             "SI units and the contract's signs, or in the rig description under [channels]: " +
+                                 entries + "; a scale that is written there is kept");
 }
 
 }  // namespace host_sim::identification

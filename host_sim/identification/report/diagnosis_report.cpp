@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "firmware/description/input_error.hpp"
 #include "firmware/description/rig_writer.hpp"
@@ -84,7 +85,16 @@ void add_recording_faults(Report& page, const Diagnosis& diagnosis) {
   if (diagnosis.recording_faults.empty()) return;
   page.add_section("What is wrong with the recording");
   for (const RecordingFault& fault : diagnosis.recording_faults) page.add_text(words(fault) + ".");
-  page.add_text("The diagnosis used the noise that the samples show, not the one declared.");
+  const auto is_noise = [](const RecordingFault& fault) { return !fault.is_cause; };
+  if (std::any_of(diagnosis.recording_faults.begin(), diagnosis.recording_faults.end(), is_noise)) {
+    page.add_text("The diagnosis used the noise that the samples show, not the one declared.");
+  }
+  if (diagnosis.has_cause_in_recording()) {
+    page.add_text(
+        "These faults were fitted together with the rig. They are no part of the rig description below: a parameter "
+        "that "
+        "drifts has there its value in the middle of the recording.");
+  }
 }
 
 void add_effects(Report& page, const Diagnosis& diagnosis) {
@@ -142,6 +152,36 @@ Panel left_over(const std::string& when, const std::vector<BandPower>& powers, b
   return panel;
 }
 
+/// What is left of each channel second by second, a strip for each channel.
+void add_power_over_time(Report& page, const Diagnosis& diagnosis) {
+  constexpr std::size_t most_recordings = 4;
+  std::size_t last = 0;
+  for (const PowerOverTime& power : diagnosis.power_over_time) last = std::max(last, power.recording);
+  for (std::size_t recording = 0; recording <= std::min(last, most_recordings - 1); ++recording) {
+    Figure figure;
+    figure.title = "What is left, second by second";
+    if (last > 0) figure.title += ", recording " + std::to_string(recording + 1);
+    figure.note = "Power ÷ power of noise of each stretch of about a second; 1 is noise.";
+    figure.x = {"time", "s"};
+    for (const PowerOverTime& power : diagnosis.power_over_time) {
+      if (power.recording != recording) continue;
+      std::vector<double> time;
+      for (std::size_t k = 0; k < power.from.size(); ++k) time.push_back(0.5 * (power.from[k] + power.to[k]));
+      Curve refit{"tolerances refitted", time, power.refit, 5, Dash::dash_dotted};
+      Curve after{"after", time, power.after, 0, Dash::solid};
+      refit.in_legend = after.in_legend = figure.panels.empty();
+      Panel strip;
+      strip.y = {std::string(model::name(power.channel)), "1", true};
+      strip.curves = {refit, after};
+      strip.guides.push_back({report::Guide::Along::y, 1.0, figure.panels.empty() ? "noise" : ""});
+      figure.panels.push_back(strip);
+    }
+    if (figure.panels.empty()) continue;
+    figure.height = 160 + 110 * static_cast<int>(figure.panels.size());
+    page.add_figure(figure);
+  }
+}
+
 void add_where(Report& page, const Diagnosis& diagnosis) {
   if (diagnosis.locations.empty()) return;
   page.add_section("Where");
@@ -159,6 +199,7 @@ void add_where(Report& page, const Diagnosis& diagnosis) {
   map.panels = {left_over("refitted", diagnosis.left_by_refit, true), left_over("after", diagnosis.left_after, false)};
   map.height = 560;
   page.add_figure(map);
+  add_power_over_time(page, diagnosis);
   if (diagnosis.relations.empty()) return;
   Table relations{"What the rig's own redundancy says, before anything is fitted but tolerances",
                   {"relation", "holds", "power ÷ noise", "from [Hz]", "to [Hz]", "what is left"},
@@ -204,6 +245,49 @@ void add_overlays(Report& page, const Diagnosis& diagnosis) {
   }
 }
 
+/// A rig description with a number that is not finite cannot be read again.
+void require_finite(const firmware::RigDescription& found) {
+  model::RigParameters<double> rig = found.rig;
+  for (const firmware::ParameterPath& p : firmware::parameter_paths()) {
+    const std::string path = std::string(p.table) + "." + std::string(p.key);
+    const double* const value = firmware::find_parameter(rig, path);
+    if (value != nullptr && !std::isfinite(*value)) throw std::logic_error("rig.toml: " + path + " is not finite");
+  }
+  for (const firmware::PlacedEffect& effect : firmware::effects_of(rig)) {
+    for (const double value : effect.values) {
+      if (!std::isfinite(value)) throw std::logic_error("rig.toml: " + words(effect) + " is not finite");
+    }
+  }
+}
+
+}  // namespace
+
+namespace {
+
+/// "clock_drift of dz_b and F_w", "drift of suspension.damping", "event"
+std::string named(const RecordingFault& fault) {
+  std::vector<std::string> channels;
+  for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
+  const std::string of = fault.path.empty() ? joined(channels) : fault.path;
+  return fault.name + (of.empty() ? "" : " of " + of);
+}
+
+/// The faults of the recording that must be taken into account, in words; empty without one.
+std::string causes_in_recording(const Diagnosis& diagnosis) {
+  std::vector<std::string> causes;
+  for (const RecordingFault& fault : diagnosis.recording_faults) {
+    if (!fault.is_cause) continue;
+    std::string text = named(fault) + " (";
+    const char* separator = "";
+    for (const auto& [parameter, value] : fault.parameters) {
+      text += separator + parameter + " " + figure_text(value.value, 4);
+      separator = ", ";
+    }
+    causes.push_back(text + ")");
+  }
+  return joined(causes);
+}
+
 }  // namespace
 
 std::string odds_text(double odds) { return odds > 1e6 ? "over a million to 1" : figure_text(odds, 3) + " to 1"; }
@@ -229,6 +313,11 @@ std::string sentence(const Diagnosis& diagnosis) {
     off.push_back(parameter.path + " is " + figure_text(parameter.value.value, 5) + ", not " +
                   figure_text(parameter.described, 5));
   }
+  const std::string causes = causes_in_recording(diagnosis);
+  if (off.empty() && names.empty() && !causes.empty() && diagnosis.verdict != Verdict::unexplained) {
+    return "Rig and model agree, but the recording does not: " + causes + "." +
+           (diagnosis.residual.empty() ? "" : " Left over: " + diagnosis.residual + ".");
+  }
   if (!off.empty() && names.empty()) {
     std::string text = joined(off);
     if (diagnosis.verdict == Verdict::ambiguous)
@@ -239,6 +328,7 @@ std::string sentence(const Diagnosis& diagnosis) {
       text += ": with it the error of " + std::string(model::name(best->first)) + " falls from " +
               figure_text(100.0 * best->second.refit, 3) + " to " + figure_text(100.0 * best->second.after, 3) + " %";
     }
+    if (!causes.empty()) text += "; in the recording " + causes;
     return text + "." + (diagnosis.residual.empty() ? "" : " Left over: " + diagnosis.residual + ".");
   }
   std::string text;
@@ -263,15 +353,20 @@ std::string sentence(const Diagnosis& diagnosis) {
   }
   text += ".";
   if (!off.empty()) text += " Beside it " + joined(off) + ".";
+  if (!causes.empty()) text += " In the recording: " + causes + ".";
   if (!diagnosis.residual.empty()) text += " Left over: " + diagnosis.residual + ".";
   return text;
 }
 
 std::string words(const RecordingFault& fault) {
-  std::vector<std::string> channels;
-  for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
-  std::string text = fault.name + " of " + joined(channels);
-  for (const auto& [parameter, value] : fault.parameters) text += ": " + parameter + " " + with_interval(value, "");
+  std::string text = named(fault);
+  const char* separator = ": ";
+  for (const auto& [parameter, value] : fault.parameters) {
+    const bool exact = !(value.upper > value.lower);
+    text += separator + parameter + " " + (exact ? figure_text(value.value, 5) : with_interval(value, ""));
+    separator = ", ";
+  }
+  if (fault.is_cause) text += ", confidence " + figure_text(fault.confidence, 3);
   return text;
 }
 
@@ -305,6 +400,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
 }
 
 std::string result_rig(const firmware::RigDescription& found, std::string_view given) {
+  require_finite(found);
   return std::string(result_rig_mark) + ": " + firmware::one_line(given) + " with what was found\n" +
          firmware::format_rig(found);
 }
