@@ -63,7 +63,8 @@ class FaultScan {
   void add_clocks_and_filters(std::vector<FaultCandidate>& list) const;
   void add_hum(std::vector<FaultCandidate>& list) const;
   /// `simulates`: also parameters that the fit does not hold, each by a simulation.
-  void add_drifts(bool simulates, std::vector<FaultCandidate>& list) const;
+  /// Returns the χ² that a constant change of a parameter promises, of those that are exact or at a bound.
+  double add_drifts(bool simulates, std::vector<FaultCandidate>& list) const;
 
   /// Change of the residuals by faults that differ from those of the fit on these channels only.
   [[nodiscard]] Eigen::VectorXd change(const std::vector<PlacedFault>& faults,
@@ -328,8 +329,8 @@ std::optional<FaultCandidate> FaultScan::drift_of(const std::string& path, const
   return FaultCandidate{std::move(fault), direction.gradient(0) * direction.gradient(0) / direction.matrix(0, 0)};
 }
 
-void FaultScan::add_drifts(bool simulates, std::vector<FaultCandidate>& list) const {
-  if (base_.jacobian.cols() != static_cast<Eigen::Index>(base_.parameters.size())) return;
+double FaultScan::add_drifts(bool simulates, std::vector<FaultCandidate>& list) const {
+  if (base_.jacobian.cols() != static_cast<Eigen::Index>(base_.parameters.size())) return 0.0;
   std::vector<FreeParameter> parameters = base_.parameters;
   const auto is_known = [&](const FreeParameter& p) {
     return std::any_of(base_.parameters.begin(), base_.parameters.end(),
@@ -341,6 +342,7 @@ void FaultScan::add_drifts(bool simulates, std::vector<FaultCandidate>& list) co
     }
   }
   std::vector<std::optional<FaultCandidate>> drifts(parameters.size());
+  std::vector<double> constant(parameters.size(), 0.0);
   for_all(parameters.size(), [&](std::size_t i) {
     const FreeParameter& parameter = parameters[i];
     const bool of_rig = parameter.role == FreeParameter::Role::tolerated ||
@@ -354,17 +356,22 @@ void FaultScan::add_drifts(bool simulates, std::vector<FaultCandidate>& list) co
     const double unit = parameter.logarithmic ? value : parameter.scale;  // ∂value/∂u
     if (!(std::abs(value) > 0.0)) return;
     if (i < base_.parameters.size()) {
+      const bool bound = parameter.role == FreeParameter::Role::tolerated && parameter.at_bound(base_.hypothesis);
+      if (bound) constant[i] = others_.free_gain(base_.jacobian.col(static_cast<Eigen::Index>(i)));
       drifts[i] = drift_of(parameter.path, base_.jacobian.col(static_cast<Eigen::Index>(i)) * (value / unit));
       return;
     }
     Hypothesis moved = base_.hypothesis;
     parameter.put(moved, u + parameter.difference);
     const Eigen::VectorXd change = residuals(problem_, predict(problem_, moved)) - base_.residual;
+    if (!change.allFinite()) return;
+    constant[i] = others_.free_gain(change);
     drifts[i] = drift_of(parameter.path, change * (value / unit / parameter.difference));
   });
   for (auto& drift : drifts) {
     if (drift && drift->gain > 0.0) list.push_back(std::move(*drift));
   }
+  return constant.empty() ? 0.0 : *std::max_element(constant.begin(), constant.end());
 }
 
 void sort_by_gain(std::vector<FaultCandidate>& list) {
@@ -378,7 +385,8 @@ std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& proble
   std::vector<FaultCandidate> list;
   if (!only_noise) scan.add_clocks_and_filters(list);
   if (!only_noise) scan.add_hum(list);
-  scan.add_drifts(!only_noise, list);
+  const double parameter_off = scan.add_drifts(!only_noise, list);
+  std::erase_if(list, [=](const FaultCandidate& candidate) { return candidate.gain <= parameter_off; });
   sort_by_gain(list);
   return list;
 }

@@ -26,7 +26,9 @@ struct FaultCandidate {
 ///                       that of the fit's Jacobian, or costs a simulation for a parameter that is no part of it
 ///
 /// (1): a rig whose parameter is p (1 + s t/T) answers as the derivative says, weighted with time, as long as its
-/// motion forgets fast beside T. Source: score tests, as linear_refit.hpp. `only_noise`: the fit leaves nothing but
+/// motion forgets fast beside T. Source: score tests, as linear_refit.hpp. A fault must promise more than
+/// a parameter that is only off (suspect_parameters.hpp): one that is described as exact, or at the bound of its
+/// tolerance. `only_noise`: the fit leaves nothing but
 /// noise in each band, so only drifts are tried that cost no simulation: what changes with time is weak in every band.
 [[nodiscard]] std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& problem, const Fit& base,
                                                            bool only_noise);
