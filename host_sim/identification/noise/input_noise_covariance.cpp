@@ -175,7 +175,8 @@ InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording, 
   }
   for (std::size_t b = 0; b < bands; ++b) {
     const double f = (static_cast<double>(b) + 0.5) * thresholds::covariance_band;
-    const double density = input_density(recording.input_noise, f, recording.input.period);
+    double density = input_density(recording.input_noise, f, recording.input.period);
+    if (b == 0 && recording.mean_unknown) density *= thresholds::integrated_noise_in_lowest_band;
     result.spectrum.push_back(sums[b].covariance(density, spectrum_of.taper_power()));
   }
   return result;

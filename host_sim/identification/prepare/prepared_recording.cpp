@@ -145,7 +145,8 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   prepared.noise = sampled.noise;
   prepared.substeps = std::max(1, static_cast<int>(std::lround(prepared.input.period / thresholds::step_with_corners)));
   prepare_input(prepared, description, sampled, disagree);
-  prepared.at_rest = begins_at_rest(rig, prepared.input, recording);
+  // Without its mean an acceleration does not begin at rest, even where the rig did.
+  prepared.at_rest = !prepared.mean_unknown && begins_at_rest(rig, prepared.input, recording);
   std::vector<Channel> simulated = response_channels(rig.kind, prepared.input);
   if (prepared.inputs_disagree) simulated.push_back(Channel::zdd_r);
   // A sensor of F_w that feels the road's acceleration says nothing where that is not known.

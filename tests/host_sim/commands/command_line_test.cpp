@@ -147,8 +147,6 @@ TEST_F(CommandLine, RefusesRecordingsThatDoNotFit) {
   expect_recording_refused(with(good, "0.007,", "0.005,"), "bad.csv:9: ");
   expect_recording_refused("", "bad.csv");
   expect_recording_refused("t,z_r,F\n", "bad.csv");
-  const auto fast = folder.write("fast.toml", with(hil_text, "sample_rate = 1000.0", "sample_rate = 500.0")).string();
-  expect_refused({"compare", "--rig", fast, "--data", data}, 3, "rec.csv");
   expect_refused({"compare", "--rig", rig, "--data", folder.path()}, 3, "is a directory");
   expect_refused({"compare", "--rig", rig, "--data", folder / "none.csv"}, 3, "none.csv: cannot be opened");
   expect_refused({"compare", "--rig", rig, "--data", data, "--refit"}, 3, "nothing to refit");
