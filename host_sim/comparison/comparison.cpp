@@ -14,9 +14,9 @@ namespace host_sim {
 ComparedRecording::ComparedRecording(const firmware::RigDescription& description, firmware::Recording recording,
                                      StartChoice choice)
     : recording_(std::move(recording)),
-      step_(model_steps_per_sample(
-          recording_.sample_period,
-          description.rig.kind == model::RigKind::hil ? 1.0 / description.sample_rate : longest_model_step)),
+      step_(model_steps_per_sample(recording_.sample_period, description.rig.kind == model::RigKind::hil
+                                                                 ? 1.0 / description.sample_rate
+                                                                 : longest_model_step)),
       simulated_(interpolated(recording_, step_)),
       input_(simulation_input(description.rig, simulated_)),
       range_(description.range) {

@@ -9,7 +9,8 @@ namespace host_sim {
 
 std::size_t model_steps_per_sample(double sample_period, double longest) {
   constexpr double margin = 0.05;
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(sample_period / std::max(longest, longest_model_step) - margin)));
+  return static_cast<std::size_t>(
+      std::max(1.0, std::ceil(sample_period / std::max(longest, longest_model_step) - margin)));
 }
 
 firmware::Recording interpolated(const firmware::Recording& recording, std::size_t factor) {
@@ -20,11 +21,12 @@ firmware::Recording interpolated(const firmware::Recording& recording, std::size
   finer.comments = recording.comments;
   finer.source = recording.source;
   finer.remark = recording.remark;
+  finer.lost_rows = recording.lost_rows;
+  finer.gaps = recording.gaps;
   finer.ignored_columns = recording.ignored_columns;
   finer.time.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
-    finer.time[k] =
-        recording.time[k / factor] + static_cast<double>(k % factor) * finer.sample_period;
+    finer.time[k] = recording.time[k / factor] + static_cast<double>(k % factor) * finer.sample_period;
   }
   const Interpolation interpolation(factor);
   for (std::size_t c = 0; c < finer.channels.size(); ++c) finer.channels[c] = interpolation(recording.channels[c]);

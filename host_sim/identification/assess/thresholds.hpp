@@ -34,6 +34,10 @@ inline constexpr double worth_of_shrinking = 0.5;
 /// [1] A channel with less of the excess is no place of the disagreement.
 inline constexpr double least_located_share = 0.005;
 
+/// [s] Either way, half width of the instants at which an event begins and ends: two blocks of parity's span_block and
+/// the reach of its smooth window. Derived.
+inline constexpr double event_edge = 0.035;
+
 // Experiments ---------------------------------------------------------------------------------------------------------
 
 /// [1] Noise of a sensor that the rig does not have yet, relative to the rms of its channel.

@@ -41,6 +41,10 @@ Eigen::VectorXd jacobian_column(const IdentificationProblem& problem, const Fit&
   if (parameter.sensor) {
     return (residuals(problem, predict_sensor(problem, other, at.prediction, *parameter.sensor)) - at.residual) / step;
   }
+  if (!parameter.readings.empty()) {
+    return (residuals(problem, predict_readings(problem, other, at.prediction, parameter.readings)) - at.residual) /
+           step;
+  }
   if (parameter.role == FreeParameter::Role::start) {  // moves its own recording only
     Prediction prediction = base.prediction;
     predict_recording(problem, other, parameter.recording, true, prediction);
@@ -52,7 +56,7 @@ Eigen::VectorXd jacobian_column(const IdentificationProblem& problem, const Fit&
 /// Columns of J from `first` on.
 void find_columns(const IdentificationProblem& problem, Fit& at, Eigen::Index first) {
   const bool simulates = std::any_of(at.parameters.begin() + first, at.parameters.end(),
-                                     [](const FreeParameter& parameter) { return !parameter.sensor; });
+                                     [](const FreeParameter& parameter) { return parameter.simulates(); });
   const bool halved = simulates && has_corners(at.hypothesis.rig);
   Prediction half_prediction;
   Eigen::VectorXd half_residual;
@@ -67,7 +71,7 @@ void find_columns(const IdentificationProblem& problem, Fit& at, Eigen::Index fi
     at.jacobian.col(static_cast<Eigen::Index>(column)) = jacobian_column(problem, at, base, at.parameters[column]);
   });
   for (auto i = static_cast<std::size_t>(first); i < at.parameters.size(); ++i) {
-    at.simulations += at.parameters[i].sensor ? 0 : 1;
+    at.simulations += at.parameters[i].simulates() ? 1 : 0;
   }
 }
 

@@ -15,12 +15,12 @@ void predict_recording(const IdentificationProblem& problem, const Hypothesis& h
   Resolution resolution = r.resolution();
   resolution.half = half_substeps;
   auto truth = std::make_shared<const Response>(true_channels(
-      hypothesis.rig, samples, samples.input, hypothesis.starts[recording], r.fit_whitening->window().to, resolution));
+      hypothesis, samples, samples.input, hypothesis.starts[recording], r.fit_whitening->window().to, resolution));
   Spectra seen;
   for (std::size_t c = 0; c < samples.channels.size(); ++c) {
     const model::Channel channel = samples.channels[c];
     const auto& values = (*truth)[index(channel)];
-    const bool affected = has_sensor_effect(hypothesis.rig, channel);
+    const bool affected = is_altered(hypothesis, channel);
     seen.push_back(r.fit_whitening->spectrum(
         samples, c, affected ? sensor_readings(hypothesis, samples, channel, values) : values));
   }
@@ -37,12 +37,18 @@ Prediction predict(const IdentificationProblem& problem, const Hypothesis& hypot
 
 Prediction predict_sensor(const IdentificationProblem& problem, const Hypothesis& hypothesis, const Prediction& base,
                           model::Channel channel) {
+  return predict_readings(problem, hypothesis, base, {channel});
+}
+
+Prediction predict_readings(const IdentificationProblem& problem, const Hypothesis& hypothesis, const Prediction& base,
+                            const std::vector<model::Channel>& channels) {
   Prediction prediction = base;
   for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
     const ProblemRecording& r = problem.recordings()[i];
     if (!r.is_fitted()) continue;
     for (std::size_t c = 0; c < r.samples->channels.size(); ++c) {
-      if (r.samples->channels[c] != channel) continue;
+      const model::Channel channel = r.samples->channels[c];
+      if (std::find(channels.begin(), channels.end(), channel) == channels.end()) continue;
       prediction.seen[i][c] = r.fit_whitening->spectrum(
           *r.samples, c, sensor_readings(hypothesis, *r.samples, channel, (*base.truth[i])[index(channel)]));
     }

@@ -25,6 +25,10 @@ void predict_recording(const IdentificationProblem& problem, const Hypothesis& h
 [[nodiscard]] Prediction predict_sensor(const IdentificationProblem& problem, const Hypothesis& hypothesis,
                                         const Prediction& base, model::Channel channel);
 
+/// The same of several channels: also where the hypotheses differ in faults of the recording that act on them.
+[[nodiscard]] Prediction predict_readings(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                          const Prediction& base, const std::vector<model::Channel>& channels);
+
 /// Whitened residuals of the fitted windows, recording after recording (noise/whitening.hpp).
 [[nodiscard]] Eigen::VectorXd residuals(const IdentificationProblem& problem, const Prediction& prediction);
 

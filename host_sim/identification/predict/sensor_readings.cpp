@@ -11,6 +11,16 @@ namespace host_sim::identification {
 using model::Channel;
 using Rig = model::RigParameters<double>;
 
+namespace {
+
+/// [s] A drifting parameter is renewed so often. Derivation: of a change by 50 % over 10 s each step is 0.25 % too
+/// early or late by at most half of that, and the errors of neighbouring steps cancel above 20 Hz: below 1e-4 of a
+/// signal whose sensitivity to the parameter is 1 (a test measures it). Half: twice the time for building models.
+/// Twice: 1e-4.
+constexpr double drift_refresh = 0.05;
+
+}  // namespace
+
 bool has_corners(const Rig& rig) {
   bool corners = false;
   rig.effects.for_each([&corners](const auto& slot) {
@@ -19,13 +29,21 @@ bool has_corners(const Rig& rig) {
   return corners;
 }
 
-Response true_channels(const Rig& rig, const PreparedRecording& recording, const SimulationInput& input,
+Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,
                        const InitialState& start, std::size_t samples, Resolution resolution) {
-  Rig bare = rig;
+  Rig bare = hypothesis.rig;
   bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
   const bool finely = has_corners(bare) && !firmware::find_rig_fault(bare, input.period / resolution.substeps);
   const int wanted = resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps;
-  Response response = simulate(bare, input, start, samples, finely ? wanted : 1);
+  RigVariation variation;
+  if (drifts(hypothesis.faults)) {
+    variation = {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(drift_refresh / input.period))),
+                 [&](std::size_t sample) {
+                   const auto length = static_cast<double>(std::max<std::size_t>(recording.size(), 1));
+                   return drifted(bare, hypothesis.faults, std::min(static_cast<double>(sample) / length, 1.0));
+                 }};
+  }
+  Response response = simulate(bare, input, start, samples, finely ? wanted : 1, variation);
   if (recording.explains(Channel::zdd_r)) {
     auto& acceleration = response[index(Channel::zdd_r)];
     const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
@@ -33,6 +51,10 @@ Response true_channels(const Rig& rig, const PreparedRecording& recording, const
     for (std::size_t k = 0; k < count; ++k) acceleration[k] = input.motion[k].acceleration;
   }
   return response;
+}
+
+bool is_altered(const Hypothesis& hypothesis, Channel channel) {
+  return has_sensor_effect(hypothesis.rig, channel) || alters(hypothesis.faults, channel);
 }
 
 bool has_sensor_effect(const Rig& rig, Channel channel) {
@@ -73,9 +95,8 @@ std::vector<double> held_values(const std::vector<double>& values, const Renewal
   return shown;
 }
 
-}  // namespace
-
-std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
+/// What the sensors alone make of a channel.
+std::vector<double> through_sensors(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
                                     const std::vector<double>& truth) {
   const Rig& rig = hypothesis.rig;
   if (!has_sensor_effect(rig, channel) || truth.empty()) return truth;
@@ -103,11 +124,19 @@ std::vector<double> sensor_readings(const Hypothesis& hypothesis, const Prepared
   return held ? held_values(values, *renewals, hypothesis.clocks[c]) : values;
 }
 
+}  // namespace
+
+std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
+                                    const std::vector<double>& truth) {
+  return with_faults(hypothesis.faults, channel, through_sensors(hypothesis, recording, channel, truth),
+                     recording.input.period);
+}
+
 Response read_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,
                        const InitialState& start, std::size_t samples, Resolution resolution) {
-  Response response = true_channels(hypothesis.rig, recording, input, start, samples, resolution);
+  Response response = true_channels(hypothesis, recording, input, start, samples, resolution);
   for (const Channel channel : recording.channels) {
-    if (has_sensor_effect(hypothesis.rig, channel)) {
+    if (is_altered(hypothesis, channel)) {
       response[index(channel)] = sensor_readings(hypothesis, recording, channel, response[index(channel)]);
     }
   }

@@ -33,6 +33,8 @@ std::vector<std::string> leave_out_the_middle(std::vector<Record>& records) {
     remarks.push_back(r.source + text);
     if (end > 0) {
       ends.push_back({cut(r, {n - end, n}), Use::held_out});
+      ends.back().recording.lost_rows = 0;  // said of the beginning
+      ends.back().recording.gaps.clear();
       std::snprintf(text, sizeof text, ", the last %.0f s held out", static_cast<double>(end) * r.sample_period);
       remarks.back() += text;
       record.use = Use::fitted;
@@ -89,8 +91,8 @@ PreparedData prepare(const firmware::RigDescription& description, std::vector<Re
   // What one recording shows of the sensors holds for all: they are explained with the same channels.
   std::vector<SampledRecording> all;
   for (Record& record : records) all.push_back(sampled(description, std::move(record.recording)));
-  const bool disagree = std::any_of(
-      all.begin(), all.end(), [&](const SampledRecording& one) { return inputs_disagree(description, one); });
+  const bool disagree = std::any_of(all.begin(), all.end(),
+                                    [&](const SampledRecording& one) { return inputs_disagree(description, one); });
   for (std::size_t i = 0; i < all.size(); ++i) {
     data.recordings.push_back(prepare_recording(description, std::move(all[i]), records[i].use, disagree));
     add_remarks(data.recordings.back(), description, data.remarks);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
@@ -49,11 +50,15 @@ class Search {
   void begin(SearchResult& found);
   [[nodiscard]] std::vector<CandidateModel> one_effect_more(const std::vector<CandidateModel>& beam,
                                                             SearchResult& found) const;
+  [[nodiscard]] std::optional<CandidateModel> by_fault(const CandidateModel& base,
+                                                       const std::vector<CandidateModel>& others) const;
+  bool add_last_fault(SearchResult& found) const;
   void update_noise(std::vector<CandidateModel>& beam, SearchResult& found);
 
   // Backward.
   void compare_in_sample(SearchResult& found);
   bool improve(std::size_t effect, SearchResult& found);
+  bool improve_fault(std::size_t fault, SearchResult& found);
   bool eliminate_by_held_out(SearchResult& found);
   void rate_by_held_out(SearchResult& found) const;
   [[nodiscard]] CandidateModel promoted(const CandidateModel& best, std::size_t effect, const Rival& rival) const;
@@ -93,12 +98,23 @@ class Search {
   double first_share_;                             ///< of the windows, where candidates far above noise are told apart
 };
 
+/// What drifts slowly may be left in no band. true: it was added.
+bool Search::add_last_fault(SearchResult& found) const {
+  auto fault = by_fault(found.best, {});
+  if (!fault || !criterion_.accepts(*fault, found.best, criterion_.share(found.best))) return false;
+  found.best = std::move(*fault);
+  return true;
+}
+
 void Search::forward(SearchResult& found) {
   begin(found);
   std::vector<CandidateModel> beam{found.best};
-  for (std::size_t depth = 0; depth < thresholds::most_effects; ++depth) {
-    if (depth > 0 && fitter_.leaves_noise(found.best)) break;
-    report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
+  for (std::size_t depth = 0; found.best.effects.size() < thresholds::most_effects; ++depth) {
+    if (depth > 0 && fitter_.leaves_noise(found.best)) {
+      if (!add_last_fault(found)) break;
+      continue;
+    }
+    report(std::min(0.1 + 0.15 * static_cast<double>(depth), 0.55), depth == 0 ? "one effect" : "one more effect");
     std::vector<CandidateModel> next = one_effect_more(beam, found);
     if (next.empty() || !criterion_.prefers(next.front(), found.best)) break;
     found.best = next.front();
@@ -135,7 +151,10 @@ std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateM
   std::vector<CandidateModel> next;
   for (const CandidateModel& base : beam) {
     auto list = extended(base, found.scales, false);
-    if (base.effects.empty()) found.alone = list;
+    if (base.effects.empty() && base.faults().empty()) found.alone = list;
+    if (auto fault = by_fault(base, list); fault && criterion_.accepts(*fault, base, criterion_.share(base))) {
+      next.push_back(std::move(*fault));
+    }
     for (std::size_t i = 0; i < std::min(criterion_.beam, list.size()); ++i) {
       if (criterion_.accepts(list[i], base, criterion_.share(base))) next.push_back(std::move(list[i]));
     }
@@ -148,6 +167,21 @@ std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateM
                 [this](const CandidateModel& model) { return !stays_finite(fitter_.problem(), model.fit.hypothesis); });
   sort(next);
   return next;
+}
+
+/// A model with one more fault of the recordings, where that is better than the best of `others`, which have one more
+/// effect.
+std::optional<CandidateModel> Search::by_fault(const CandidateModel& base,
+                                               const std::vector<CandidateModel>& others) const {
+  if (!criterion_.faults || base.faults().size() >= thresholds::most_faults) return std::nullopt;
+  double least = least_gain(base, false);
+  if (!others.empty()) {
+    const double gained = base.fit.chi_squared - others.front().fit.chi_squared;
+    least = std::max(least, thresholds::promising_beside_best * gained);
+  }
+  std::optional<CandidateModel> fault = fitter_.extended_by_fault(base, least);
+  if (fault && !others.empty() && !criterion_.prefers(*fault, others.front())) return std::nullopt;
+  return fault;
 }
 
 /// The noise of the input passes through what was found.
@@ -179,11 +213,14 @@ void Search::backward(SearchResult& found) {
 
 /// Rounds of elimination and swaps on the fitted windows.
 void Search::compare_in_sample(SearchResult& found) {
-  for (int round = 0; round < thresholds::most_rounds && !found.best.effects.empty(); ++round) {
+  const auto is_bare = [&] { return found.best.effects.empty() && found.best.faults().empty(); };
+  for (int round = 0; round < thresholds::most_rounds && !is_bare(); ++round) {
     reduced_.clear();
     found.rivals.assign(found.best.effects.size(), {});
     found.gains.assign(found.best.effects.size(), 0.0);
+    found.faults.assign(found.best.faults().size(), {});
     bool changed = false;
+    for (std::size_t i = 0; i < found.best.faults().size() && !changed; ++i) changed = improve_fault(i, found);
     for (std::size_t i = 0; i < found.best.effects.size() && !changed; ++i) changed = improve(i, found);
     if (!changed) break;
     if (fitter_.update_input_noise(found.best.fit.hypothesis)) {
@@ -262,7 +299,7 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     best = std::move(reduced);
     return true;
   }
-  const bool known = best.effects.size() == 1 && !found.alone.empty();
+  const bool known = best.effects.size() == 1 && best.faults().empty() && !found.alone.empty();
   const std::vector<CandidateModel> others = known ? found.alone : extended(reduced, found.scales, true);
   const double to_beat = best.penalised_chi_squared(criterion_) - thresholds::replaces;
   for (const CandidateModel& other : others) {
@@ -289,8 +326,37 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   return false;
 }
 
+/// The same of a fault of the recordings: without it, another fault in its place, effects in its place.
+bool Search::improve_fault(std::size_t fault, SearchResult& found) {
+  CandidateModel& best = found.best;
+  report(0.58, "faults of the recordings");
+  const CandidateModel reduced = fitter_.without_fault(best, fault);
+  if (!criterion_.prefers(best, reduced)) {
+    best = reduced;
+    return true;
+  }
+  const double value = best.penalised_chi_squared(criterion_), to_beat = value - thresholds::replaces;
+  if (auto other = by_fault(reduced, {}); other && other->penalised_chi_squared(criterion_) < to_beat) {
+    best = std::move(*other);
+    return true;
+  }
+  FaultSupport& support = found.faults[fault];
+  support.gain = reduced.fit.chi_squared - best.fit.chi_squared;
+  for (const CandidateModel& other : fitter_.extended(reduced, found.scales, thresholds::fault_rivals)) {
+    if (other.penalised_chi_squared(criterion_) < to_beat) {
+      CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 6);
+      if (full.penalised_chi_squared(criterion_) < to_beat) {
+        best = std::move(full);
+        return true;
+      }
+    }
+    support.rivals.push_back({other.effects.back(), other.penalised_chi_squared(criterion_), other.fit.hypothesis});
+  }
+  return false;
+}
+
 CandidateModel Search::without(std::size_t effect, const SearchResult& found) const {
-  if (found.best.effects.size() == 1) return found.nothing;
+  if (found.best.effects.size() == 1 && found.best.faults().empty()) return found.nothing;
   CandidateModel reduced = fitter_.without(found.best, effect);
   // With corners the fit without may only be in a worse one of many minima.
   if (options_.truncates && has_corners(reduced.fit.hypothesis.rig)) fitter_.refit_by_continuation(reduced);
@@ -385,6 +451,12 @@ void refit_on(IdentificationProblem& problem, const SearchSpace& space, const Se
     }
   }
   for (double& gain : found.gains) gain *= larger;
+  for (FaultSupport& support : found.faults) {
+    support.gain *= larger;
+    for (Rival& rival : support.rivals) {
+      rival.penalised_chi_squared = after + larger * (rival.penalised_chi_squared - before);
+    }
+  }
 }
 
 }  // namespace host_sim::identification
