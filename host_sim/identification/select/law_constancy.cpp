@@ -85,11 +85,10 @@ Weights by_time(const IdentificationProblem& problem) {
   return weights;
 }
 
-/// Change of the whitened residuals where the change from `base` to `moved` acts with a weight.
-Eigen::VectorXd weighted_change(const IdentificationProblem& problem, const Eigen::VectorXd& residual,
-                                const std::vector<Response>& base, const std::vector<Response>& moved,
-                                const Weights& weights) {
-  Eigen::VectorXd values(residual.size());
+/// Whitened residuals where the change from `base` to `moved` acts with a weight; those of `base` without weights.
+Eigen::VectorXd weighted_residuals(const IdentificationProblem& problem, const std::vector<Response>& base,
+                                   const std::vector<Response>& moved, const Weights& weights) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(problem.residual_count()));
   double* out = values.data();
   for (std::size_t i = 0; i < base.size(); ++i) {
     const ProblemRecording& r = problem.recordings()[i];
@@ -103,7 +102,7 @@ Eigen::VectorXd weighted_change(const IdentificationProblem& problem, const Eige
     r.fit_whitening->whiten(r.fit_whitening->spectra(*r.samples, response), out);
     out += r.fit_whitening->count();
   }
-  return values - residual;
+  return values;
 }
 
 }  // namespace
@@ -119,6 +118,7 @@ std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, co
   const LinearRefit others(fit);
   const std::vector<Response> base = readings_of(problem, fit.hypothesis);
   const Weights time = by_time(problem);
+  const Eigen::VectorXd unchanged = weighted_residuals(problem, base, base, time);
   for_all(list.size(), [&](std::size_t e) {
     for (const FreeParameter& parameter : effect_parameters(found.best.effects[e])) {
       Hypothesis moved = fit.hypothesis;
@@ -126,7 +126,7 @@ std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, co
       const std::vector<Response> other = readings_of(problem, moved);
       const std::array<Weights, 2> gates{by_amplitude(problem, base, other), time};
       for (const Weights& weights : gates) {
-        const Eigen::VectorXd change = weighted_change(problem, fit.residual, base, other, weights);
+        const Eigen::VectorXd change = weighted_residuals(problem, base, other, weights) - unchanged;
         if (!change.allFinite()) continue;
         const double gain = others.free_gain(change);
         if (gain <= list[e].gain) continue;
@@ -143,8 +143,12 @@ bool law_in_doubt(const SearchResult& found, std::size_t effect, double temper) 
   const firmware::PlacedEffect& own = found.best.effects[effect];
   for (std::size_t i = 0; i < std::min(found.constancy.size(), found.best.effects.size()); ++i) {
     const firmware::PlacedEffect& other = found.best.effects[i];
+    if (!found.constancy[i].fails(temper)) continue;
+    if (i == effect) return true;
     const bool same_place = !own.channel && !other.channel && own.entry->subsystem == other.entry->subsystem;
-    if ((i == effect || same_place) && found.constancy[i].fails(temper)) return true;
+    const double gain = effect < found.gains.size() ? found.gains[effect] : 0.0;
+    const double imitated = thresholds::imitated_share * thresholds::imitated_share * gain;
+    if (same_place && found.constancy[i].gain > imitated) return true;
   }
   return false;
 }

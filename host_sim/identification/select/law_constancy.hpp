@@ -20,8 +20,9 @@ namespace host_sim::identification {
 /// 1948.
 [[nodiscard]] std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, const SearchResult& found);
 
-/// Whether the law of an effect that was found is in doubt: it fails, or another effect of the same subsystem does. Two
-/// laws together imitate a third one: viscous and quadratic damping the power 1.4 of velocity.
+/// Whether the law of an effect that was found is in doubt: it fails, or another effect of the same subsystem does, by
+/// more than a small share of what this one explains. Two laws together imitate a third one: viscous and quadratic
+/// damping the power 1.4 of velocity.
 [[nodiscard]] bool law_in_doubt(const SearchResult& found, std::size_t effect, double temper);
 
 }  // namespace host_sim::identification

@@ -55,6 +55,11 @@ inline constexpr double inconstant_gain = 30.0;
 /// differ by less than 0.07 are taken for one. True effects: at most 0.013, neighbouring laws at least 0.2. Half: what
 /// the simulation gets wrong may count. Twice: a power that differs by 0.13 passes. Derived, and looked at.
 inline constexpr double inconstant_share = 0.02;
+/// [1] Of an effect beside which another law at the same place is not constant: √ of that gain relative to the gain of
+/// the effect from which the two are doubted together. Looked at: viscous beside quadratic damping for a power of 1.47,
+/// 0.13; the dry friction of a real carriage (EMPS) beside a small stop, 0.03. Half: the latter is doubted too. Twice:
+/// near the former.
+inline constexpr double imitated_share = 0.06;
 
 // Parameters as suspects ---------------------------------------------------------------------------------------------
 
