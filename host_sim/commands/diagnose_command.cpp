@@ -80,6 +80,9 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
     std::printf("  %-28s %12.6g (%.6g … %.6g), ±%.2g %%\n", path.c_str(), fitted.value, fitted.lower, fitted.upper,
                 50.0 * (fitted.upper - fitted.lower) / std::abs(fitted.value));
   }
+  for (const identification::Undetermined& open : diagnosis.undetermined) {
+    std::printf("not determined: %s; %s\n", open.combination.c_str(), open.why.c_str());
+  }
   if (!diagnosis.locations.empty()) std::printf("location of the disagreement\n");
   for (const identification::RecordingLocation& place : diagnosis.locations) {
     std::printf("  %-6s %5.3g … %-5.3g Hz  %5.1f %%  %s\n", std::string(model::name(place.channel)).c_str(),

@@ -12,6 +12,7 @@
 #include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/estimate/uncertainty.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
@@ -204,8 +205,11 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const SelectionCriterion criterion;
   const Certainty certainty = certainty_of(problem, found, result.unexplained, explained);
   add_inconstant_laws(found, certainty.temper, result);
-  const std::vector<Interval> parameters = intervals(found.best.fit, certainty.temper);
-  const std::vector<FreeParameter> tolerated = untied(space, found.freed).tolerated;
+  const SearchSpace fitted_space = untied(space, found.freed);
+  Uncertainty known = uncertainty(problem, space.suspects, found.best.fit);
+  result.undetermined = std::move(known.undetermined);
+  const std::vector<Interval> parameters = intervals(found.best.fit, known.half_widths);
+  const std::vector<FreeParameter>& tolerated = fitted_space.tolerated;
   for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];
   result.parameters_off = parameters_off(description, found, result.parameters, certainty);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);

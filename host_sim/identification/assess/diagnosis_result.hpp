@@ -13,6 +13,7 @@
 #include "host_sim/identification/assess/overlay.hpp"
 #include "host_sim/identification/assess/power_over_time.hpp"
 #include "host_sim/identification/assess/prediction_error.hpp"
+#include "host_sim/identification/estimate/uncertainty.hpp"
 #include "host_sim/identification/parity/parity_residual.hpp"
 
 namespace host_sim::identification {
@@ -58,6 +59,7 @@ struct Diagnosis {
   std::vector<RecordingFault> recording_faults;
   std::map<model::Channel, PredictionError> prediction_errors;
   std::map<std::string, Interval> parameters;  ///< tolerated, refitted
+  std::vector<Undetermined> undetermined;      ///< combinations of parameters that the recordings leave open
   bool unexplained = false;                    ///< a significant residual remains
   std::string residual;                        ///< that residual in words; empty without one
   std::vector<Overlay> overlays;

@@ -35,14 +35,11 @@ double confidence(const std::vector<double>& odds, double gain, const Certainty&
   return thresholds::highest_confidence / (1.0 + against) * certainty.worth * known_law;
 }
 
-std::vector<Interval> intervals(const Fit& fit, double temper) {
-  const Eigen::MatrixXd covariance = fit.covariance();
+std::vector<Interval> intervals(const Fit& fit, const Eigen::VectorXd& half_widths) {
   std::vector<Interval> list;
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const FreeParameter& parameter = fit.parameters[i];
-    const auto k = static_cast<Eigen::Index>(i);
-    const double u = parameter.get(fit.hypothesis);
-    const double half = thresholds::interval_deviations * std::sqrt(std::max(covariance(k, k), 0.0) * temper);
+    const double u = parameter.get(fit.hypothesis), half = half_widths(static_cast<Eigen::Index>(i));
     const double low = std::max(u - half, parameter.lower), high = std::min(u + half, parameter.upper);
     list.push_back({parameter.value(u), parameter.value(low), parameter.value(high)});
   }

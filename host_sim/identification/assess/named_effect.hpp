@@ -50,8 +50,8 @@ struct Certainty {
 /// Bayes factors, J. Am. Stat. Assoc. 90, 1995.
 [[nodiscard]] double confidence(const std::vector<double>& odds, double gain, const Certainty& certainty);
 
-/// 95 % of each parameter of a fit, widened by √temper for what the model leaves unexplained.
-[[nodiscard]] std::vector<Interval> intervals(const Fit& fit, double temper);
+/// 95 % of each parameter of a fit, within its bounds. `half_widths`: of Uncertainty.
+[[nodiscard]] std::vector<Interval> intervals(const Fit& fit, const Eigen::VectorXd& half_widths);
 
 /// The effects of `found.best`; `parameters`: intervals() of its fit.
 [[nodiscard]] std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, const SearchResult& found,

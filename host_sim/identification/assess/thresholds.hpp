@@ -24,10 +24,6 @@ inline constexpr double outside_share = 0.2, closest_outside = 1e-3;
 /// something else hides at its place. Below a half, so that no such name is believed; not 0, since the effect still is
 /// what comes nearest. Half and twice: other numbers below a half.
 inline constexpr double inconstant_worth = 0.3;
-/// [standard deviations] of a 95 % interval: 1.96 for noise that is known. What carries the noise through the rig is
-/// itself known to some per cent only, which over the recordings of tests/confusion takes 1.2 times as much. Tuned on
-/// our own generator: half of the excess (1.1) holds 93 %, twice (1.4) 97 % (normal distribution).
-inline constexpr double interval_deviations = 1.2 * 1.96;
 /// [1] Least confidence of a name beside an unexplained residual: this times the share of the pooled error that goes
 /// away.
 inline constexpr double worth_of_shrinking = 0.5;

@@ -69,6 +69,20 @@ inline constexpr double corner_power_error = 1.0;
 /// Stretches of time in verdict.json and report at most.
 inline constexpr double most_seconds_shown = 240.0;
 
+// Intervals and what is left open -------------------------------------------------------------------------------------
+
+/// [s] Shortest block of residuals, and blocks at most: longer than residuals stay alike (a mode of 1 Hz with 20 %
+/// damping forgets in 0.8 s), and as many as give Student's t a few per cent. Half and twice: not measured.
+inline constexpr double shortest_block = 1.5, most_blocks = 30.0;
+/// [1] χ² per residual from which bands are held against each other. Below, noise alone would widen what one or two
+/// bands determine by Student's t of one or two. Half and twice of the excess: not measured.
+inline constexpr double model_is_wrong = 1.2;
+/// [1] Relative standard deviation of a combination of parameters that the data leave open. Half and twice: not
+/// measured.
+inline constexpr double undetermined_deviation = 0.3;
+/// [1] Smallest entry of a null vector that is said, of its largest; entries that differ by less are in one ratio.
+inline constexpr double least_entry = 0.1, alike_entries = 0.1;
+
 // The virtual car of a hil rig ----------------------------------------------------------------------------------------
 
 /// [1] A tyre law is listed where it takes away this share of the power that a linear tyre leaves. Derivation: the

@@ -393,6 +393,9 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
     }
     page.add_table(table);
   }
+  for (const Undetermined& open : diagnosis.undetermined) {
+    page.add_text("Not determined: " + open.combination + "; " + open.why + ".");
+  }
   for (const std::string& remark : diagnosis.remarks) page.add_text(remark + ".");
   add_overlays(page, diagnosis);
   page.add_appendix("Rig description with what was found", firmware::format_rig(diagnosis.rig));

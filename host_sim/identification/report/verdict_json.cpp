@@ -126,8 +126,11 @@ ordered_json to_json(const Diagnosis& diagnosis) {
     if (fault.is_cause) one["alternatives"] = to_json(fault.alternatives);
     json["recording"].push_back(std::move(one));
   }
-  // Always present, as contract.md says; not searched for yet.
-  for (const char* key : {"laws", "undetermined"}) json[key] = ordered_json::array();
+  json["laws"] = ordered_json::array();  // always present, as contract.md says; not searched for yet
+  json["undetermined"] = ordered_json::array();
+  for (const Undetermined& open : diagnosis.undetermined) {
+    json["undetermined"].push_back({{"combination", open.combination}, {"why", open.why}});
+  }
   require_finite(json, "");
   return json;
 }

@@ -1,0 +1,59 @@
+// How well the recordings determine the parameters of a fit, and what they leave open.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "host_sim/identification/estimate/fit.hpp"
+
+namespace host_sim::identification {
+
+/// What these channels and this excitation do not determine.
+struct Undetermined {
+  std::string combination;  ///< "body.mass, wheel.mass and all stiffnesses and dampings in one ratio"
+  std::string why;          ///< "no force is measured"
+};
+
+/// The fitted windows are cut into blocks b of a second or two, each whitened by itself, with central differences:
+///
+///   (1)  g_b = J_bᵀ r_b,   A = Σ J_bᵀJ_b + diag(12/width²) of tolerated parameters
+///   (2)  V_likelihood = A⁻¹ · χ²/n          noise is as declared, and what exceeds it is like noise
+///   (3)  V_blocks = A⁻¹ (Σ (g_b − ḡ)(g_b − ḡ)ᵀ/spread) A⁻¹ · B/(B − 1)     whatever the residual is, as long as blocks
+///   are independent
+///   (4)  V_bands = Σ d_f d_fᵀ (F − 1)/F,   d_f = (A − A_f)⁻¹ g_f: how far the estimate moves without frequency band f,
+///        where χ²/n says that the model is wrong
+///   (5)  half width = max(1.96 √V_likelihood, t √V_blocks, t √V_bands) + s,  t: Student's, of as many blocks as count
+///   (6)  s = |A⁻¹ Jᵀ (r with half of the steps − r)|: what the simulation's steps get wrong at corners
+///
+/// (3) is the sandwich of P. J. Huber, Proc. 5th Berkeley Symp., 1967, with the blocks of H. R. Künsch, Ann. Stat. 17,
+/// 1989; (4) the jackknife, R. G. Miller, Biometrika 61, 1974. Residuals in bursts (friction, free play) and what one
+/// frequency asks for against another widen it.
+///
+/// Where the tolerance says more than the data (A⁻¹ below half of the inverse without it) the estimate may lie anywhere
+/// in what the tolerances allow, so the half width is 2√3 √A⁻¹, the width of a uniform distribution. A tolerated
+/// parameter at its bound is known to its tolerance only.
+///
+/// Parameters without a tolerance are held as described, with one exception. Where no channel holds a force, nothing
+/// that is measured holds the unit of mass either, so that
+///
+///   (7)  every mass, stiffness, damping, force and density times 1 + ε     changes nothing, whatever ε
+///
+/// Along (7) they move too. Other null vectors of J, over what is fitted and in relative changes, are said as well.
+struct Uncertainty {
+  Eigen::VectorXd half_widths;  ///< 95 %, of the coordinates of fit.parameters; infinite: the whole tolerance
+  std::vector<Undetermined> undetermined;
+};
+/// `every`: all parameters of the explained part (suspect_parameters()).
+[[nodiscard]] Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<FreeParameter>& every,
+                                      const Fit& fit);
+
+/// Null vectors in words. `vectors`: columns, relative changes of the parameters with these names; a basis with few
+/// entries is sought. `measures_force`: a channel holds a force.
+[[nodiscard]] std::vector<Undetermined> in_words(const Eigen::MatrixXd& vectors, const std::vector<std::string>& names,
+                                                 bool measures_force);
+
+/// 97.5 % of Student's distribution. Source: expansion of R. A. Fisher and E. A. Cornish, Technometrics 2, 1960.
+[[nodiscard]] double student(double degrees_of_freedom);
+
+}  // namespace host_sim::identification
