@@ -13,23 +13,14 @@ using model::Channel;
 using model::RigKind;
 using Rig = model::RigParameters<double>;
 
-/// Without the machine: what is known to have been reached needs no machine.
+}  // namespace
+
 Rig without_machine(Rig rig) {
   rig.effects.for_each([](auto& slot) {
     if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::machine) slot.active = false;
   });
   return rig;
 }
-
-/// Between two samples, where the model has it (model::hermite); its z̈ is the measured one, straight between.
-model::Motion<double> between(const model::Motion<double>& from, const model::Motion<double>& to, double share,
-                              double period) {
-  const auto [position, velocity] =
-      model::hermite<double>({from.position, from.velocity}, {to.position, to.velocity}, share, period);
-  return {position, velocity, from.acceleration + share * (to.acceleration - from.acceleration)};
-}
-
-}  // namespace
 
 SimulationInput simulation_input(const Rig& rig, const firmware::Recording& recording) {
   SimulationInput input;
@@ -95,10 +86,14 @@ InitialState resting(const Rig& rig, const SimulationInput& input) {
 
 Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
                   int substeps) {
+  return simulate(rig, input, start, samples, substeps, response_channels(rig.kind, input));
+}
+
+Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
+                  int substeps, const std::vector<Channel>& channels) {
   const bool bench = rig.kind == RigKind::component_bench;
   const model::RigModel<> model(input.deflection_reached ? without_machine(rig) : rig, input.period / substeps);
   const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
-  const std::vector<Channel> channels = response_channels(rig.kind, input);
   Response response;
   for (const Channel channel : channels) response[index(channel)].resize(count);
   if (count == 0) return response;
@@ -121,7 +116,7 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
     const double actuator_force = input.actuator_force.empty() ? 0.0 : input.actuator_force[k + 1];
     for (int substep = 1; substep < substeps; ++substep) {
       const double share = static_cast<double>(substep) / substeps;
-      const model::Motion<double> inside = between(input.motion[k], next, share, input.period);
+      const model::Motion<double> inside = between_samples(input.motion[k], next, share, input.period);
       model.step(x,
                  {.foot_point = inside,
                   .command = {inside.position, inside.velocity},

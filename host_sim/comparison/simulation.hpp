@@ -51,5 +51,21 @@ using InitialState = model::Column<double, 6>;
 using Response = std::array<std::vector<double>, model::channel_count>;
 [[nodiscard]] Response simulate(const model::RigParameters<double>& rig, const SimulationInput& input,
                                 const InitialState& start, std::size_t samples = 0, int substeps = 1);
+/// The same of a choice of response_channels().
+[[nodiscard]] Response simulate(const model::RigParameters<double>& rig, const SimulationInput& input,
+                                const InitialState& start, std::size_t samples, int substeps,
+                                const std::vector<model::Channel>& channels);
+
+/// Without the machine: what is known to have been reached needs no machine.
+[[nodiscard]] model::RigParameters<double> without_machine(model::RigParameters<double> rig);
+
+/// Between two samples, where the model has it (model::hermite); its z̈ is the measured one, straight between.
+[[nodiscard]] inline model::Motion<double> between_samples(const model::Motion<double>& from,
+                                                           const model::Motion<double>& to, double share,
+                                                           double period) {
+  const auto [position, velocity] =
+      model::hermite<double>({from.position, from.velocity}, {to.position, to.velocity}, share, period);
+  return {position, velocity, from.acceleration + share * (to.acceleration - from.acceleration)};
+}
 
 }  // namespace host_sim
