@@ -81,7 +81,7 @@ void ControlLoop::step() {
   if (stands && !hazard) {
     if ((requests & acknowledge_request) != 0) {
       mode_ = next(mode_, Event::acknowledge);
-    } else if ((requests & rest_request) != 0) {
+    } else if ((requests & rest_request) != 0 && !loses_power(trip_.reason) && !loses_power(second_.reason)) {
       return_ =
           ReturnToRest(command_guard_.last().position, 0.0, settings_.ramps, 0.5 * settings_.limits.stroke, period_);
       held_ = false;
@@ -393,11 +393,9 @@ hal::Command ControlLoop::step_car(const Motion& foot_point) {
 void ControlLoop::act(hal::Time now) {
   if (!wants_power_) write_enable(now);  // off first, on last
   bool valves_stand = write_valves();
-  if (!valves_stand && leads_drive(mode_)) {
-    trip({.reason = Reason::valves_failed, .time = now});
+  if (!valves_stand && (leads_drive(mode_) || wants_power_)) {
+    lose_power({.reason = Reason::valves_failed, .time = now});
     command_ = return_.next();
-    openings_ = rig_.valves.safe_position();
-    wants_power_ = false;
     write_enable(now);
     valves_stand = write_valves();
   }
@@ -413,10 +411,8 @@ void ControlLoop::act(hal::Time now) {
       const bool lost =
           written.fault() != hal::Fault::timeout || failed_commands_in_a_row_ >= settings_.limits.bridged_in_a_row;
       if (lost && (leads_drive(mode_) || (mode_ == Mode::safe && !held_ && !standing()))) {
-        trip({Reason::command_failed, std::nullopt, static_cast<double>(failed_commands_in_a_row_),
-              static_cast<double>(settings_.limits.bridged_in_a_row), now});
-        openings_ = rig_.valves.safe_position();
-        wants_power_ = false;
+        lose_power({Reason::command_failed, std::nullopt, static_cast<double>(failed_commands_in_a_row_),
+                    static_cast<double>(settings_.limits.bridged_in_a_row), now});
         valves_stand = write_valves();
       } else if (mode_ == Mode::safe && held_) {  // the drive has stayed where it was: begin again from there
         brake_and_hold(0.0);
@@ -429,14 +425,20 @@ void ControlLoop::act(hal::Time now) {
   write_enable(now);
 
   if (!valves_stand || !enable_stands_) return;  // without beats the watchdog makes them safe and takes the power
-  if (!rig_.heartbeat.beat()) {
-    ++counters_.failed_beats;
-    if (leads_drive(mode_)) {
-      trip({.reason = Reason::heartbeat_failed, .time = now});
-      openings_ = rig_.valves.safe_position();
-      (void)write_valves();
-    }
-  }
+  if (rig_.heartbeat.beat()) return;
+  ++counters_.failed_beats;
+  if (!leads_drive(mode_) && !wants_power_) return;
+  lose_power({.reason = Reason::heartbeat_failed, .time = now});
+  (void)write_valves();
+  write_enable(now);
+}
+
+/// The watchdog takes the power, or has taken it, or nobody knows. The next beat, or a line that takes writes again,
+/// would give it back wherever the command is by then: so it is withdrawn here too.
+void ControlLoop::lose_power(const Trip& cause) {
+  trip(cause);
+  openings_ = rig_.valves.safe_position();
+  wants_power_ = false;
 }
 
 /// At a change, and again after a fault.
@@ -448,11 +450,9 @@ void ControlLoop::write_enable(hal::Time now) {
     return;
   }
   ++counters_.failed_enables;
-  if (!leads_drive(mode_)) return;
-  trip({.reason = Reason::enable_failed, .time = now});
-  openings_ = rig_.valves.safe_position();
+  if (!leads_drive(mode_) && !wants_power_) return;
+  lose_power({.reason = Reason::enable_failed, .time = now});
   (void)write_valves();
-  wants_power_ = false;
   enable_stands_ = static_cast<bool>(rig_.drive_enable.write(false));
   if (enable_stands_) enabled_ = false;
 }

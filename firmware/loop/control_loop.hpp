@@ -57,13 +57,14 @@ class ControlLoop {
   ~ControlLoop() = default;
 
   /// Requests from any thread, taken up by the next period.
-  void arm() { requests_.fetch_or(arm_request); }                  ///< idle → arming → armed
-  void disarm() { requests_.fetch_or(disarm_request); }            ///< armed → idle
-  void start() { requests_.fetch_or(start_request); }              ///< armed → ready → running
-  void hold() { requests_.fetch_or(hold_request); }                ///< running → holding
-  void resume() { requests_.fetch_or(resume_request); }            ///< holding → running
-  void stop() { requests_.fetch_or(stop_request); }                ///< any → safe, in good order
-  void go_to_rest() { requests_.fetch_or(rest_request); }          ///< in safe, standing, without hazard: back to rest
+  void arm() { requests_.fetch_or(arm_request); }        ///< idle → arming → armed
+  void disarm() { requests_.fetch_or(disarm_request); }  ///< armed → idle
+  void start() { requests_.fetch_or(start_request); }    ///< armed → ready → running
+  void hold() { requests_.fetch_or(hold_request); }      ///< running → holding
+  void resume() { requests_.fetch_or(resume_request); }  ///< holding → running
+  void stop() { requests_.fetch_or(stop_request); }      ///< any → safe, in good order
+  /// In safe, standing, without hazard: back to rest. Not after a reason that loses_power().
+  void go_to_rest() { requests_.fetch_or(rest_request); }
   void acknowledge() { requests_.fetch_or(acknowledge_request); }  ///< safe → idle, once standing and without hazard
   /// Scales the reference about its beginning, 0 … ReferencePlayer::highest_level; at once before a run, within a
   /// second or so during it. False: outside, nothing is asked for.
@@ -127,6 +128,7 @@ class ControlLoop {
   void begin_arming(hal::Time now);
   void get_ready();
   void trip(const Trip& trip);
+  void lose_power(const Trip& cause);
   void brake_and_hold(double velocity);
   void follow_rig();
   [[nodiscard]] double entering_force() const;

@@ -104,15 +104,20 @@ inline constexpr Reason last_reason = Reason::gap;
   return reason == Reason::stop_button || reason == Reason::stop_button_lost || reason == Reason::stop_channels;
 }
 
+/// True where a watchdog outside may have taken the power, or the line of the enable is not under control. Power comes
+/// back only by a new arming, which compares command and measured position first.
+[[nodiscard]] constexpr bool loses_power(Reason reason) {
+  return reason == Reason::heartbeat_failed || reason == Reason::enable_failed || reason == Reason::valves_failed ||
+         reason == Reason::gap;
+}
+
 /// True where the drive brakes, stays where it stopped, and loses its enable at once. Otherwise it keeps the enable
 /// until it has returned to rest.
 [[nodiscard]] constexpr bool takes_power(Reason reason) {
   switch (reason) {
     case Reason::interlock:
     case Reason::interlocks_lost:
-    case Reason::command_failed:  // what the drive does is unknown
-    case Reason::valves_failed:
-    case Reason::enable_failed:
+    case Reason::command_failed:   // what the drive does is unknown
     case Reason::following_error:  // it does not go where it is told
     case Reason::measured_stroke:
     case Reason::measured_speed:
@@ -125,7 +130,7 @@ inline constexpr Reason last_reason = Reason::gap;
     case Reason::arming_polarity_F:
       return true;
     default:
-      return is_stop(reason);
+      return is_stop(reason) || loses_power(reason);
   }
 }
 

@@ -2,16 +2,32 @@
 
 #include <utility>
 
+#include "firmware/description/input_error.hpp"
 #include "host_sim/identification/assess/assess.hpp"
 #include "host_sim/identification/parity/parity_residual.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 
 namespace host_sim::identification {
+namespace {
+
+/// InputError where the simulation of the rig as described does not stay finite: nothing can be held against it.
+void require_finite(const firmware::RigDescription& description, const PreparedData& data, const Hypothesis& given) {
+  for (std::size_t i = 0; i < data.recordings.size(); ++i) {
+    const PreparedRecording& r = data.recordings[i];
+    const Response readings = read_channels(given, r, r.input, given.starts[i], 0, {r.substeps});
+    if (stays_finite(r, readings)) continue;
+    throw firmware::InputError(description.source, 0, "its simulation grows without bound on " + r.recording.source,
+                               "a rig that is stable on the recorded input");
+  }
+}
+
+}  // namespace
 
 Diagnosis diagnose(const firmware::RigDescription& description, std::vector<Record> records,
                    const ProgressCallback& progress) {
-  PreparedData data = prepare(description, std::move(records));                                       // prepare/
-  const Hypothesis given = described_hypothesis(description, data.recordings);                        // predict/
+  PreparedData data = prepare(description, std::move(records));                 // prepare/
+  const Hypothesis given = described_hypothesis(description, data.recordings);  // predict/
+  require_finite(description, data, given);
   IdentificationProblem problem(std::move(data.recordings), given);                                   // noise/
   std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());           // parity/
   const SearchSpace space = search_space(description, problem.samples(), given);                      // estimate/

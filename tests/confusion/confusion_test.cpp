@@ -6,6 +6,7 @@
 
 #include "tests/confusion/golden.hpp"
 #include "tests/confusion/plan.hpp"
+#include "tests/confusion/rough.hpp"
 #include "tests/confusion/table.hpp"
 
 namespace {
@@ -137,6 +138,63 @@ TEST(Confusion, NoticesWhatGotWorse) {
   EXPECT_TRUE(shortfalls(table_of(outcomes(true, true))).empty());
   EXPECT_EQ(shortfalls(table_of(outcomes(false, true))).size(), 1U);
   EXPECT_FALSE(text(table_of(outcomes(false, true)), outcomes(false, true)).empty());
+}
+
+// Point. Rough conditions: a parameter that is off must be named, an invented fault is a wrong name, and what is near a
+// law of the catalogue must be flagged.
+TEST(Confusion, KnowsWhatIsRightOnRoughRigs) {
+  truth::Truth truth;
+  truth.rough.condition = "parameters_off";
+  truth.rough.off = {"suspension.damping"};
+  truth.nominal = {{"suspension.damping", 1000.0}};
+  truth.actual = {{"suspension.damping", 1100.0}};
+  const Asked asked{"rough:parameters_off", 7};
+  const auto outcome = [&](const Diagnosis& d) {
+    Outcome o = judged(asked, truth, d);
+    judge_rough(o, truth, d);
+    return o;
+  };
+  Diagnosis d;
+  d.verdict = Verdict::named;
+  EXPECT_FALSE(outcome(d).right());
+  d.parameters_off = {{"suspension.damping", 1000.0, 0.03, {1099.0, 1090.0, 1110.0}, 0.9, {}}};
+  EXPECT_TRUE(outcome(d).right());
+  EXPECT_TRUE(outcome_from(nlohmann::ordered_json::parse(to_json(outcome(d)).dump())).right());
+  d.parameters_off.push_back({"body.mass", 300.0, 0.03, {330.0, 329.0, 331.0}, 0.9, {}});
+  EXPECT_FALSE(outcome(d).right());
+  EXPECT_TRUE(outcome(d).wrong_rough);
+  d.parameters_off.clear();
+  d.effects = {named("viscous_damping", std::nullopt, 100.0, 0.9)};
+  EXPECT_TRUE(outcome(d).right()) << "another name of the same";
+  d.effects = {named("coulomb_friction", std::nullopt, 10.0, 0.9)};
+  EXPECT_FALSE(outcome(d).right());
+
+  truth.rough = {};
+  truth.rough.condition = "daq";
+  truth.rough.faults = {{{"clock_offset"}, {"F"}, {{"seconds", 2e-3}}}};
+  d = {};
+  d.verdict = Verdict::named;
+  d.recording_faults = {{"clock_offset", {Channel::x_act}, {{"seconds", {-2.1e-3, -2.2e-3, -2.0e-3}}}, 0.9}};
+  EXPECT_TRUE(outcome(d).right());
+  EXPECT_EQ(outcome(d).faults_found, 1U);
+  d.recording_faults[0].parameters["seconds"] = {8e-3, 7e-3, 9e-3};
+  EXPECT_EQ(outcome(d).faults_found, 0U);
+  d.recording_faults.push_back({"event", {}, {}, 0.9});
+  EXPECT_TRUE(outcome(d).wrong_rough);
+
+  truth.rough = {};
+  truth.rough.condition = "neighbour_laws";
+  truth.unknown = "a power of velocity";
+  d = {};
+  d.verdict = Verdict::named;
+  EXPECT_FALSE(outcome(d).right());
+  d.unexplained = true;
+  d.effects = {named("quadratic_damping", std::nullopt, 100.0, 0.4)};
+  EXPECT_TRUE(outcome(d).right());
+  d.effects[0].confidence = 0.6;
+  EXPECT_FALSE(outcome(d).right());
+  EXPECT_EQ(rough_plan(1, 3, "").size(), 3 * truth::conditions().size());
+  EXPECT_NE(rough_text({outcome(d)}).find("parameters_off"), std::string::npos);
 }
 
 }  // namespace

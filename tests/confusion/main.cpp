@@ -8,6 +8,7 @@
 
 #include "firmware/recording/output_file.hpp"
 #include "tests/confusion/golden.hpp"
+#include "tests/confusion/rough.hpp"
 #include "tests/confusion/workers.hpp"
 
 namespace {
@@ -21,6 +22,10 @@ struct Options {
   std::size_t jobs = 2;
   unsigned most_seconds = 600;
   bool list = false;
+  bool rough = false;
+  std::uint64_t rough_seed = 1;
+  std::size_t count = 10;
+  std::string condition;
   std::string out, golden, against;
 };
 
@@ -64,7 +69,8 @@ int compared(const Options& options, const Table& table, const std::vector<Outco
 }
 
 int main_of(const Options& options) {
-  const std::vector<Asked> asked = chosen(options);
+  const std::vector<Asked> asked =
+      options.rough ? rough_plan(options.rough_seed, options.count, options.condition) : chosen(options);
   if (options.list) {
     for (const Asked& a : asked) std::puts(a.id().c_str());
     return 0;
@@ -76,7 +82,7 @@ int main_of(const Options& options) {
   };
   const auto outcomes = run_all(asked, options.run.wanted, options.jobs, options.most_seconds, tell);
   const Table table = table_of(outcomes);
-  const std::string words = text(table, outcomes);
+  const std::string words = options.rough ? rough_text(outcomes) : text(table, outcomes);
   std::printf("%s", words.c_str());
   if (!options.out.empty()) {
     nlohmann::ordered_json all = golden_copy(options.run, today(), table, {});
@@ -102,6 +108,11 @@ int main(int argc, char** argv) {
   app.add_option("--duration", options.run.wanted.duration, "Length of a recording [s]")->capture_default_str();
   app.add_flag("--varied", options.run.wanted.varied, "Other rigs, roads, noise and sample rates");
   app.add_flag("--weak", options.run.wanted.weak, "Effects of 30 … 100 σ in all");
+  CLI::Option* rough =
+      app.add_option("--rough", options.rough_seed, "Rigs that are not as described; a seed may follow")
+          ->expected(0, 1);
+  app.add_option("--condition", options.condition, "Of --rough: one condition alone");
+  app.add_option("--count", options.count, "Of --rough: recordings of each condition")->capture_default_str();
   app.add_option("--jobs", options.jobs, "Recordings at once")->capture_default_str();
   app.add_option("--most-seconds", options.most_seconds, "For one recording; more is a failure")->capture_default_str();
   app.add_flag("--list", options.list, "Name the recordings and end");
@@ -110,6 +121,7 @@ int main(int argc, char** argv) {
   app.add_option("--against", options.against, "Golden copy: status 1 where less is right than there");
   try {
     app.parse(argc, argv);
+    options.rough = rough->count() > 0;
     return main_of(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);

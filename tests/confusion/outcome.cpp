@@ -1,16 +1,22 @@
 #include "tests/confusion/outcome.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <exception>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
+#include "tests/confusion/rough.hpp"
 
 namespace confusion {
 namespace {
@@ -60,6 +66,22 @@ std::string found_words(const Diagnosis& diagnosis) {
   return text.empty() ? "nothing" : text;
 }
 
+/// As `rigtwin diagnose` reads a file: what may be left out is marked.
+std::vector<firmware::Recording> parts_of(const std::string& csv, const firmware::RigDescription& description) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("rigtwin_confusion_" + std::to_string(::getpid()) + ".csv");
+  firmware::write_file(file, csv);
+  std::vector<firmware::Recording> parts;
+  try {
+    parts = host_sim::read_parts(file, description.channels, description.sample_rate);
+  } catch (...) {
+    std::filesystem::remove(file);
+    throw;
+  }
+  std::filesystem::remove(file);
+  return parts;
+}
+
 /// JSON has no NaN: it is written as null.
 double number_from(const ordered_json& json) { return json.is_null() ? NAN : json.get<double>(); }
 
@@ -77,6 +99,7 @@ bool Outcome::wrong_name() const {
 
 bool Outcome::right() const {
   if (!failure.empty()) return false;
+  if (asked.what() == "rough") return rough_right;
   if (asked.what() == "none") return verdict == "no_discrepancy" && named.empty();
   if (asked.what() == "unknown") return flagged() && !wrong_name();
   return exact() && (verdict == "named" || verdict == "ambiguous");
@@ -132,13 +155,21 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
   Outcome outcome;
   outcome.asked = asked;
   try {
-    const truth::Truth truth = truth::draw(asked.group, asked.seed, wanted);
+    const bool rough = asked.what() == "rough";
+    const truth::Truth truth = rough ? truth::draw_rough(asked.group.substr(asked.group.find(':') + 1), asked.seed)
+                                     : truth::draw(asked.group, asked.seed, wanted);
     outcome.hidden = hidden_words(truth);
     outcome.effects_hidden = truth.effects.size();
+    if (rough) describe_rough(outcome, truth);
     const firmware::RigDescription description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
     std::vector<host_sim::identification::Record> records;
     for (const truth::Record& record : truth::simulate(truth)) {
       const std::string file = "rec" + std::to_string(records.size() + 1) + ".csv";
+      if (rough) {
+        for (firmware::Recording& part : parts_of(truth::csv(truth, record), description))
+          records.push_back({std::move(part), host_sim::identification::Use::shared});
+        continue;
+      }
       records.push_back({firmware::parse_recording_csv(truth::csv(truth, record), file, description.channels,
                                                        description.sample_rate),
                          host_sim::identification::Use::shared});
@@ -147,6 +178,7 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
     const std::clock_t used = std::clock();
     const Diagnosis diagnosis = host_sim::identification::diagnose(description, std::move(records));
     outcome = judged(asked, truth, diagnosis);
+    if (rough) judge_rough(outcome, truth, diagnosis);
     outcome.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     outcome.processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
   } catch (const std::exception& problem) {
@@ -170,6 +202,11 @@ ordered_json to_json(const Outcome& o) {
   json["estimates"] = ordered_json::array();
   for (const Estimate& e : o.estimates) {
     json["estimates"].push_back({{"path", e.path}, {"effect", e.effect}, {"error", e.error}, {"held", e.held}});
+  }
+  if (!o.condition.empty()) {
+    json["rough"] = {{"condition", o.condition},         {"off_hidden", o.off_hidden},     {"off_found", o.off_found},
+                     {"faults_hidden", o.faults_hidden}, {"faults_found", o.faults_found}, {"wrong", o.wrong_rough},
+                     {"same_thing", o.same_thing},       {"right", o.rough_right}};
   }
   json["gap"] = o.gap;
   json["gap_channel"] = o.gap_channel;
@@ -195,6 +232,17 @@ Outcome outcome_from(const ordered_json& json) {
   o.truth_is_rival = json.value("truth_is_rival", false);
   for (const auto& e : json.at("estimates")) {
     o.estimates.push_back({e.at("path"), e.at("effect"), number_from(e.at("error")), e.at("held")});
+  }
+  if (json.contains("rough")) {
+    const auto& rough = json.at("rough");
+    o.condition = rough.at("condition");
+    o.off_hidden = rough.at("off_hidden");
+    o.off_found = rough.at("off_found");
+    o.faults_hidden = rough.at("faults_hidden");
+    o.faults_found = rough.at("faults_found");
+    o.wrong_rough = rough.at("wrong");
+    o.same_thing = rough.at("same_thing");
+    o.rough_right = rough.at("right");
   }
   o.gap = number_from(json.at("gap"));
   o.gap_channel = json.at("gap_channel");

@@ -44,6 +44,13 @@ struct Outcome {
   double wall = 0.0;            ///< [s] of the diagnosis
   double processor = 0.0;       ///< [s] of all its threads
   std::string failure;          ///< why there is no verdict
+  // rough conditions only (judge_rough)
+  std::string condition;
+  std::size_t off_hidden = 0, off_found = 0;        ///< parameters that are not as described
+  std::size_t faults_hidden = 0, faults_found = 0;  ///< of the recording
+  std::size_t same_thing = 0;                       ///< effects that are another name of a parameter that is off
+  bool wrong_rough = false;                         ///< effect, parameter or fault above 0.5 that is not there
+  bool rough_right = false;
 
   [[nodiscard]] std::size_t effects_found() const;  ///< of those hidden
   [[nodiscard]] bool exact() const;                 ///< all that is hidden is named, and nothing else
@@ -51,7 +58,7 @@ struct Outcome {
   [[nodiscard]] bool wrong_name() const;
   [[nodiscard]] bool flagged() const { return verdict == "unexplained" || unexplained; }
   /// single, pair, triple: exact, verdict named or ambiguous. none: no_discrepancy. unknown: flagged, and no wrong
-  /// name.
+  /// name. rough: as README.
   [[nodiscard]] bool right() const;
 };
 
@@ -59,6 +66,7 @@ struct Outcome {
 [[nodiscard]] Outcome judged(const Asked& asked, const truth::Truth& truth,
                              const host_sim::identification::Diagnosis& diagnosis);
 
+/// "rough:<condition>" is drawn by truth::draw_rough.
 /// Draws, simulates, writes as text, reads, diagnoses and judges. What is thrown becomes a failure.
 [[nodiscard]] Outcome run(const Asked& asked, const truth::Wanted& wanted);
 

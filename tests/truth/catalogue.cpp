@@ -181,6 +181,62 @@ const std::vector<Candidate>& outside_effects() {
   return all;
 }
 
+const std::vector<Candidate>& neighbour_laws() {
+  static const std::vector<Candidate> all{
+      {"power_law_low",
+       "qhb",
+       {{"power", 200, 900}, {"exponent", 1.3, 1.7}},
+       "power",
+       1,
+       50,
+       4000,
+       false,
+       "damping force with a power of velocity between one and two"},
+      {"power_law_high",
+       "qhb",
+       {{"power", 400, 2500}, {"exponent", 2.3, 3.0}},
+       "power",
+       1,
+       50,
+       2e4,
+       false,
+       "damping force with a power of velocity between two and three"},
+      {"smooth_friction",
+       "qhb",
+       {{"smooth_friction", 20, 80}, {"smooth_velocity", 5e-3, 50e-3}},
+       "smooth_friction",
+       1,
+       10,
+       250,
+       false,
+       "friction that sets in with velocity, as tanh"},
+      {"lugre_friction",
+       "qhb",
+       {{"bristle", 20, 70},
+        {"bristle_excess", 5, 40},
+        {"bristle_stiffness", 2e4, 2e5},
+        {"bristle_velocity", 0.01, 0.05}},
+       "bristle",
+       1,
+       10,
+       250,
+       false,
+       "friction with bristles (LuGre)"},
+      outside_effects()[3],  // Stribeck
+      outside_effects()[5],  // a damper that is not the same in both directions
+      {"machine_play",
+       "hb",
+       {{"machine_play", 0.2e-3, 1e-3}},
+       "machine_play",
+       1,
+       0.05e-3,
+       3e-3,
+       false,
+       "play in the machine"},
+  };
+  return all;
+}
+
 const std::vector<Candidate>& outside_sensors() {
   // hum, rounding, spikes and zero drift in noise rms; drifts are over the whole run; bend at the channel's rms.
   static const std::vector<Candidate> all{

@@ -29,6 +29,7 @@ struct Candidate {
 [[nodiscard]] const std::vector<Candidate>& sensor_effects();   ///< of the contract, with a channel
 [[nodiscard]] const std::vector<Candidate>& outside_effects();  ///< not of the contract, in rig or component
 [[nodiscard]] const std::vector<Candidate>& outside_sensors();  ///< not of the contract, in a channel
+[[nodiscard]] const std::vector<Candidate>& neighbour_laws();   ///< not of the contract, but near one of its laws
 
 /// Channels an effect of a sensor is drawn for: measured ones, without z_r, whose gain or lateness is that of the whole
 /// rig's input.

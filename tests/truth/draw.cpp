@@ -91,6 +91,8 @@ void put(Truth& truth, const std::vector<Hidden>& all, const std::map<std::strin
       p.erase("parasitic_frequency");
       p.erase("parasitic_ratio");
     }
+    if (name == "lugre_friction" && hidden.drawn.contains("bristle"))
+      p["bristle_excess"] = std::min(p["bristle_excess"], p["bristle"]);
     if (hidden.candidate.words.empty()) {
       truth.effects.push_back({name, hidden.channel, p});
     } else {
@@ -231,6 +233,7 @@ void draw_rig(Truth& truth, Random& random, double tyre_level, const Wanted& wan
     truth.noise = {{"F", 10.0}, {"x_act", 2e-5}};
   }
   if (wanted.varied) vary_sensors(truth, random);
+  if (wanted.sample_rate > 0.0) truth.sample_rate = wanted.sample_rate;
 
   const int count = random.chance(0.3) ? 2 : 1;
   for (int i = 0; i < count; ++i) {
@@ -240,6 +243,8 @@ void draw_rig(Truth& truth, Random& random, double tyre_level, const Wanted& wan
     if (tyre_level > 0.0) plan.level = tyre_level;
     if (wanted.varied) vary_road(plan, kind, tyre_level == 0.0, random);
     if (i == 1) plan.level *= 0.6;
+    plan.level *= wanted.level;
+    plan.form = wanted.form;
     plan.road_seed = random.next() % 1000000U;
     plan.noise_seed = random.next() % 1000000U;
     plan.warm = random.chance(0.5) ? 10.0 : 0.0;
@@ -280,6 +285,15 @@ bool go_together(const Hidden& a, const Hidden& b) {
     return (a.candidate.name == one && b.candidate.name == other) ||
            (a.candidate.name == other && b.candidate.name == one);
   };
+  // Laws of velocity that the catalogue does not hold are simulated without a mount before them, and beside none of
+  // their kind.
+  const auto law_of_velocity = [](const Candidate& c) {
+    return c.name == "coulomb_friction" || c.name == "viscous_damping" || c.name == "quadratic_damping" ||
+           c.name == "relaxation" || c.name == "top_mount" || c.name == "backlash" || c.name.starts_with("actuator") ||
+           c.name == "moving_mass";
+  };
+  if (!a.candidate.words.empty() && law_of_velocity(b.candidate)) return false;
+  if (!b.candidate.words.empty() && law_of_velocity(a.candidate)) return false;
   return !both("top_mount", "backlash") && !both("top_mount", "coulomb_friction");
 }
 
@@ -388,7 +402,9 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   std::vector<std::string> parts = split(group);
   const std::string what = parts.front();
   parts.erase(parts.begin());
-  const std::map<std::string, int> sizes{{"none", 0}, {"single", 1}, {"unknown", 1}, {"pair", 2}, {"triple", 3}};
+  const std::map<std::string, int> sizes{{"none", 0},      {"single", 1},    {"unknown", 1},
+                                         {"pair", 2},      {"triple", 3},    {"quadruple", 4},
+                                         {"quintuple", 5}, {"neighbour", 1}, {"neighbour_beside", 2}};
   if (!sizes.contains(what)) throw std::invalid_argument("no such group: " + group);
 
   std::vector<Kind> possible(kinds.begin(), kinds.end());
@@ -420,8 +436,12 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   // Which effects.
   std::vector<std::pair<Candidate, std::string>> chosen;
   const auto fit = fitting(truth.kind);
+  std::vector<std::pair<Candidate, std::string>> near;
+  for (const Candidate& c : neighbour_laws())
+    if (exists(c, truth.kind)) near.emplace_back(c, "");
   while (static_cast<int>(chosen.size()) < sizes.at(what)) {
-    const auto& one = fit[static_cast<std::size_t>(random.below(static_cast<int>(fit.size())))];
+    const auto& from = chosen.empty() && what.starts_with("neighbour") ? near : fit;
+    const auto& one = from[static_cast<std::size_t>(random.below(static_cast<int>(from.size())))];
     if (one.first.name == "seal_friction" && !truth.fdva) continue;
     const bool fits = std::all_of(chosen.begin(), chosen.end(), [&one](const auto& other) {
       return go_together({other.first, other.second, {}, 1.0}, {one.first, one.second, {}, 1.0});

@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -7,15 +8,22 @@
 #include "tests/truth/truth.hpp"
 
 /// rigtwin_truth GROUP SEED OUTDIR [--varied] [--weak] [--duration SECONDS] | --groups
+/// rigtwin_truth --rough CONDITION SEED OUTDIR | --conditions
 int main(int argc, char** argv) {
   try {
     if (argc == 2 && std::string(argv[1]) == "--groups") {
       for (const std::string& group : truth::groups()) std::puts(group.c_str());
       return 0;
     }
-    if (argc < 4) {
-      std::fputs("rigtwin_truth GROUP SEED OUTDIR [--varied] [--weak] [--duration SECONDS] | rigtwin_truth --groups\n",
-                 stderr);
+    if (argc == 2 && std::string(argv[1]) == "--conditions") {
+      for (const std::string& condition : truth::conditions()) std::puts(condition.c_str());
+      return 0;
+    }
+    if (argc < 4 || (argc < 5 && std::string(argv[1]) == "--rough")) {
+      std::fputs(
+          "rigtwin_truth GROUP SEED OUTDIR [--varied] [--weak] [--duration SECONDS] | rigtwin_truth --groups\n"
+          "rigtwin_truth --rough CONDITION SEED OUTDIR | rigtwin_truth --conditions\n",
+          stderr);
       return 2;
     }
     truth::Wanted wanted;
@@ -25,8 +33,11 @@ int main(int argc, char** argv) {
       if (option == "--weak") wanted.weak = true;
       if (option == "--duration" && i + 1 < argc) wanted.duration = std::stod(argv[++i]);
     }
-    const truth::Truth drawn = truth::draw(argv[1], std::stoull(argv[2]), wanted);
-    const std::filesystem::path folder(argv[3]);
+    const bool rough = std::string(argv[1]) == "--rough";
+    const std::string group = argv[rough ? 2 : 1];
+    const std::uint64_t seed = std::stoull(argv[rough ? 3 : 2]);
+    const truth::Truth drawn = rough ? truth::draw_rough(group, seed) : truth::draw(group, seed, wanted);
+    const std::filesystem::path folder(argv[rough ? 4 : 3]);
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "rig.toml") << truth::rig_toml(drawn);
     std::ofstream(folder / "truth.json") << truth::truth_json(drawn);

@@ -102,6 +102,34 @@ void put_outside(const Truth& truth, Numbers& n) {
   n.imbalance = outside("imbalance");
   n.imbalance_turn = 2.0 * pi * outside("imbalance_frequency");
   n.machine_curve = outside("machine_curve");
+  n.power = outside("power");
+  n.exponent = outside("exponent", 1.0);
+  n.smooth_friction = outside("smooth_friction");
+  n.smooth_velocity = outside("smooth_velocity", 1.0);
+  n.bristle = outside("bristle");
+  n.bristle_excess = outside("bristle_excess");
+  n.bristle_stiffness = outside("bristle_stiffness");
+  n.bristle_velocity = outside("bristle_velocity", 1.0);
+  n.machine_play = outside("machine_play");
+}
+
+/// What changes while the rig runs, and what acts on it from outside.
+void put_rough(const Truth& truth, Numbers& n) {
+  for (const auto& [path, relative] : truth.rough.drift) {
+    if (path == "suspension.damping")
+      n.fade -= relative;
+    else if (path == "suspension.stiffness")
+      n.stiffening += relative;
+    else if (path == "tyre.stiffness")
+      n.tyre_drift += relative;
+    else
+      throw std::invalid_argument("drift of " + path + " is not simulated");
+  }
+  n.events = truth.rough.events;
+  for (Event& event : n.events) {
+    event.from += truth.records.front().warm;
+    event.to += truth.records.front().warm;
+  }
 }
 
 }  // namespace
@@ -139,6 +167,7 @@ Numbers numbers_of(const Truth& truth) {
   }
   for (const Effect& effect : truth.effects) put(effect, n);
   put_outside(truth, n);
+  put_rough(truth, n);
   if (n.moving_mass > 0.0 && (n.machine_velocity > 0.0 || n.machine_curve > 0.0))
     throw std::invalid_argument("moving_mass behind a machine with a rate limit is not simulated");
   if (n.mount > 0.0 && n.gap > 0.0) throw std::invalid_argument("top_mount with backlash is not simulated");
@@ -150,7 +179,8 @@ Numbers numbers_of(const Truth& truth) {
 Rig::Rig(const Numbers& numbers, const Signal& signal, double h, double duration, Sensor* force_sensor)
     : n_(numbers), signal_(signal), h_(h), duration_(duration), force_sensor_(force_sensor) {
   ideal_ = n_.kind == Kind::hil && n_.machine_delay <= 0.0 && n_.machine_lag <= 0.0 && n_.machine_turn <= 0.0 &&
-           n_.machine_velocity <= 0.0 && !force_sensor_->remembers() && !force_sensor_->lags();
+           n_.machine_velocity <= 0.0 && n_.machine_play <= 0.0 && !force_sensor_->remembers() &&
+           !force_sensor_->lags();
   if (n_.kind == Kind::component_bench) {
     const Motion start = signal_.at(0.0);
     s_[lag] = s_[res] = s_[d] = node_x_act_ = node_input_ = start.position;
@@ -262,6 +292,12 @@ void Rig::machine(const State& s, double t, double u, double uv, double* positio
       uv = std::clamp(uv, -n_.machine_velocity, n_.machine_velocity);
     }
   }
+  if (n_.machine_play > 0.0) {  // what hangs behind follows where the play is used up
+    const double behind = std::clamp(node_x_act_, u - 0.5 * n_.machine_play, u + 0.5 * n_.machine_play);
+    const bool carried = behind != node_x_act_;
+    u = behind;
+    if (!carried) uv = 0.0;
+  }
   if (n_.machine_curve > 0.0) {
     const double share = n_.machine_curve * u * u / (large_stroke * large_stroke);
     u *= 1.0 - share;
@@ -284,8 +320,11 @@ Rig::Rates Rig::rates(const State& s, double t) const {
 
   const Deflection reached = component(s, t, deflection, velocity, r);
   piston_rates(s, reached.position, r);
-  if (bench) return r;
-  r.wheel_load = tyre_load(s, input, r);
+  if (bench) {
+    r.force += pushed("F", t);
+    return r;
+  }
+  r.wheel_load = tyre_load(s, t, input, r);
   car_rates(s, t, reached.friction_held, r);
   return r;
 }
@@ -360,6 +399,7 @@ void Rig::dissipative(const State& s, double e, double ev, double spring, double
   constexpr double slow = 1e-3;  // [m/s] below it leaves creep
   if (n_.leaf > 0.0) force += n_.leaf * spring * std::abs(e) * std::tanh(ev / slow);
   force += n_.quadratic * ev * std::abs(ev) + n_.cubic_damping * ev * ev * ev;
+  velocity_laws(s, ev, r);
   if (n_.wen > 0.0) {
     force += n_.wen * s[wen];
     // ż = (k/F) (v − ½|v| z − ½ v |z|): z stays within ± 1.
@@ -371,6 +411,26 @@ void Rig::dissipative(const State& s, double e, double ev, double spring, double
     r.rate[up] = s[vp];
     r.rate[vp] = pull / n_.parasite;
   }
+}
+
+void Rig::velocity_laws(const State& s, double ev, Rates& r) const {
+  if (n_.power > 0.0) r.force += n_.power * sign(ev) * std::pow(std::abs(ev), n_.exponent);
+  if (n_.smooth_friction > 0.0) r.force += n_.smooth_friction * std::tanh(ev / n_.smooth_velocity);
+  if (n_.bristle > 0.0) {
+    // ż = v − σ₀|v| z / g(v), F = σ₀ z; g falls from the largest to the sliding force.
+    const double ratio = ev / n_.bristle_velocity;
+    const double limit = n_.bristle + n_.bristle_excess * std::exp(-ratio * ratio);
+    r.force += n_.bristle_stiffness * s[bristle];
+    r.rate[bristle] = ev - n_.bristle_stiffness * std::abs(ev) * s[bristle] / limit;
+  }
+}
+
+double Rig::pushed(const char* where, double t) const {
+  double force = 0.0;
+  for (const Event& event : n_.events)
+    if (event.where == where && t > event.from && t < event.to)
+      force += event.force * std::sin(pi * (t - event.from) / (event.to - event.from));
+  return force;
 }
 
 void Rig::piston_rates(const State& s, double e, Rates& r) const {
@@ -389,9 +449,10 @@ void Rig::piston_rates(const State& s, double e, Rates& r) const {
   r.rate[vy] = net / n_.inertance;
 }
 
-double Rig::tyre_load(const State& s, const Motion& input, Rates& r) const {
+double Rig::tyre_load(const State& s, double t, const Motion& input, Rates& r) const {
   const double tyre = input.position - s[zw];
-  double load = n_.tyre * tyre + n_.tyre_damping * (input.velocity - s[vw]) + n_.tyre_cubic * tyre * tyre * tyre;
+  double load = n_.tyre * (1.0 + n_.tyre_drift * t / duration_) * tyre + n_.tyre_damping * (input.velocity - s[vw]) +
+                n_.tyre_cubic * tyre * tyre * tyre;
   if (n_.tyre_maxwell > 0.0) {
     load += n_.tyre_maxwell * (tyre - s[tyre_x]);
     r.rate[tyre_x] = (tyre - s[tyre_x]) / n_.tyre_time;
@@ -418,8 +479,9 @@ void Rig::car_rates(const State& s, double t, bool friction_held, Rates& r) cons
   const double gain = n_.kind == Kind::hil ? force_sensor_->gain() : 1.0;
   const double load = r.wheel_load;
   const double dash = n_.virtual_damping * (s[vw] - s[vb]);
-  double on_body = felt + dash - n_.body_damping * s[vb];
-  double on_wheel = load - felt - dash - n_.wheel_damping * s[vw] + n_.imbalance * std::sin(n_.imbalance_turn * t);
+  double on_body = felt + dash - n_.body_damping * s[vb] + pushed("body", t);
+  double on_wheel = pushed("wheel", t) + load - felt - dash - n_.wheel_damping * s[vw] +
+                    n_.imbalance * std::sin(n_.imbalance_turn * t);
 
   // Friction: sliding ones are known, stuck ones are what keeps the slip velocity at zero.
   const bool b_stuck = has(body_guide) && m_.slip[body_guide] == 0;

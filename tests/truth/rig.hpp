@@ -31,6 +31,13 @@ struct Numbers {
   double tyre_maxwell = 0, tyre_time = 1;
   double imbalance = 0, imbalance_turn = 0;
   double machine_curve = 0;  ///< relative, at a stroke of 20 mm
+  // near the catalogue
+  double power = 0, exponent = 1;                   ///< F = power |v|^exponent sgn v
+  double smooth_friction = 0, smooth_velocity = 1;  ///< F = force tanh(v / velocity)
+  double bristle = 0, bristle_excess = 0, bristle_stiffness = 0, bristle_velocity = 1;  ///< LuGre
+  double machine_play = 0;                                                              ///< [m] whole width
+  double tyre_drift = 0;                                                                ///< relative, over the record
+  std::vector<Event> events;                                                            ///< times since the run's begin
 };
 
 [[nodiscard]] Numbers numbers_of(const Truth& truth);
@@ -58,6 +65,7 @@ class Rig {
     vp,
     wen,
     tyre_x,
+    bristle,
     state_count
   };
   using State = std::array<double, state_count>;
@@ -97,8 +105,10 @@ class Rig {
   [[nodiscard]] Deflection component(const State& s, double t, double deflection, double velocity, Rates& r) const;
   [[nodiscard]] double undamped_behind_mount(const State& s, double deflection, double spring) const;
   void dissipative(const State& s, double e, double ev, double spring, double damping, Rates& r) const;
+  void velocity_laws(const State& s, double ev, Rates& r) const;   ///< near those of the catalogue
+  [[nodiscard]] double pushed(const char* where, double t) const;  ///< by events [N]
   void piston_rates(const State& s, double e, Rates& r) const;
-  [[nodiscard]] double tyre_load(const State& s, const Motion& input, Rates& r) const;
+  [[nodiscard]] double tyre_load(const State& s, double t, const Motion& input, Rates& r) const;
   [[nodiscard]] double felt_force(const State& s, double t, Rates& r) const;  ///< by the virtual car of a hil rig
   /// Friction that slides is known; friction that sticks is the force that keeps the slip velocity at zero.
   void car_rates(const State& s, double t, bool friction_held, Rates& r) const;

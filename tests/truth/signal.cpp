@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstddef>
 #include <numbers>
+#include <stdexcept>
 #include <utility>
 
 #include "tests/truth/random.hpp"
@@ -63,10 +64,116 @@ double road_spectrum(double f, double corner) {
   return roughness / (f * f) * high_pass / (1.0 + high_pass);
 }
 
+/// rms of the velocity of a road of level 1, and of a command of level 1 m [m/s].
+constexpr double road_velocity = 0.147;
+constexpr double command_velocity = 38.0;
+
+/// Sine whose frequency rises from `low` to `high` in proportion to time, with a constant amplitude of velocity.
+std::vector<Motion> sweep(std::size_t count, double velocity, double low, double high) {
+  std::vector<Motion> knots;
+  const double rise = 2.0 * pi * (high - low) / (static_cast<double>(count) * step);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = static_cast<double>(i) * step;
+    const double turn = 2.0 * pi * low + rise * t;
+    const double angle = 2.0 * pi * low * t + 0.5 * rise * t * t;
+    const Motion size{velocity / turn, -velocity * rise / (turn * turn),
+                      2.0 * velocity * rise * rise / (turn * turn * turn)};
+    knots.push_back(
+        times(size, {std::sin(angle), turn * std::cos(angle), rise * std::cos(angle) - turn * turn * std::sin(angle)}));
+  }
+  return knots;
+}
+
+/// Adds `height` times a smooth rise within `span`, from `begin` on.
+void add_rise(std::vector<Motion>& knots, double begin, double span, double height) {
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    const double u = (static_cast<double>(i) * step - begin) / span;
+    if (u <= 0.0) continue;
+    const Motion one = ramp(u);
+    knots[i].position += height * one.position;
+    knots[i].velocity += height * one.velocity / span;
+    knots[i].acceleration += height * one.acceleration / (span * span);
+  }
+}
+
+/// Steps of 40 … 90 ms up and down, one in every 0.8 … 1.6 s.
+std::vector<Motion> steps(std::size_t count, double height, Random& random) {
+  std::vector<Motion> knots(count);
+  double level = 0.0;
+  for (double t = 0.5; t < static_cast<double>(count) * step; t += random.uniform(0.8, 1.6)) {
+    const double next = random.uniform(-height, height);
+    add_rise(knots, t, random.uniform(0.04, 0.09), next - level);
+    level = next;
+  }
+  return knots;
+}
+
+/// Sines of 1.5 s, one after the other, 1, 2, 3 … Hz, with a constant amplitude of velocity.
+std::vector<Motion> stepped_sines(std::size_t count, double velocity, double low, double high) {
+  constexpr double stay = 1.5;
+  constexpr double fade = 0.25;
+  std::vector<Motion> knots(count);
+  const auto places = static_cast<std::size_t>(static_cast<double>(count) * step / stay) + 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = static_cast<double>(i) * step;
+    const auto place = static_cast<std::size_t>(t / stay);
+    const double f = low * std::pow(high / low, static_cast<double>(place) / static_cast<double>(places));
+    const double local = t - static_cast<double>(place) * stay;
+    const double turn = 2.0 * pi * f;
+    const double a = velocity / turn;
+    const Motion wave{a * std::sin(turn * local), velocity * std::cos(turn * local),
+                      -velocity * turn * std::sin(turn * local)};
+    const Motion in = ramp(local / fade);
+    Motion out = ramp(std::max(0.0, (stay - local) / fade));
+    out.velocity = -out.velocity;
+    const auto scaled = [](Motion m, double span) {
+      return Motion{m.position, m.velocity / span, m.acceleration / span / span};
+    };
+    knots[i] = times(times(wave, scaled(in, fade)), scaled(out, fade));
+  }
+  return knots;
+}
+
+/// 24 sines on multiples of a quarter of a hertz, with a constant amplitude of velocity, repeated every 4 s.
+std::vector<Motion> multisine(std::size_t count, double velocity, double low, double high, Random& random) {
+  constexpr int tones = 24;
+  std::vector<Motion> knots(count);
+  for (int k = 0; k < tones; ++k) {
+    const double f = 0.25 * std::round(4.0 * low * std::pow(high / low, k / (tones - 1.0)));
+    const double turn = 2.0 * pi * f;
+    const double phase = random.uniform(0.0, 2.0 * pi);
+    const double size = velocity / std::sqrt(static_cast<double>(tones)) / turn;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double angle = turn * static_cast<double>(i) * step + phase;
+      knots[i].position += size * std::sin(angle);
+      knots[i].velocity += size * turn * std::cos(angle);
+      knots[i].acceleration -= size * turn * turn * std::sin(angle);
+    }
+  }
+  return knots;
+}
+
+std::vector<Motion> formed(const RecordPlan& plan, bool bench, std::size_t count) {
+  Random random(plan.road_seed);
+  const double velocity = std::numbers::sqrt2 * plan.level * (bench ? command_velocity : road_velocity);
+  const double low = bench ? 3.0 : 0.8;
+  const double high = bench ? 25.0 : 30.0;
+  if (plan.form == "sweep") return sweep(count, velocity, low, high);
+  if (plan.form == "steps") return steps(count, plan.level * (bench ? 1.5 : 0.015), random);
+  if (plan.form == "stepped_sines") return stepped_sines(count, velocity, low, high);
+  if (plan.form == "multisine") return multisine(count, velocity, low, high, random);
+  throw std::invalid_argument("no such form of a road: " + plan.form);
+}
+
 }  // namespace
 
 Signal::Signal(const RecordPlan& plan, bool bench) {
   const auto count = static_cast<std::size_t>(std::lround((plan.warm + plan.duration) / step)) + 2;
+  if (!plan.form.empty()) {
+    knots_ = formed(plan, bench, count);
+    for (std::size_t i = 0; i < count; ++i) knots_[i] = times(knots_[i], ramp(static_cast<double>(i) * step));
+    return;
+  }
   std::size_t n = 4096;
   while (n < count) n *= 2;
   const double spacing = 1.0 / (static_cast<double>(n) * step);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/truth/random.hpp"
+#include "tests/truth/recorder.hpp"
 #include "tests/truth/rig.hpp"
 #include "tests/truth/sensor.hpp"
 #include "tests/truth/signal.hpp"
@@ -57,6 +58,7 @@ Record run(const Truth& truth, const Numbers& numbers, const RecordPlan& plan, c
     Sensor* sensor;
     bool fed_by_rig;  ///< F of a hil rig, whose history the rig itself keeps
     std::vector<double>* values;
+    Recording recording;
   };
   Record record;
   std::vector<Column> columns;
@@ -66,8 +68,11 @@ Record run(const Truth& truth, const Numbers& numbers, const RecordPlan& plan, c
     values.reserve(count);
     Sensor& sensor = sensors.at(channel);
     const bool fed = hil && channel == "F";
-    columns.push_back({channel, &sensor, fed, &values});
-    every_node = every_node || (!fed && (sensor.remembers() || sensor.lags()));
+    const auto recorder = truth.rough.recorder.find(channel);
+    columns.push_back({channel, &sensor, fed, &values,
+                       Recording(recorder == truth.rough.recorder.end() ? Recorder{} : recorder->second, sample / fine,
+                                 Random(plan.noise_seed + 7919 * (columns.size() + 1)))});
+    every_node = every_node || (!fed && (sensor.remembers() || sensor.lags())) || columns.back().recording.every_node();
   }
 
   const std::size_t nodes = all * static_cast<std::size_t>(fine);
@@ -77,16 +82,17 @@ Record run(const Truth& truth, const Numbers& numbers, const RecordPlan& plan, c
     if (every_node || (at_sample && row >= warm)) {
       const Rig::Values values = rig.values();
       const double t = static_cast<double>(node) * sample / fine;
-      for (const Column& column : columns) {
+      for (Column& column : columns) {
         const bool remembers = column.sensor->remembers() || column.sensor->lags();
         double before = 0.0;
-        if (!column.fed_by_rig && (remembers || at_sample)) {
+        const bool recording = column.recording.every_node();
+        if (!column.fed_by_rig && (remembers || recording || at_sample)) {
           double value = true_value(column.name, values, rig.state(), numbers.sensor_mass);
           if (column.name == leak) value += leaking * true_value("zdd_w", values, rig.state(), 0.0);
           before = column.sensor->before_noise(value, t);
           if (remembers) column.sensor->push(before);
         }
-        if (!at_sample || row < warm) continue;
+        if (!recording && (!at_sample || row < warm)) continue;
         double shown = 0.0;
         if (remembers)
           shown = column.sensor->newest();
@@ -94,11 +100,15 @@ Record run(const Truth& truth, const Numbers& numbers, const RecordPlan& plan, c
           shown = column.sensor->before_noise(values.force, t) + column.sensor->noise_at(node);
         else
           shown = before + column.sensor->noise_at(node);
-        column.values->push_back(column.sensor->limited(shown));
+        shown = column.sensor->limited(shown);
+        if (recording) column.recording.push(shown);
+        if (at_sample && row >= warm)
+          column.values->push_back(column.recording.row(shown, static_cast<double>(row - warm) * sample));
       }
     }
     if (node + 1 < nodes) rig.step();
   }
+  for (Column& column : columns) column.recording.strike(*column.values);
   record.time.reserve(count);
   for (std::size_t i = 0; i < count; ++i) record.time.push_back(plan.start + static_cast<double>(i) * sample);
   return record;

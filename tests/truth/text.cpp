@@ -1,9 +1,13 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "tests/truth/random.hpp"
 #include "tests/truth/truth.hpp"
 
 namespace truth {
@@ -27,6 +31,60 @@ std::string unit_of(const std::string& channel) {
   return channel.starts_with("zdd") ? "m/s²" : "m";
 }
 
+/// Rows that are not written, and cells that are none: 1 + the column, 0 nowhere.
+struct Holes {
+  std::vector<bool> lost;
+  std::vector<std::size_t> cell;
+};
+
+Holes holes_of(const Truth& truth, std::size_t rows, std::size_t columns) {
+  const Rough& rough = truth.rough;
+  Holes holes{std::vector<bool>(rows), std::vector<std::size_t>(rows)};
+  Random random(truth.records.front().noise_seed + 104729);
+  const auto any = [&](double share) { return std::ceil(share * static_cast<double>(rows)); };
+  for (int i = 0; i < static_cast<int>(any(rough.not_a_number)); ++i)
+    holes.cell[static_cast<std::size_t>(random.below(static_cast<int>(rows)))] =
+        1 + static_cast<std::size_t>(random.below(static_cast<int>(columns)));
+  for (int i = 0; i < static_cast<int>(any(rough.lost)); ++i)
+    holes.lost[1 + static_cast<std::size_t>(random.below(static_cast<int>(rows) - 2))] = true;
+  for (int i = 0; i < rough.gaps; ++i) {
+    const auto length = static_cast<std::size_t>(any(rough.gap_share / rough.gaps));
+    const auto part = rows / static_cast<std::size_t>(rough.gaps);
+    const std::size_t begin = static_cast<std::size_t>(i) * part + part / 4 +
+                              static_cast<std::size_t>(random.below(static_cast<int>(part / 2)));
+    for (std::size_t k = begin; k < std::min(begin + length, rows - 1); ++k) holes.lost[k] = true;
+  }
+  return holes;
+}
+
+/// What is rough, in the words of the rough samples where they have one.
+void add_rough(const Truth& truth, nlohmann::ordered_json& out) {
+  const Rough& rough = truth.rough;
+  if (rough.condition.empty()) return;
+  out["condition"] = rough.condition;
+  out["declared"] = rough.declared;
+  out["noise_absent"] = rough.noise_absent;
+  out["tolerance_absent"] = rough.tolerance_absent;
+  out["off"] = rough.off;
+  out["missing"] = rough.missing;
+  out["sample_rate"] = truth.sample_rate;
+  out["described_rate"] = rough.described_rate;
+  out["drift"] = rough.drift;
+  out["holes"] = {
+      {"nan", rough.not_a_number}, {"lost", rough.lost}, {"gaps", rough.gaps}, {"gap_share", rough.gap_share}};
+  out["recorder"] = nlohmann::ordered_json::object();
+  for (const auto& [channel, r] : rough.recorder)
+    out["recorder"][channel] = {{"corner", r.corner}, {"order", r.order},       {"late", r.late},
+                                {"drift", r.drift},   {"hum", r.hum},           {"hum_hz", r.hum_hz},
+                                {"step", r.step},     {"outliers", r.outliers}, {"outlier", r.outlier}};
+  out["events"] = nlohmann::ordered_json::array();
+  for (const Event& e : rough.events)
+    out["events"].push_back({{"where", e.where}, {"from", e.from}, {"to", e.to}, {"force", e.force}});
+  out["faults"] = nlohmann::ordered_json::array();
+  for (const Fault& f : rough.faults)
+    out["faults"].push_back({{"names", f.names}, {"channels", f.channels}, {"parameters", f.parameters}});
+}
+
 }  // namespace
 
 std::string name_of(Kind kind) {
@@ -43,7 +101,9 @@ const std::vector<std::string>& channels_of(Kind kind) {
 }
 
 std::string rig_toml(const Truth& truth) {
-  std::string text = "kind = \"" + name_of(truth.kind) + "\"\nsample_rate = " + toml(truth.sample_rate) + "\n";
+  const Rough& rough = truth.rough;
+  const double rate = rough.described_rate > 0.0 ? rough.described_rate : truth.sample_rate;
+  std::string text = "kind = \"" + name_of(truth.kind) + "\"\nsample_rate = " + toml(rate) + "\n";
   for (const char* table : {"body", "wheel", "tyre", "suspension", "machine", "fdva"}) {
     const std::string begin = std::string(table) + ".";
     bool opened = false;
@@ -55,10 +115,17 @@ std::string rig_toml(const Truth& truth) {
       text += path.substr(begin.size()) + " = " + (count ? digits("%.0f", value) : toml(value)) + "\n";
     }
   }
-  text += "\n[tolerance]\n";
-  for (const auto& [path, value] : truth.tolerance) text += "\"" + path + "\" = " + toml(value) + "\n";
-  text += "\n[noise]\n";
-  for (const auto& [channel, value] : truth.noise) text += channel + " = " + toml(value) + "\n";
+  if (!rough.tolerance_absent) {
+    text += "\n[tolerance]\n";
+    for (const auto& [path, value] : truth.tolerance) text += "\"" + path + "\" = " + toml(value) + "\n";
+  }
+  if (!rough.noise_absent) {
+    text += "\n[noise]\n";
+    for (const auto& [channel, value] : truth.noise) {
+      const auto factor = rough.declared.find(channel);
+      text += channel + " = " + toml(factor == rough.declared.end() ? value : value * factor->second) + "\n";
+    }
+  }
   if (!truth.range.empty()) text += "\n[range]\n";
   for (const auto& [channel, limits] : truth.range)
     text += channel + " = [" + toml(limits.first) + ", " + toml(limits.second) + "]\n";
@@ -68,15 +135,21 @@ std::string rig_toml(const Truth& truth) {
 std::string csv(const Truth& truth, const Record& record) {
   std::string text = "t";
   std::vector<const std::vector<double>*> columns;
-  for (const std::string& channel : channels_of(truth.kind)) {
+  for (const std::string& channel : recorded_channels(truth)) {
     text += "," + channel;
     if (truth.units_in_header) text += " [" + unit_of(channel) + "]";
     columns.push_back(&record.channels.at(channel));
   }
   text += "\n";
+  const int decimals = truth.rough.stamp_decimals;
+  const std::string stamp =
+      decimals < 0 ? (truth.sample_rate > 1000.0 ? "%.4f" : "%.3f") : digits("%%.%.0ff", decimals);
+  const Holes holes = holes_of(truth, record.time.size(), columns.size());
   for (std::size_t i = 0; i < record.time.size(); ++i) {
-    text += digits(truth.sample_rate > 1000.0 ? "%.4f" : "%.3f", record.time[i]);
-    for (const std::vector<double>* column : columns) text += digits(",%.9g", (*column)[i]);
+    if (holes.lost[i]) continue;
+    text += digits(stamp.c_str(), record.time[i]);
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      text += holes.cell[i] == c + 1 ? ",nan" : digits(",%.9g", (*columns[c])[i]);
     text += "\n";
   }
   return text;
@@ -111,6 +184,7 @@ std::string truth_json(const Truth& truth) {
                                {"road_seed", plan.road_seed},
                                {"noise_seed", plan.noise_seed},
                                {"t0", plan.start}};
+    if (!plan.form.empty()) one["form"] = plan.form;
     if (plan.corner > 0.0) one["corner"] = plan.corner;
     if (plan.cut > 0.0) one["cut"] = plan.cut;
     if (truth.kind == Kind::component_bench) {
@@ -124,6 +198,7 @@ std::string truth_json(const Truth& truth) {
     out["records"].push_back(one);
     out["files"].push_back("rec" + std::to_string(++number) + ".csv");
   }
+  add_rough(truth, out);
   if (!truth.unknown.empty()) {
     out["unknown"] = {{"what", truth.unknown}, {"spec", truth.unknown_parameters}};
     if (!truth.unknown_channel.empty()) out["unknown"]["channel"] = truth.unknown_channel;

@@ -33,6 +33,55 @@ struct RecordPlan {
   double modulation_depth = 0.0;    ///< bench only: amplitude 1 + depth sin(2π t / period + phase)
   double modulation_period = 15.0;  ///< [s]
   double modulation_phase = 0.0;    ///< [rad]
+  std::string form;                 ///< "sweep", "steps", "stepped_sines", "multisine"; empty: noise
+};
+
+/// What a recorder does to a channel behind its sensor, in this order; 0 is "not there".
+struct Recorder {
+  double corner = 0.0;   ///< [Hz] of a low-pass on signal and noise
+  int order = 1;         ///< 1, or 2 (Butterworth)
+  double late = 0.0;     ///< [s] by which a clock of its own is late at the first sample, ≥ 0
+  double drift = 0.0;    ///< [s/s] by which it gets later, ≥ 0
+  double hum = 0.0;      ///< amplitude of a sine
+  double hum_hz = 50.0;  ///< [Hz]
+  double step = 0.0;     ///< rounding
+  int outliers = 0;      ///< single samples far off, per record
+  double outlier = 0.0;  ///< by how much
+};
+
+/// Something that acts on the rig from outside: a half sine of force.
+struct Event {
+  std::string where;  ///< "body" or "wheel"; on a bench "F", the load cell
+  double from = 0.0;  ///< [s] since the first sample
+  double to = 0.0;
+  double force = 0.0;  ///< [N]
+};
+
+/// A fault of the recording as a verdict's `recording` would say it.
+struct Fault {
+  std::vector<std::string> names;  ///< any of these is right
+  std::vector<std::string> channels;
+  std::map<std::string, double> parameters;
+};
+
+/// What is not as a description says, beside the effects. Everything off: the truths that draw() makes of its groups.
+struct Rough {
+  std::string condition;
+  std::map<std::string, double> declared;    ///< by channel: factor on the noise that rig.toml declares
+  bool noise_absent = false;                 ///< rig.toml has no [noise]
+  bool tolerance_absent = false;             ///< rig.toml has no [tolerance]
+  std::vector<std::string> off;              ///< paths of parameters outside their tolerance
+  std::vector<std::string> missing;          ///< channels that are not recorded
+  double described_rate = 0.0;               ///< [Hz] sample_rate of rig.toml; 0: the recording's
+  int stamp_decimals = -1;                   ///< of t; −1: enough
+  double not_a_number = 0.0;                 ///< share of rows with one cell that is none
+  double lost = 0.0;                         ///< share of rows that are lost one by one
+  int gaps = 0;                              ///< stretches of rows that are lost
+  double gap_share = 0.0;                    ///< of all rows, in those stretches
+  std::map<std::string, Recorder> recorder;  ///< by channel
+  std::map<std::string, double> drift;       ///< by path: relative change from the first sample to the last
+  std::vector<Event> events;
+  std::vector<Fault> faults;  ///< what the verdict shall say of the recording
 };
 
 /// A rig, what its description says, and what hides in it.
@@ -55,6 +104,7 @@ struct Truth {
   bool lag_takes_noise = false;  ///< sensor_lag filters signal plus noise (contract) or the signal alone (sample_b)
   bool units_in_header = false;  ///< style of the file: "z_r [m]"
   std::vector<RecordPlan> records;
+  Rough rough;
 };
 
 /// Columns by name, all of one length; `time` in s.
@@ -71,9 +121,12 @@ struct Fineness {
 
 /// How large the drawn effect is.
 struct Wanted {
-  bool weak = false;       ///< 30 … 100 σ in all instead of 3 … 300 times the noise of a channel
-  double duration = 30.0;  ///< [s] of a single record; of two, each has two thirds
-  bool varied = false;     ///< other rigs, roads, noise and sample rates than those of the samples
+  bool weak = false;         ///< 30 … 100 σ in all instead of 3 … 300 times the noise of a channel
+  double duration = 30.0;    ///< [s] of a single record; of two, each has two thirds
+  bool varied = false;       ///< other rigs, roads, noise and sample rates than those of the samples
+  double sample_rate = 0.0;  ///< [Hz]; 0: drawn
+  double level = 1.0;        ///< factor on road or command
+  std::string form{};        ///< of road or command, see RecordPlan
 };
 
 /// "quarter_car", "hil", "component_bench".
@@ -90,9 +143,21 @@ struct Wanted {
 /// The first size of an effect comes from a range; it is then scaled, within limits a rig can have, until leaving the
 /// effect out changes some channel by 3 … 300 times its noise (rms over 4 s of the first record, same road, no noise).
 /// Weak: until the changes of all channels over all records sum up to 30 … 100 σ. `group` may also be
-/// "single:<effect>[:<channel>]", "pair", "none", "unknown": the kind is drawn too.
+/// "single:<effect>[:<channel>]", "pair", "none", "unknown": the kind is drawn too. Also "quadruple", "quintuple"
+/// (four and five effects) and "neighbour", "neighbour_beside" (a law near one of the catalogue, alone and beside an
+/// effect).
 /// @throws std::invalid_argument for a group there is not
 [[nodiscard]] Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted = {});
+
+/// Conditions under which a description does not say everything, or not rightly: see README.
+[[nodiscard]] const std::vector<std::string>& conditions();
+
+/// A rig under such a condition, of 20 s if nothing else is wanted of its duration. Seeds in a row take turns with the
+/// number of hidden effects. @throws std::invalid_argument for a condition there is not
+[[nodiscard]] Truth draw_rough(const std::string& condition, std::uint64_t seed);
+
+/// Channels that the truth's recordings hold, in the order of their columns.
+[[nodiscard]] std::vector<std::string> recorded_channels(const Truth& truth);
 
 /// The measured channels of every record. @throws std::invalid_argument if an effect does not exist on this kind of rig
 [[nodiscard]] std::vector<Record> simulate(const Truth& truth, const Fineness& fineness = {});

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
@@ -17,6 +18,15 @@ namespace host_sim::identification {
 namespace {
 
 using model::Channel;
+
+/// Back to the tolerated parameters alone.
+void give_up(SearchResult& found) {
+  found.best = found.nothing;
+  found.rivals.clear();
+  found.gains.clear();
+  found.freed.clear();
+  found.suspects.clear();
+}
 
 Interval interval_of(const Estimate& e) {
   constexpr double deviations = 1.96;  // 95 % of a normal distribution: numbers without noise need no allowance
@@ -172,6 +182,8 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
                  const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found) {
   estimate_held_out_starts(found.nothing.fit.hypothesis, description, problem.samples());
   estimate_held_out_starts(found.best.fit.hypothesis, description, problem.samples());
+  const bool diverges = !stays_finite(problem, found.best.fit.hypothesis);
+  if (diverges) give_up(found);
   const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
 
   Diagnosis result;
@@ -183,6 +195,15 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const UnexplainedResidual left = unexplained_residual(problem, after);
   result.unexplained = left.significant;
   result.residual = left.words;
+  const Rest rest = find_rest(problem, after);
+  if (rest.found()) {
+    result.unexplained = true;
+    if (!left.significant) result.residual = rest.words();
+  }
+  if (diverges) {
+    result.unexplained = true;
+    result.residual = "the model that fits best does not stay finite over the whole recording";
+  }
   const double explained = explained_share(result.residual_power.refit, result.residual_power.after,
                                            static_cast<double>(problem.residual_count()));
 
@@ -204,6 +225,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.verdict = verdict_of(result, explained, close);
 
   locate(problem, found, !car.effects.empty(), result);
+  result.power_over_time = power_over_time(problem, refit, after);
   result.prediction_errors.merge(prediction_errors(problem, space.given, refit, after));
   result.overlays = overlays_of(problem, space.given, refit, after);
   put_into_rig(description, result);

@@ -10,6 +10,7 @@
 #include "host_sim/identification/assess/localisation.hpp"
 #include "host_sim/identification/assess/named_effect.hpp"
 #include "host_sim/identification/assess/overlay.hpp"
+#include "host_sim/identification/assess/power_over_time.hpp"
 #include "host_sim/identification/assess/prediction_error.hpp"
 #include "host_sim/identification/parity/parity_residual.hpp"
 
@@ -46,6 +47,7 @@ struct Diagnosis {
   std::vector<ParityResidual> relations;  ///< before anything is fitted but tolerances
   std::vector<RecordingLocation> locations;
   std::vector<BandPower> left_by_refit, left_after;  ///< tolerances refitted; effects, too
+  std::vector<PowerOverTime> power_over_time;        ///< of the same two models
   std::vector<NamedEffect> effects;
   std::vector<ParameterOff> parameters_off;
   std::vector<RecordingFault> recording_faults;

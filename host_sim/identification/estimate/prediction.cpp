@@ -1,5 +1,8 @@
 #include "host_sim/identification/estimate/prediction.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "host_sim/identification/common/parallel.hpp"
 
 namespace host_sim::identification {
@@ -68,6 +71,22 @@ std::vector<Response> read_all(const IdentificationProblem& problem, const Hypot
         read_channels(hypothesis, samples, samples.input, hypothesis.starts[i], 0, recordings[i].resolution());
   });
   return responses;
+}
+
+bool stays_finite(const PreparedRecording& recording, const Response& readings) {
+  return std::all_of(recording.channels.begin(), recording.channels.end(), [&](model::Channel channel) {
+    double sum = 0.0;
+    for (const double value : readings[index(channel)]) sum += value * value;
+    return std::isfinite(sum);
+  });
+}
+
+bool stays_finite(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  const std::vector<Response> responses = read_all(problem, hypothesis);
+  for (std::size_t i = 0; i < responses.size(); ++i) {
+    if (!stays_finite(*problem.recordings()[i].samples, responses[i])) return false;
+  }
+  return true;
 }
 
 }  // namespace host_sim::identification

@@ -31,4 +31,9 @@ void predict_recording(const IdentificationProblem& problem, const Hypothesis& h
 /// Readings of every recording in full.
 [[nodiscard]] std::vector<Response> read_all(const IdentificationProblem& problem, const Hypothesis& hypothesis);
 
+/// Whether the simulation of every recording stays finite from its first to its last sample, what is held out too: the
+/// sum of the squares of each explained channel is a number.
+[[nodiscard]] bool stays_finite(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+[[nodiscard]] bool stays_finite(const PreparedRecording& recording, const Response& readings);
+
 }  // namespace host_sim::identification

@@ -36,6 +36,21 @@ inline constexpr double significant_deviations = 8.0;
 /// [1] and by what share of the noise: the simulation's own error stays below it. Half and twice: not measured.
 inline constexpr double significant_share = 0.15;
 
+/// [1] A recording of noise alone is said to leave more than noise once in a thousand. Half and twice: the limit of z
+/// moves by 0.15 of 4.7.
+inline constexpr double family_error = 1e-3;
+/// Stretches of time that are tested, and the shortest [s]: half a period of the slowest band must fit.
+inline constexpr double stretches = 8.0, shortest_stretch = 2.0;
+/// Residuals that a test needs: fewer are no band.
+inline constexpr double fewest_tested = 6.0;
+/// [1] Least error of the variance of a channel's noise.
+inline constexpr double noise_variance_error = 0.01;
+/// [1] Error of a residual's variance where the model has corners. Recordings of 20 s of tests/truth with friction that
+/// was named right left 1.1 to 2.8 times their noise in F or zdd_w (6 of 9). Half: 4 of those are flagged. Twice: none.
+inline constexpr double corner_power_error = 1.0;
+/// Stretches of time in verdict.json and report at most.
+inline constexpr double most_seconds_shown = 240.0;
+
 // The virtual car of a hil rig ----------------------------------------------------------------------------------------
 
 /// [1] A tyre law is listed where it takes away this share of the power that a linear tyre leaves. Derivation: the

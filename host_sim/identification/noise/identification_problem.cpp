@@ -83,15 +83,18 @@ IdentificationProblem IdentificationProblem::truncated_and_coarse(double share) 
   return part;
 }
 
+Whitening IdentificationProblem::whitening(std::size_t recording, Window window) const {
+  const ProblemRecording& r = recordings_[recording];
+  return {*r.samples, window, r.input_noise.spectrum, model_error_};
+}
+
 void IdentificationProblem::whiten() {
   for_all(recordings_.size(), [&](std::size_t i) {
     ProblemRecording& r = recordings_[i];
     r.fit_whitening.reset();
     r.held_out_whitening.reset();
-    if (r.fitted.size() > 0) r.fit_whitening.emplace(*r.samples, r.fitted, r.input_noise.spectrum, model_error_);
-    if (r.held_out.size() > 0) {
-      r.held_out_whitening.emplace(*r.samples, r.held_out, r.input_noise.spectrum, model_error_);
-    }
+    if (r.fitted.size() > 0) r.fit_whitening.emplace(whitening(i, r.fitted));
+    if (r.held_out.size() > 0) r.held_out_whitening.emplace(whitening(i, r.held_out));
   });
 }
 

@@ -49,6 +49,9 @@ class IdentificationProblem {
   /// Allows for an error of the model, relative to the rms of each channel: ε_c of Whitening (2).
   void allow_model_error(double relative);
 
+  /// Whitening of any window of a recording, with the weights of the problem.
+  [[nodiscard]] Whitening whitening(std::size_t recording, Window window) const;
+
   /// The first `share` of each fitted window, nothing held out.
   [[nodiscard]] IdentificationProblem truncated(double share) const;
   /// The same with half of the steps where there are corners.

@@ -139,6 +139,12 @@ Eigen::MatrixXcd Whitening::covariance(const PreparedRecording& recording, std::
   return sigma;
 }
 
+double Whitening::spread() const {
+  double fourth = 0.0;
+  for (const double w : taper_) fourth += std::pow(w, 4);
+  return static_cast<double>(length_) * fourth / (taper_power_ * taper_power_);
+}
+
 double Whitening::frequency(std::size_t bin) const {
   return static_cast<double>(bin) / (period_ * static_cast<double>(length_));
 }

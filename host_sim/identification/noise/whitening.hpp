@@ -53,6 +53,9 @@ class Whitening {
 
   [[nodiscard]] const Window& window() const { return window_; }
 
+  /// N Σw⁴/(Σw²)²: how much the taper makes Σ|whitened|² scatter more than as many independent numbers.
+  [[nodiscard]] double spread() const;
+
  private:
   void set_taper();
   [[nodiscard]] Eigen::MatrixXcd covariance(const PreparedRecording& recording, std::size_t band,

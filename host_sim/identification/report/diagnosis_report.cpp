@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "firmware/description/input_error.hpp"
 #include "firmware/description/rig_writer.hpp"
@@ -142,6 +143,36 @@ Panel left_over(const std::string& when, const std::vector<BandPower>& powers, b
   return panel;
 }
 
+/// What is left of each channel second by second, a strip for each channel.
+void add_power_over_time(Report& page, const Diagnosis& diagnosis) {
+  constexpr std::size_t most_recordings = 4;
+  std::size_t last = 0;
+  for (const PowerOverTime& power : diagnosis.power_over_time) last = std::max(last, power.recording);
+  for (std::size_t recording = 0; recording <= std::min(last, most_recordings - 1); ++recording) {
+    Figure figure;
+    figure.title = "What is left, second by second";
+    if (last > 0) figure.title += ", recording " + std::to_string(recording + 1);
+    figure.note = "Power ÷ power of noise of each stretch of about a second; 1 is noise.";
+    figure.x = {"time", "s"};
+    for (const PowerOverTime& power : diagnosis.power_over_time) {
+      if (power.recording != recording) continue;
+      std::vector<double> time;
+      for (std::size_t k = 0; k < power.from.size(); ++k) time.push_back(0.5 * (power.from[k] + power.to[k]));
+      Curve refit{"tolerances refitted", time, power.refit, 5, Dash::dash_dotted};
+      Curve after{"after", time, power.after, 0, Dash::solid};
+      refit.in_legend = after.in_legend = figure.panels.empty();
+      Panel strip;
+      strip.y = {std::string(model::name(power.channel)), "1", true};
+      strip.curves = {refit, after};
+      strip.guides.push_back({report::Guide::Along::y, 1.0, figure.panels.empty() ? "noise" : ""});
+      figure.panels.push_back(strip);
+    }
+    if (figure.panels.empty()) continue;
+    figure.height = 160 + 110 * static_cast<int>(figure.panels.size());
+    page.add_figure(figure);
+  }
+}
+
 void add_where(Report& page, const Diagnosis& diagnosis) {
   if (diagnosis.locations.empty()) return;
   page.add_section("Where");
@@ -159,6 +190,7 @@ void add_where(Report& page, const Diagnosis& diagnosis) {
   map.panels = {left_over("refitted", diagnosis.left_by_refit, true), left_over("after", diagnosis.left_after, false)};
   map.height = 560;
   page.add_figure(map);
+  add_power_over_time(page, diagnosis);
   if (diagnosis.relations.empty()) return;
   Table relations{"What the rig's own redundancy says, before anything is fitted but tolerances",
                   {"relation", "holds", "power ÷ noise", "from [Hz]", "to [Hz]", "what is left"},
@@ -201,6 +233,21 @@ void add_overlays(Report& page, const Diagnosis& diagnosis) {
                       {"after", overlay.time, overlay.after, 0, Dash::dotted}};
     time.panels.push_back(signals);
     page.add_figure(time);
+  }
+}
+
+/// A rig description with a number that is not finite cannot be read again.
+void require_finite(const firmware::RigDescription& found) {
+  model::RigParameters<double> rig = found.rig;
+  for (const firmware::ParameterPath& p : firmware::parameter_paths()) {
+    const std::string path = std::string(p.table) + "." + std::string(p.key);
+    const double* const value = firmware::find_parameter(rig, path);
+    if (value != nullptr && !std::isfinite(*value)) throw std::logic_error("rig.toml: " + path + " is not finite");
+  }
+  for (const firmware::PlacedEffect& effect : firmware::effects_of(rig)) {
+    for (const double value : effect.values) {
+      if (!std::isfinite(value)) throw std::logic_error("rig.toml: " + words(effect) + " is not finite");
+    }
   }
 }
 
@@ -305,6 +352,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
 }
 
 std::string result_rig(const firmware::RigDescription& found, std::string_view given) {
+  require_finite(found);
   return std::string(result_rig_mark) + ": " + firmware::one_line(given) + " with what was found\n" +
          firmware::format_rig(found);
 }

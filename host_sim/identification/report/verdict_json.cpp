@@ -1,8 +1,9 @@
 #include "host_sim/identification/report/verdict_json.hpp"
 
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
 
 namespace host_sim::identification {
 namespace {
@@ -29,6 +30,22 @@ ordered_json to_json(const std::vector<Alternative>& alternatives) {
   return list;
 }
 
+/// When a channel disagrees: in the recording with most of it, the time that holds the middle 80 %, and the power of
+/// each stretch (about a second) relative to noise.
+void put_time(ordered_json& json, const std::vector<PowerOverTime>& powers, model::Channel channel) {
+  const PowerOverTime* most = nullptr;
+  for (const PowerOverTime& power : powers) {
+    if (power.channel == channel && (most == nullptr || power.excess() > most->excess())) most = &power;
+  }
+  if (most == nullptr) return;  // the virtual tyre: no sensor is between the program and its recording
+  const auto [from, to] = most->middle();
+  json["time_s"] = {from, to};
+  json["recording"] = most->recording;
+  json["seconds"] = ordered_json::array();
+  for (std::size_t k = 0; k < most->from.size(); ++k) json["seconds"].push_back({most->from[k], most->to[k]});
+  json["power_per_second"] = most->refit;
+}
+
 ordered_json to_json(const NamedEffect& named) {
   ordered_json json{{"name", named.effect.entry->name}};
   put_channel(json, named.effect);
@@ -45,14 +62,14 @@ ordered_json to_json(const NamedEffect& named) {
 
 namespace {
 
-/// JSON has no infinity: a number that is not finite (the error of a simulation that diverged) becomes the largest one.
-void make_finite(ordered_json& json) {
-  if (json.is_number_float()) {
-    const double value = json.get<double>();
-    constexpr double largest = std::numeric_limits<double>::max();
-    if (!std::isfinite(value)) json = value < 0.0 ? -largest : largest;
-  } else if (json.is_structured()) {
-    for (ordered_json& item : json) make_finite(item);
+/// JSON has neither infinity nor NaN, and no reader could use them.
+void require_finite(const ordered_json& json, const std::string& where) {
+  if (json.is_structured()) {
+    for (const auto& [key, item] : json.items()) {
+      require_finite(item, where.empty() ? key : std::string(where).append(".").append(key));
+    }
+  } else if (json.is_null() || (json.is_number_float() && !std::isfinite(json.get<double>()))) {
+    throw std::logic_error("verdict.json: " + where + " is not a finite number");
   }
 }
 
@@ -66,6 +83,7 @@ ordered_json to_json(const Diagnosis& diagnosis) {
                              {"band_hz", {place.lowest, place.highest}},
                              {"subsystem", place.subsystem},
                              {"share", place.share}});
+    put_time(json["where"].back(), diagnosis.power_over_time, place.channel);
   }
   json["relations"] = ordered_json::array();
   for (const ParityResidual& r : diagnosis.relations) {
@@ -108,7 +126,7 @@ ordered_json to_json(const Diagnosis& diagnosis) {
   }
   // Always present, as contract.md says; not searched for yet.
   for (const char* key : {"laws", "undetermined"}) json[key] = ordered_json::array();
-  make_finite(json);
+  require_finite(json, "");
   return json;
 }
 

@@ -132,6 +132,9 @@ std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateM
   sort(next);
   if (next.size() > criterion_.beam) next.resize(criterion_.beam);
   for (CandidateModel& model : next) fitter_.refit(model, 6);
+  // One that diverges on what is held out explains nothing.
+  std::erase_if(next,
+                [this](const CandidateModel& model) { return !stays_finite(fitter_.problem(), model.fit.hypothesis); });
   sort(next);
   return next;
 }
@@ -188,7 +191,8 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     if (same_effect(other.effects.back(), best.effects[effect])) continue;
     if (other.penalised_chi_squared(criterion_) >= to_beat) continue;
     CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 6);
-    if (full.penalised_chi_squared(criterion_) >= to_beat) continue;
+    if (!(full.penalised_chi_squared(criterion_) < to_beat)) continue;
+    if (!stays_finite(fitter_.problem(), full.fit.hypothesis)) continue;
     best = std::move(full);
     return true;
   }

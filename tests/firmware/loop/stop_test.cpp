@@ -1,9 +1,11 @@
 // The stop button, the drive's enable and the interlocks, in every state.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
+#include <ostream>
+#include <tuple>
 
 #include "tests/firmware/loop/rig_under_test.hpp"
 
@@ -27,15 +29,6 @@ Scene bench() {
   return scene;
 }
 
-struct Moment {
-  Mode mode;
-  int period;  ///< of the press
-};
-
-/// Somewhere in each state, with the command moving where the state moves it.
-constexpr std::array moments{Moment{Mode::idle, 2}, Moment{Mode::armed, 7}, Moment{Mode::ready, 400},
-                             Moment{Mode::running, 1300}, Moment{Mode::safe, 2200}};
-
 /// Idle, armed from period 5, started at 10, run to its end.
 void lead(Journey& run, int periods) {
   for (int k = 0; k < periods; ++k) {
@@ -45,40 +38,81 @@ void lead(Journey& run, int periods) {
   }
 }
 
-// Fault. Pressed in any state: no power from that very period on, the command stops within the braking distance and
-// stays there, valves safe, and the record says so. At 20 m/s² 0.05 m/s stop within 63 µm and 3 periods.
-TEST(Stop, BrakesHoldsAndTakesThePowerInEveryState) {
-  for (const Moment& moment : moments) {
-    const Press press{{ms * moment.period, ms * (moment.period + 1)}};
+/// Somewhere in a state, with the command moving where the state moves it.
+struct Moment {
+  const char* name;
+  Mode mode;
+  int period;    ///< of the press
+  int hold = 0;  ///< asked for in this period; 0: never
+};
+
+void PrintTo(const Moment& moment, std::ostream* out) { *out << moment.name; }
+
+class StopInState : public testing::TestWithParam<Moment> {
+ protected:
+  /// The bench with the checks of arming: 1.2 s of them, the probe from 0.11 to 1.11 s, then start at 1.3 s.
+  static Scene checked_bench() {
     Scene scene = bench();
-    scene.faults.presses = {&press, 1};
-    Journey run{scene};
-    lead(run, moment.period);
-    ASSERT_EQ(run.loop.mode(), moment.mode) << name(moment.mode);
-    const double before = run.rig.command().position, velocity = run.records.back().command.velocity;
-    run.periods(1);
-    EXPECT_EQ(run.loop.mode(), Mode::safe) << name(moment.mode);
-    EXPECT_FALSE(run.rig.enabled()) << name(moment.mode);
-    EXPECT_EQ(run.rig.openings(), scene.safe_position);
-    EXPECT_FALSE(run.records.back().enabled);
-    lead(run, 1500);  // nothing that is asked for now starts anything
-    const double way = velocity * velocity / (2.0 * scene.settings.ramps.braking) + std::abs(velocity) * h;
-    EXPECT_LE(std::abs(run.rig.drive().position - before), way + 1e-12) << name(moment.mode);
-    EXPECT_LE(std::abs(run.rig.command().position - before), way + 1e-12) << name(moment.mode);
-    EXPECT_EQ(run.rig.drive().velocity, 0.0);
-    EXPECT_EQ(run.loop.mode(), Mode::safe);
-    EXPECT_TRUE(run.loop.at_rest() && run.loop.held()) << name(moment.mode);
-    if (moment.mode == Mode::safe) {
-      EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended) << "the first reason is kept";
-      EXPECT_EQ(run.loop.second().reason, Reason::stop_button);
-      EXPECT_EQ(run.records.back().second, Reason::stop_button);
-    } else {
-      EXPECT_EQ(run.loop.trip().reason, Reason::stop_button) << name(moment.mode);
-      EXPECT_EQ(run.records.back().trip.time, ms * moment.period);
-      EXPECT_EQ(run.loop.second().reason, Reason::none) << "one press is one event";
+    scene.settings.arming = {
+        .tare_time = 0.1, .preload = 2500.0, .position_tolerance = 5e-3, .probe_amplitude = 2e-3, .force_ramp = 0.0};
+    return scene;
+  }
+  static void lead_until(Journey& run, const Moment& moment) {
+    for (int k = 0; k < moment.period; ++k) {
+      if (k == 5) run.loop.arm();
+      if (k == 1300) run.loop.start();
+      if (k == moment.hold && k > 0) run.loop.hold();
+      run.periods(1);
     }
   }
+};
+
+// Fault. Pressed in any state: no power from that very period on, the command stops within the braking distance and
+// stays there, valves safe, and the record says so. At 20 m/s² 0.05 m/s stop within 63 µm and 3 periods.
+TEST_P(StopInState, BrakesHoldsAndTakesThePower) {
+  const Moment& moment = GetParam();
+  const Press press{{ms * moment.period, ms * (moment.period + 1)}};
+  Scene scene = checked_bench();
+  scene.faults.presses = {&press, 1};
+  Journey run{scene};
+  lead_until(run, moment);
+  ASSERT_EQ(run.loop.mode(), moment.mode) << name(run.loop.mode());
+  const double before = run.rig.command().position, velocity = run.records.back().command.velocity;
+  run.periods(1);
+  EXPECT_EQ(run.loop.mode(), Mode::safe);
+  EXPECT_FALSE(run.rig.enabled());
+  EXPECT_EQ(run.rig.openings(), scene.safe_position);
+  EXPECT_FALSE(run.records.back().enabled);
+  run.loop.arm();  // nothing that is asked for now starts anything
+  run.loop.start();
+  run.loop.resume();
+  run.periods(1500);
+  const double way = velocity * velocity / (2.0 * scene.settings.ramps.braking) + std::abs(velocity) * h;
+  EXPECT_LE(std::abs(run.rig.drive().position - before), way + 1e-9);
+  EXPECT_LE(std::abs(run.rig.command().position - before), way + 1e-9);
+  EXPECT_EQ(run.rig.drive().velocity, 0.0);
+  EXPECT_EQ(run.loop.mode(), Mode::safe);
+  EXPECT_TRUE(run.loop.at_rest() && run.loop.held());
+  if (moment.mode == Mode::safe) {
+    EXPECT_EQ(run.loop.trip().reason, Reason::reference_ended) << "the first reason is kept";
+    EXPECT_EQ(run.loop.second().reason, Reason::stop_button);
+    EXPECT_EQ(run.records.back().second, Reason::stop_button);
+  } else {
+    EXPECT_EQ(run.loop.trip().reason, Reason::stop_button);
+    EXPECT_EQ(run.records.back().trip.reason, Reason::stop_button);
+    EXPECT_EQ(run.records.back().trip.time, ms * moment.period);
+    EXPECT_EQ(run.loop.second().reason, Reason::none) << "one press is one event";
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(EachState, StopInState,
+                         testing::Values(Moment{"Idle", Mode::idle, 2}, Moment{"ArmingAtRest", Mode::arming, 60},
+                                         Moment{"ArmingProbe", Mode::arming, 350}, Moment{"Armed", Mode::armed, 1290},
+                                         Moment{"Ready", Mode::ready, 1700}, Moment{"Running", Mode::running, 2600},
+                                         Moment{"SlowingToHold", Mode::holding, 2900, 2500},
+                                         Moment{"Holding", Mode::holding, 3600, 2500},
+                                         Moment{"SafeOnTheWayBack", Mode::safe, 3500}),
+                         [](const auto& each) { return each.param.name; });
 
 // After a stop the rig stays where it stopped. On request, with the button up, it returns to rest with power, and loses
 // that again there.
@@ -196,6 +230,84 @@ TEST(DriveEnable, ThatCannotBeWrittenIsLeftToTheWatchdog) {
   EXPECT_FALSE(run.rig.enabled());
   EXPECT_GT(run.rig.beats(), beats);
   EXPECT_TRUE(run.loop.at_rest());
+}
+
+/// The largest step of the drive in so many periods [m].
+double largest_step(Journey& run, int periods) {
+  double largest = 0.0, last = run.rig.drive().position;
+  for (int k = 0; k < periods; ++k) {
+    run.periods(1);
+    largest = std::max(largest, std::abs(run.rig.drive().position - last));
+    last = run.rig.drive().position;
+  }
+  return largest;
+}
+
+// Fault. A beat that is not taken, or not given while the valves are lost, lets the watchdog take the power after 20
+// ms; the next beat gives it back. So the program takes it as well, in that very period: in the run and on the way
+// back, where the command would have gone on meanwhile. It stays off, whatever is asked for, until the fault is
+// acknowledged and the rig is armed anew, without a jump.
+TEST(DriveEnable, StaysOffOnceTheWatchdogMayHaveTakenThePower) {
+  constexpr int run_period = 1300, return_period = 2100;
+  for (const auto& [device, period, reason] : {std::tuple{Device::heartbeat, run_period, Reason::heartbeat_failed},
+                                               std::tuple{Device::heartbeat, return_period, Reason::heartbeat_failed},
+                                               std::tuple{Device::valves, return_period, Reason::valves_failed}}) {
+    const DeviceFault fault{device, Fault::refused, {ms * period, ms * (period + 50)}};
+    Scene scene = bench();
+    scene.settings.arming.position_tolerance = 5e-3;
+    scene.faults.devices = {&fault, 1};
+    Journey run{scene};
+    lead(run, period);
+    ASSERT_TRUE(run.rig.enabled());
+    const double there = run.rig.drive().position;
+    ASSERT_GT(std::abs(there), 0.01);
+    run.periods(1);
+    EXPECT_FALSE(run.rig.enabled()) << period;
+    EXPECT_LE(largest_step(run, 200), 0.05 * h) << "the beats come again meanwhile";
+    run.loop.go_to_rest();
+    EXPECT_LE(largest_step(run, 500), 1e-12);
+    EXPECT_FALSE(run.rig.enabled());
+    EXPECT_NEAR(run.rig.command().position, run.rig.drive().position, 1e-9) << "the command follows the rig";
+    EXPECT_EQ(period == run_period ? run.loop.trip().reason : run.loop.second().reason, reason);
+    EXPECT_EQ(run.records.back().trip.reason, run.loop.trip().reason);
+    run.loop.acknowledge();
+    run.periods(1);
+    run.loop.arm();
+    EXPECT_LE(largest_step(run, 50), 1e-9);
+    EXPECT_EQ(run.loop.mode(), Mode::armed);
+    EXPECT_TRUE(run.rig.enabled());
+  }
+}
+
+// Fault. A stop of the program for longer than the watchdog waits costs the power; it does not come back with the next
+// beat.
+TEST(DriveEnable, StaysOffAfterAGap) {
+  const hal::simulated::LateWake late{{ms * 1300, ms * 1301}, hal::milliseconds(6000)};
+  Scene scene = bench();
+  scene.faults.late_wakes = {&late, 1};
+  Journey run{scene};
+  lead(run, 1300);
+  ASSERT_TRUE(run.rig.enabled());
+  run.periods(1);
+  EXPECT_EQ(run.loop.trip().reason, Reason::gap);
+  EXPECT_FALSE(run.rig.enabled());
+  EXPECT_LE(largest_step(run, 1000), 1e-12);
+}
+
+// Fault. A drive that cannot be given power for the way back does not begin that way.
+TEST(DriveEnable, ThatCannotBeSwitchedOnForTheWayBackHolds) {
+  const Press press{{ms * 1300, ms * 1310}};
+  const DeviceFault fault{Device::drive_enable, Fault::refused, {ms * 1600, ms * 1700}};
+  Scene scene = bench();
+  scene.faults.presses = {&press, 1};
+  scene.faults.devices = {&fault, 1};
+  Journey run{scene};
+  lead(run, 1600);
+  run.loop.go_to_rest();
+  EXPECT_LE(largest_step(run, 1000), 1e-12);
+  EXPECT_FALSE(run.rig.enabled());
+  EXPECT_EQ(run.loop.trip().reason, Reason::stop_button);
+  EXPECT_EQ(run.loop.second().reason, Reason::enable_failed);
 }
 
 TEST(DriveEnable, ThatCannotBeSwitchedOnRefusesToArm) {

@@ -134,7 +134,7 @@ TEST(Diagnosis, NamesTheMassBeyondTheForceSensorOfThePapersSecondRig) {
   EXPECT_NEAR(found.parameters.at("tyre.stiffness").value / truth.k_t, 1.0, 2e-3);
 
   const std::string page = identification::report_html(found, d);
-  support::expect_sound(page, 2 + 2 * found.overlays.size());
+  support::expect_sound(page, 3 + 2 * found.overlays.size());
   EXPECT_NE(page.find("force_sensor_inertia"), std::string::npos);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "host_sim/identification/assess/diagnosis_result.hpp"
 #include "host_sim/identification/assess/localisation.hpp"
@@ -12,6 +13,7 @@
 #include "host_sim/identification/assess/overlay.hpp"
 #include "host_sim/identification/assess/prediction_error.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
 #include "host_sim/identification/select/select_model.hpp"
@@ -144,12 +146,74 @@ TEST(Assess, FindsNothingInARigAsDescribed) {
   EXPECT_EQ(unit_of({firmware::find_effect("sensor_offset"), Channel::F, {1.0}}, 0), "N");
 }
 
-// Fault. What is not a number never leaves in verdict.json.
+/// What a writer says about a number that it must not write.
+template <class Write>
+std::string refusal(const Write& write) {
+  try {
+    write();
+  } catch (const std::logic_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Fault. What is not a number never leaves in verdict.json nor in rig.toml: it is a mistake of ours, exit status 5.
 TEST(VerdictJson, HoldsFiniteNumbersOnly) {
   Diagnosis broken;
-  broken.prediction_errors[Channel::F] = {std::nan(""), INFINITY, 0.1, 0.1};
-  broken.parameters["suspension.stiffness"] = {1.0, -INFINITY, INFINITY};
-  EXPECT_TRUE(all_finite(to_json(broken))) << to_json(broken).dump();
+  broken.prediction_errors[Channel::F] = {0.1, 0.1, std::nan(""), 0.1};
+  EXPECT_EQ(refusal([&] { (void)to_json(broken); }), "verdict.json: gap.F.after is not a finite number");
+  broken.prediction_errors.clear();
+  broken.parameters["suspension.stiffness"] = {1.0, -INFINITY, 2.0};
+  EXPECT_EQ(refusal([&] { (void)to_json(broken); }),
+            "verdict.json: parameters.suspension.stiffness.ci95.0 is not a finite number");
+  firmware::RigDescription rig = sample::with_effect(sample::bench(), "coulomb_friction", {40.0});
+  EXPECT_EQ(refusal([&] { (void)result_rig(rig, "given.toml"); }), "");
+  rig = sample::with_effect(sample::bench(), "coulomb_friction", {std::nan("")});
+  EXPECT_EQ(refusal([&] { (void)result_rig(rig, "given.toml"); }), "rig.toml: coulomb_friction is not finite");
+  rig = sample::bench();
+  rig.rig.suspension.damping = INFINITY;
+  EXPECT_EQ(refusal([&] { (void)result_rig(rig, "given.toml"); }), "rig.toml: suspension.damping is not finite");
+}
+
+// Fault. A candidate that explains what was fitted and diverges on what was held out is no answer: the verdict says
+// that something is left, and every number of it is finite.
+TEST(Assess, GivesUpAModelThatDiverges) {
+  const firmware::RigDescription bench = sample::bench();
+  auto recordings = sample::prepared(bench, sample::with_effect(bench, "coulomb_friction", {40.0}), Use::shared, 8.0);
+  // The linear spring bears what ends the held-out part; a cubic one makes a force of it whose square is no number.
+  recordings.front().input.motion.back().position = 1e80;
+  const Hypothesis given = described_hypothesis(bench, recordings);
+  IdentificationProblem problem(std::move(recordings), given);
+  const SearchSpace space = search_space(bench, problem.samples(), given);
+  SearchResult found = select_model(problem, space, {});
+  const firmware::PlacedEffect spring{firmware::find_effect("progressive_spring"), std::nullopt, {-1e9}};
+  firmware::put_effect(found.best.fit.hypothesis.rig, spring);
+  ASSERT_FALSE(stays_finite(problem, found.best.fit.hypothesis));
+  found.best.effects = {spring};
+  const Diagnosis diagnosis = assess(bench, problem, space, {}, std::move(found));
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+  EXPECT_TRUE(diagnosis.effects.empty());
+  EXPECT_TRUE(all_finite(to_json(diagnosis)));
+}
+
+// Journey. Something pushes for a second: verdict.json says in which second, and the report draws it.
+TEST(Assess, SaysWhenTheDisagreementHappens) {
+  const firmware::RigDescription bench = sample::bench();
+  firmware::Recording pushed = sample::recorded(bench, 12.0);
+  for (std::size_t k = 4000; k < 5000; ++k) pushed[Channel::F][k] += 60.0 * std::sin(0.08 * static_cast<double>(k));
+  const Diagnosis found = diagnose(bench, {{std::move(pushed), Use::shared}});
+  EXPECT_TRUE(found.unexplained);
+  const auto json = to_json(found);
+  ASSERT_FALSE(json.at("where").empty());
+  const auto& place = json.at("where").at(0);
+  EXPECT_EQ(place.at("channel"), "F");
+  EXPECT_NEAR(place.at("time_s").at(0).get<double>(), 4.0, 0.6);
+  EXPECT_NEAR(place.at("time_s").at(1).get<double>(), 5.0, 0.6);
+  ASSERT_EQ(place.at("power_per_second").size(), 12U);
+  ASSERT_EQ(place.at("seconds").size(), 12U);
+  EXPECT_GT(place.at("power_per_second").at(4).get<double>(), 5.0);
+  EXPECT_NEAR(place.at("power_per_second").at(8).get<double>(), 1.0, 0.5);
+  EXPECT_NE(report_html(found, bench).find("second by second"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,217 @@
+#include "host_sim/identification/estimate/residual_over_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/predict/sensor_readings.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using BandPowers = std::array<Power, noise_bands>;
+
+void add(Power& sum, const Power& power) {
+  sum.squares += power.squares;
+  sum.count += power.count;
+}
+
+/// A part of a recording that is whitened by itself.
+struct Part {
+  std::size_t recording;
+  Window window;
+};
+
+std::vector<Part> parts_of(const IdentificationProblem& problem, double seconds) {
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
+    const ProblemRecording& r = problem.recordings()[i];
+    for (const Window& window : {r.fitted, r.held_out}) {
+      const auto samples = static_cast<double>(window.size());
+      if (window.size() == 0) continue;
+      const auto count =
+          static_cast<std::size_t>(std::max(1.0, std::round(samples * r.samples->input.period / seconds)));
+      for (std::size_t p = 0; p < count; ++p) {
+        const auto edge = [&](std::size_t k) { return window.from + window.size() * k / count; };
+        parts.push_back({i, {edge(p), edge(p + 1)}});
+      }
+    }
+  }
+  return parts;
+}
+
+StretchPower power_of(const IdentificationProblem& problem, const Response& response, const Part& part) {
+  const ProblemRecording& r = problem.recordings()[part.recording];
+  const std::size_t channels = r.samples->channels.size();
+  const Whitening whitening = problem.whitening(part.recording, part.window);
+  const std::vector<double> values = whitening.by_channel(whitening.spectra(*r.samples, response));
+  StretchPower stretch{part.recording, r.samples->recording.time[whitening.window().from],
+                       r.samples->recording.time[whitening.window().to - 1], std::vector<BandPowers>(channels),
+                       whitening.spread()};
+  for (std::size_t k = 0; k < whitening.bins(); ++k) {
+    const std::size_t b = std::min(noise_bands - 1, noise_band_of(whitening.frequency(k)));
+    for (std::size_t c = 0; c < channels; ++c) {
+      for (std::size_t each = 0; each < 2; ++each) {
+        if (k == 0 && each == 1) continue;  // the sum of the samples is real
+        const double v = values[2 * (k * channels + c) + each];
+        stretch.powers[c][b].squares += k == 0 ? 0.5 * v * v : v * v;  // and has twice the variance
+        stretch.powers[c][b].count += 1.0;
+      }
+    }
+  }
+  return stretch;
+}
+
+/// (2)
+double deviations(const Power& power, double spread) {
+  if (!(power.count > 0.0)) return 0.0;
+  const double variance = 2.0 * spread / (9.0 * power.count);
+  return (std::cbrt(power.ratio()) - 1.0 + variance) / std::sqrt(variance);
+}
+
+/// The z that a normal number exceeds with this small probability. Source: (26.2.23) of M. Abramowitz and I. Stegun,
+/// Handbook of Mathematical Functions, 1964; its error is below 5e-4.
+double exceeded_with(double probability) {
+  const double t = std::sqrt(-2.0 * std::log(probability));
+  return t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+}
+
+/// δ of (3) of one channel.
+double level_error(const IdentificationProblem& problem, std::size_t channel, bool corners) {
+  double least = corners ? thresholds::corner_power_error : thresholds::noise_variance_error;
+  for (const ProblemRecording& r : problem.recordings()) {
+    const auto& factor = r.samples->noise_factor[index(r.samples->channels[channel])];
+    if (factor) least = std::max(least, factor->half_width / std::max(factor->value, 1e-9));  // 2 · half/1.96
+  }
+  return least;
+}
+
+/// Keeps the surest of all tests, and counts them.
+class Tests {
+ public:
+  Tests(const IdentificationProblem& problem, bool corners) : channels_(problem.channels()), corners_(corners) {
+    for (std::size_t c = 0; c < channels_.size(); ++c) errors_.push_back(level_error(problem, c, corners));
+  }
+
+  /// Every channel and all together, in every band and over all bands, of one stretch or of the whole record.
+  void add(const std::vector<BandPowers>& powers, double spread, const StretchPower* stretch) {
+    BandPowers together{};
+    double error = 0.0;
+    Power all;
+    for (std::size_t c = 0; c < channels_.size(); ++c) {
+      Power whole;
+      for (std::size_t b = 0; b < noise_bands; ++b) {
+        test(powers[c][b], spread, errors_[c], &channels_[c], b, b + 1, stretch);
+        identification::add(whole, powers[c][b]);
+        identification::add(together[b], powers[c][b]);
+      }
+      test(whole, spread, errors_[c], &channels_[c], 0, noise_bands, stretch);
+      error += std::pow(errors_[c], 2) / static_cast<double>(channels_.size());
+    }
+    // Those of levels are independent; a corner's instant is wrong in every channel.
+    if (!corners_) error /= static_cast<double>(channels_.size());
+    for (std::size_t b = 0; b < noise_bands; ++b) {
+      test(together[b], spread, std::sqrt(error), nullptr, b, b + 1, stretch);
+      identification::add(all, together[b]);
+    }
+    test(all, spread, std::sqrt(error), nullptr, 0, noise_bands, stretch);
+  }
+
+  [[nodiscard]] Rest surest() const {
+    Rest rest = surest_;
+    if (count_ > 0.0) rest.threshold = exceeded_with(thresholds::family_error / count_);
+    return rest;
+  }
+
+ private:
+  void test(const Power& power, double spread, double error, const model::Channel* channel, std::size_t first,
+            std::size_t last, const StretchPower* stretch) {
+    if (power.count < thresholds::fewest_tested) return;
+    count_ += 1.0;
+    const double z = deviations(power, spread) / std::sqrt(1.0 + 0.5 * error * error * power.count / spread);
+    if (!(z > surest_.z)) return;
+    surest_.z = z;
+    surest_.ratio = power.ratio();
+    surest_.all_channels = channel == nullptr;
+    if (channel != nullptr) surest_.channel = *channel;
+    surest_.lowest = noise_band_edges[first];
+    surest_.highest = noise_band_edges[last];
+    surest_.all_time = stretch == nullptr;
+    if (stretch == nullptr) return;
+    surest_.recording = stretch->recording;
+    surest_.from = stretch->from;
+    surest_.to = stretch->to;
+  }
+
+  std::vector<model::Channel> channels_;
+  bool corners_;
+  std::vector<double> errors_;
+  Rest surest_;
+  double count_ = 0.0;
+};
+
+/// [s] of all fitted and held-out windows.
+double tested_seconds(const IdentificationProblem& problem) {
+  double sum = 0.0;
+  for (const ProblemRecording& r : problem.recordings()) {
+    sum += static_cast<double>(r.fitted.size() + r.held_out.size()) * r.samples->input.period;
+  }
+  return sum;
+}
+
+}  // namespace
+
+Power StretchPower::of_channel(std::size_t channel) const {
+  Power sum;
+  for (const Power& power : powers[channel]) add(sum, power);
+  return sum;
+}
+
+double shown_stretch(const IdentificationProblem& problem) {
+  return std::max(1.0, tested_seconds(problem) / thresholds::most_seconds_shown);
+}
+
+std::vector<StretchPower> stretch_powers(const IdentificationProblem& problem, const std::vector<Response>& responses,
+                                         double seconds) {
+  const std::vector<Part> parts = parts_of(problem, seconds);
+  std::vector<StretchPower> stretches(parts.size());
+  for_all(parts.size(),
+          [&](std::size_t p) { stretches[p] = power_of(problem, responses[parts[p].recording], parts[p]); });
+  return stretches;
+}
+
+Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  const std::vector<Response> responses = read_all(problem, hypothesis);
+  Tests tests(problem, has_corners(hypothesis.rig));
+  const double seconds = tested_seconds(problem);
+  // The whole record: its windows as they are, since a longer window loses less at its ends.
+  std::vector<BandPowers> whole(problem.channels().size());
+  double spread = 0.0, count = 0.0;
+  for (const StretchPower& window : stretch_powers(problem, responses, seconds)) {
+    for (std::size_t c = 0; c < whole.size(); ++c) {
+      for (std::size_t b = 0; b < noise_bands; ++b) add(whole[c][b], window.powers[c][b]);
+    }
+    spread += window.spread;
+    count += 1.0;
+  }
+  if (!(count > 0.0)) return {};
+  tests.add(whole, spread / count, nullptr);
+  const double each = std::max(seconds / thresholds::stretches, thresholds::shortest_stretch);
+  for (const StretchPower& stretch : stretch_powers(problem, responses, each)) {
+    tests.add(stretch.powers, stretch.spread, &stretch);
+  }
+  return tests.surest();
+}
+
+std::string Rest::words() const {
+  char band[64], time[80] = "";
+  std::snprintf(band, sizeof band, ", %.3g to %.3g Hz", lowest, highest);
+  if (!all_time) std::snprintf(time, sizeof time, ", %.4g to %.4g s", from, to);
+  char power[64];
+  std::snprintf(power, sizeof power, ": %.2f times the power of its noise", ratio);
+  return std::string(all_channels ? "all channels together" : std::string(model::name(channel))) + band + time + power;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tests/truth/random.hpp"
+#include "tests/truth/truth.hpp"
+
+namespace truth {
+
+/// A low-pass fed at equal steps: order 1, or 2 (Butterworth), by the bilinear transform with the corner where it
+/// belongs. Begins in rest at the first value.
+class LowPass {
+ public:
+  LowPass(double corner, int order, double step);
+  double push(double value);
+
+ private:
+  std::array<double, 3> in_{}, out_{};  ///< of the difference equation, newest first
+  std::array<double, 3> u_{}, y_{};
+  bool begun_ = false;
+};
+
+/// What lies between a sensor and the file, for one channel: low-pass → clock of its own → hum → outliers → rounding.
+/// Fed at every node of the fine grid if it filters or has a clock, else at the samples.
+class Recording {
+ public:
+  Recording(const Recorder& recorder, double node, Random random);
+
+  [[nodiscard]] bool every_node() const { return recorder_.corner > 0.0 || has_clock(); }
+  void push(double value);
+  /// The value of a row: `since_start` [s] since the first sample of the record.
+  [[nodiscard]] double row(double value, double since_start);
+  /// Single samples far off, at places of their own choice.
+  void strike(std::vector<double>& rows);
+  [[nodiscard]] double rounded(double value) const;
+
+ private:
+  [[nodiscard]] bool has_clock() const { return recorder_.late > 0.0 || recorder_.drift > 0.0; }
+
+  Recorder recorder_;
+  double node_;
+  LowPass low_pass_;
+  Random random_;
+  double hum_phase_;
+  std::vector<double> history_;
+};
+
+/// rms of white noise, of one value a sample, behind a low-pass, relative to before.
+[[nodiscard]] double noise_behind(double corner, int order, double sample_rate);
+
+}  // namespace truth
