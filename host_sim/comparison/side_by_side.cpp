@@ -11,9 +11,10 @@ namespace {
 
 using model::Channel;
 
-/// A group is simulated side by side when it fills this share of the lanes: a step of eight rigs takes the time of
-/// 2 to 3 steps of one (tests/bench), so at a third nothing is gained.
-constexpr double least_filled = 0.34;
+/// Fewer rigs are simulated one after the other: a step of four or eight side by side takes the time of 2 to 3 steps
+/// of one (tests/bench). With half of it, 2, nothing would be gained; with twice, 6, groups of 3 to 5 would lose a
+/// third.
+constexpr std::size_t fewest_side_by_side = 3;
 
 std::uint64_t active_effects(const model::RigParameters<double>& rig) {
   std::uint64_t bits = 0;
@@ -133,7 +134,7 @@ std::vector<Response> simulate_side_by_side(const std::vector<SideBySideRig>& ri
     for (const std::size_t j : group) done[j] = true;
     const std::size_t length = rigs[i].input->size();
     const std::size_t count = samples == 0 ? length : std::min(samples, length);
-    if (lanes == 1 || count == 0 || static_cast<double>(group.size()) < least_filled * static_cast<double>(lanes)) {
+    if (lanes == 1 || count == 0 || group.size() < fewest_side_by_side) {
       for (const std::size_t j : group) {
         responses[j] = simulate(*rigs[j].rig, *rigs[j].input, *rigs[j].start, samples, substeps, channels);
       }

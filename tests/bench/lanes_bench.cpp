@@ -15,12 +15,12 @@ namespace {
 
 using host_sim::LaneUse;
 using model::RigKind;
-using Rig = model::RigParameters<double>;
+using Parameters = model::RigParameters<double>;
 
 constexpr std::size_t rigs_at_once = 8;
 
-Rig rig_of(RigKind kind, bool with_fdva) {
-  Rig rig;
+Parameters rig_of(RigKind kind, bool with_fdva) {
+  Parameters rig;
   rig.kind = kind;
   rig.body.mass = 290.0;
   rig.wheel.mass = 40.0;
@@ -46,13 +46,13 @@ host_sim::SimulationInput shaken() {
   return input;
 }
 
-void simulate(benchmark::State& state, const Rig& first, LaneUse use) {
+void simulate(benchmark::State& state, const Parameters& first, LaneUse use) {
   const host_sim::SimulationInput input = shaken();
-  std::vector<Rig> rigs(rigs_at_once, first);
+  std::vector<Parameters> rigs(rigs_at_once, first);
   for (std::size_t i = 0; i < rigs.size(); ++i) rigs[i].suspension.stiffness += 10.0 * static_cast<double>(i);
   const host_sim::InitialState start = host_sim::resting(first, input);
   std::vector<host_sim::SideBySideRig> all;
-  for (const Rig& rig : rigs) all.push_back({&rig, &start, &input});
+  for (const Parameters& rig : rigs) all.push_back({&rig, &start, &input});
   const auto channels = host_sim::response_channels(first.kind, input);
   for (auto _ : state) {
     auto responses = host_sim::simulate_side_by_side(all, 0, 1, channels, use);
@@ -62,7 +62,7 @@ void simulate(benchmark::State& state, const Rig& first, LaneUse use) {
       static_cast<double>(rigs_at_once), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-void measure(const std::string& name, const Rig& rig) {
+void measure(const std::string& name, const Parameters& rig) {
   const auto least = [](const std::vector<double>& times) { return *std::min_element(times.begin(), times.end()); };
   const auto add = [&](const std::string& how, LaneUse use) {
     benchmark::RegisterBenchmark(("lanes/" + name + how).c_str(),
@@ -79,10 +79,10 @@ const bool registered = [] {
   measure("quarter_car", rig_of(RigKind::quarter_car, false));
   measure("quarter_car_fdva", rig_of(RigKind::quarter_car, true));
   measure("hil_fdva", rig_of(RigKind::hil, true));
-  Rig friction = rig_of(RigKind::quarter_car, false);
+  Parameters friction = rig_of(RigKind::quarter_car, false);
   friction.effects.add(model::CoulombFriction<double>{20.0});
   measure("friction", friction);
-  Rig stop = rig_of(RigKind::quarter_car, false);
+  Parameters stop = rig_of(RigKind::quarter_car, false);
   stop.effects.add(model::BumpStop<double>{5e-3, 1e5});
   measure("stop", stop);
   return true;

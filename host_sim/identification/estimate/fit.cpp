@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
@@ -28,25 +29,45 @@ struct Base {
   const Eigen::VectorXd& residual;
 };
 
-/// Column of J by a one-sided difference, towards the inside of the bounds.
-Eigen::VectorXd jacobian_column(const IdentificationProblem& problem, const Fit& at, const Base& base,
-                                const FreeParameter& parameter) {
+/// The other end of a one-sided difference, towards the inside of the bounds.
+struct Difference {
+  Hypothesis other;
+  double step;  ///< of u
+};
+Difference difference_of(const IdentificationProblem& problem, const Fit& at, const FreeParameter& parameter) {
   const double u = parameter.get(at.hypothesis);
-  double step = u + parameter.difference > parameter.upper ? -parameter.difference : parameter.difference;
+  const double step = u + parameter.difference > parameter.upper ? -parameter.difference : parameter.difference;
   Hypothesis other = moved(at.hypothesis, parameter, u + step);
-  if (!is_rig(problem, other)) {  // a delay as long as its line
-    step = -step;
-    other = moved(at.hypothesis, parameter, u + step);
+  if (is_rig(problem, other)) return {std::move(other), step};
+  return {moved(at.hypothesis, parameter, u - step), -step};  // a delay as long as its line
+}
+
+/// Columns of J of sensors' parameters: without a simulation.
+void find_sensor_columns(const IdentificationProblem& problem, Fit& at, const std::vector<std::size_t>& columns) {
+  for_all(columns.size(), [&](std::size_t i) {
+    const FreeParameter& parameter = at.parameters[columns[i]];
+    const auto [other, step] = difference_of(problem, at, parameter);
+    at.jacobian.col(static_cast<Eigen::Index>(columns[i])) =
+        (residuals(problem, predict_sensor(problem, other, at.prediction, *parameter.sensor)) - at.residual) / step;
+  });
+}
+
+/// The other columns, with their simulations side by side.
+void find_simulated_columns(const IdentificationProblem& problem, Fit& at, const Base& base,
+                            const std::vector<std::size_t>& columns) {
+  std::vector<Variation> variations;
+  std::vector<double> steps;
+  for (const std::size_t column : columns) {
+    const FreeParameter& parameter = at.parameters[column];
+    auto [other, step] = difference_of(problem, at, parameter);
+    variations.push_back({std::move(other), std::nullopt});
+    if (parameter.role == FreeParameter::Role::start) variations.back().recording = parameter.recording;
+    steps.push_back(step);
   }
-  if (parameter.sensor) {
-    return (residuals(problem, predict_sensor(problem, other, at.prediction, *parameter.sensor)) - at.residual) / step;
+  const std::vector<Eigen::VectorXd> values = residuals_of_each(problem, variations, true, base.prediction);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    at.jacobian.col(static_cast<Eigen::Index>(columns[i])) = (values[i] - base.residual) / steps[i];
   }
-  if (parameter.role == FreeParameter::Role::start) {  // moves its own recording only
-    Prediction prediction = base.prediction;
-    predict_recording(problem, other, parameter.recording, true, prediction);
-    return (residuals(problem, prediction) - base.residual) / step;
-  }
-  return (residuals(problem, predict(problem, other, true)) - base.residual) / step;
 }
 
 /// Columns of J from `first` on.
@@ -62,13 +83,13 @@ void find_columns(const IdentificationProblem& problem, Fit& at, Eigen::Index fi
     ++at.simulations;
   }
   const Base base{halved ? half_prediction : at.prediction, halved ? half_residual : at.residual};
-  for_all(at.parameters.size() - static_cast<std::size_t>(first), [&](std::size_t i) {
-    const std::size_t column = i + static_cast<std::size_t>(first);
-    at.jacobian.col(static_cast<Eigen::Index>(column)) = jacobian_column(problem, at, base, at.parameters[column]);
-  });
+  std::vector<std::size_t> of_sensors, simulated;
   for (auto i = static_cast<std::size_t>(first); i < at.parameters.size(); ++i) {
-    at.simulations += at.parameters[i].sensor ? 0 : 1;
+    (at.parameters[i].sensor ? of_sensors : simulated).push_back(i);
   }
+  find_sensor_columns(problem, at, of_sensors);
+  find_simulated_columns(problem, at, base, simulated);
+  at.simulations += simulated.size();
 }
 
 /// A fit as gauss_newton() sees it.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host_sim/identification/noise/identification_problem.hpp"
@@ -24,6 +25,18 @@ void predict_recording(const IdentificationProblem& problem, const Hypothesis& h
 /// The prediction of a hypothesis that differs from that of `base` in the sensor of one channel only: no simulation.
 [[nodiscard]] Prediction predict_sensor(const IdentificationProblem& problem, const Hypothesis& hypothesis,
                                         const Prediction& base, model::Channel channel);
+
+/// One of several hypotheses that are predicted together.
+struct Variation {
+  Hypothesis hypothesis;
+  std::optional<std::size_t> recording{};  ///< the only one in which it differs from a base; none: in all of them
+};
+
+/// residuals(problem, predict(problem, hypothesis, half_substeps)) of each variation, bit for bit, with simulations
+/// side by side (comparison/side_by_side.hpp). Recordings in which a variation does not differ are those of `base`.
+[[nodiscard]] std::vector<Eigen::VectorXd> residuals_of_each(const IdentificationProblem& problem,
+                                                             const std::vector<Variation>& variations,
+                                                             bool half_substeps, const Prediction& base);
 
 /// Whitened residuals of the fitted windows, recording after recording (noise/whitening.hpp).
 [[nodiscard]] Eigen::VectorXd residuals(const IdentificationProblem& problem, const Prediction& prediction);
