@@ -20,8 +20,8 @@ namespace firmware {
 [[nodiscard]] std::string with_loop_proof(std::string_view text, std::string_view source, double allowed_delay,
                                           std::string_view fingerprint);
 
-/// What speaks against closing the loop of a hil rig on devices: no proof, or one of another loop. Empty: nothing, no
-/// hil rig, or [waivers] unproven_stability.
+/// Why the loop of a hil rig must not be closed on devices: no proof, or one of another loop. Empty: it may, or it is
+/// no hil rig, or [waivers] says unproven_stability.
 [[nodiscard]] std::string stability_objection(const RigDescription& description);
 
 /// The same for the measured delay of samples and computation [s] against allowed_delay.

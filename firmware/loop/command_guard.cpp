@@ -65,6 +65,11 @@ CommandGuard::Verdict CommandGuard::judge(const hal::Command& wanted) {
   return verdict;
 }
 
+double CommandGuard::braking_towards(double wanted_acceleration) const {
+  const double left = acceleration_ + wanted_acceleration, least = least_braking * acceleration_;
+  return left < least ? least : left > acceleration_ ? acceleration_ : left;
+}
+
 hal::Command CommandGuard::catch_up(const hal::Command& wanted) const {
   const double way = wanted.position - last_.position;
   double velocity = way > 0.0 ? speed_ : -speed_;
@@ -72,7 +77,9 @@ hal::Command CommandGuard::catch_up(const hal::Command& wanted) const {
     const double forward = within(wanted.velocity, speed_);
     const double beyond_it = way - forward * period_, distance = beyond_it < 0.0 ? -beyond_it : beyond_it;
     const double step = acceleration_ * period_;
-    const double closing = std::sqrt(step * step + 2.0 * acceleration_ * distance) - step;
+    const double braking = braking_towards(beyond_it < 0.0 ? -wanted.acceleration : wanted.acceleration);
+    const double short_way = braking * period_;
+    const double closing = std::sqrt(short_way * short_way + 2.0 * braking * distance) - short_way;
     velocity = forward + (beyond_it < 0.0 ? -closing : closing);                // (1)
     velocity = within(velocity_ + within(velocity - velocity_, step), speed_);  // (2)
   }

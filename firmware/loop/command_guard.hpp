@@ -17,8 +17,13 @@ namespace firmware {
 /// this lasts longer than speed_time without a break. With e the way to the wanted place beyond what its own velocity v
 /// covers in a period h, and a the acceleration limit:
 ///
-///   (1)  v⁺ = v + sgn(e) (√(a² h² + 2 a |e|) − a h)      so fast that braking by a still ends at the wanted place
+///   (1)  v⁺ = v + sgn(e) (√(b² h² + 2 b |e|) − b h)      so fast that braking still ends at the wanted place
 ///   (2)  v⁺ within last velocity ± a h, then within ± speed
+///   (3)  b = a + v̇ sgn(e), within a/4 … a                of braking by a there is left what the wanted place, which
+///                                                        accelerates by v̇, does not need for itself
+///
+/// With b = a the command overshot a reference that turned round while it was being caught up with, and was limited for
+/// three times as long.
 ///
 /// Speed and acceleration are those of the positions. A feed-forward velocity beyond the limit is cut to it and counted
 /// in the same way; a feed-forward acceleration is cut.
@@ -44,6 +49,10 @@ class CommandGuard {
  private:
   /// The position one period on that comes nearest to the wanted one.
   [[nodiscard]] hal::Command catch_up(const hal::Command& wanted) const;
+  /// (3); the acceleration of the wanted place is counted in the direction of e.
+  [[nodiscard]] double braking_towards(double wanted_acceleration) const;
+
+  static constexpr double least_braking = 0.25;  ///< b is at least so much of a
 
   double half_stroke_;
   double speed_;

@@ -88,6 +88,10 @@ class CsvReader {
     take_last_row();
     keep_the_run();
     const std::string& source = recording_.source;
+    if (missing_ == Missing::mark) {
+      if (recover_grid(recording_, rounding_, expected_rate)) rounding_ = {};
+      expected_rate = rate_if_usual(recording_.time, rounding_, expected_rate);
+    }
     if (by_controller_ || missing_ == Missing::mark) {
       const std::vector<double>& time = recording_.time;
       const bool rises = std::adjacent_find(time.begin(), time.end(), std::greater_equal<>()) == time.end();

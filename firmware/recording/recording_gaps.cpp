@@ -167,7 +167,7 @@ void fill_gaps(Recording& recording, const std::vector<double>& late, const Reco
   for (std::size_t k = 0; k < filled.size(); ++k) recording.time[k] = begin + static_cast<double>(k) * period;
   recording.filled = std::move(filled);
 
-  recording.remark = one_line(recording.source) + ": ";
+  recording.remark = recording.remark.empty() ? one_line(recording.source) + ": " : recording.remark + "; ";
   if (grid.late > 0) {
     recording.remark += std::to_string(grid.late) + (grid.late == 1 ? " period" : " periods") + " of " +
                         std::to_string(n) + " began late, by " + milliseconds(grid.lateness) + " in total and " +

@@ -55,6 +55,65 @@ double median_step(const std::vector<double>& time) {
   return *middle;
 }
 
+std::optional<double> rate_if_usual(const std::vector<double>& time, const StampRounding& rounding,
+                                    std::optional<double> usual) {
+  if (!usual || time.size() < 2) return usual;
+  const double step = median_step(time);
+  if (!(step > 0.0)) return usual;  // check_time() says what is wrong
+  constexpr double clock_error = 1e-4;
+  const double allowed = clock_error / *usual + stamp_error(time, rounding, 1.0 / *usual);
+  return std::abs(step - 1.0 / *usual) <= allowed ? usual : std::nullopt;
+}
+
+bool recover_grid(Recording& recording, const StampRounding& rounding, std::optional<double> usual_rate) {
+  std::vector<double>& time = recording.time;
+  constexpr std::size_t least = 10;
+  if (time.size() < least) return false;
+  for (std::size_t k = 1; k < time.size(); ++k) {
+    if (!(time[k] > time[k - 1])) return false;
+  }
+  const double middle = median_step(time), place = printed_place(time, rounding, is_single(time, rounding));
+  // Exact stamps repeat their step.
+  const auto other = [&](double a, double b) { return std::abs(a - b) > 1e-3 * place + 1e-3 * middle; };
+  std::size_t single = 0, odd = 0;
+  double sum = 0.0;
+  for (std::size_t k = 1; k < time.size(); ++k) {
+    const double step = time[k] - time[k - 1];
+    if (step > middle + 1.5 * place) continue;  // rows are missing here
+    sum += step;
+    ++single;
+    if (other(step, middle)) ++odd;
+  }
+  if (odd * 50 < time.size() || single == 0) return false;
+  double period = sum / static_cast<double>(single);
+  if (usual_rate && std::abs(period * *usual_rate - 1.0) < 1e-4) period = 1.0 / *usual_rate;
+  if (place > period / 3.0) return false;
+  std::vector<double> number(time.size(), 0.0);
+  double mean_n = 0.0, mean_t = 0.0;
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    if (k > 0) number[k] = number[k - 1] + std::max(1.0, std::round((time[k] - time[k - 1]) / period));
+    mean_n += number[k] / static_cast<double>(time.size());
+    mean_t += (time[k] - time.front()) / static_cast<double>(time.size());
+  }
+  double nn = 0.0, nt = 0.0;
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    nn += (number[k] - mean_n) * (number[k] - mean_n);
+    nt += (number[k] - mean_n) * (time[k] - time.front() - mean_t);
+  }
+  period = nt / nn;
+  const double begin = time.front() + mean_t - period * mean_n;
+  double worst = 0.0;
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    worst = std::max(worst, std::abs(time[k] - begin - number[k] * period));
+  }
+  if (worst > place * (1.0 + 1e-6)) return false;
+  for (std::size_t k = 0; k < time.size(); ++k) time[k] = begin + number[k] * period;
+  recording.remark = one_line(recording.source) + ": the times are rounded to " + rounded(1e3 * place) +
+                     " ms; the rows lie on a grid of " + rounded(1.0 / period) + " Hz, up to " + rounded(1e3 * worst) +
+                     " ms off";
+  return true;
+}
+
 Objection object_to(Quantity quantity, double value) {
   if (!std::isfinite(value))
     return {std::string(quantity_name(quantity)) + " is " + shortest(value), "a finite number"};

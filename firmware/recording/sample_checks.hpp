@@ -40,6 +40,19 @@ struct StampRounding {
 /// The median of the differences between successive times; there are two times at least.
 [[nodiscard]] double median_step(const std::vector<double>& time);
 
+/// The rate of a recording that may run at any: `usual` where the median step is that of this rate up to 1e-4 (the
+/// tolerance of a quartz clock) and the rounding of the stamps; nullopt: a rate of its own.
+[[nodiscard]] std::optional<double> rate_if_usual(const std::vector<double>& time, const StampRounding& rounding,
+                                                  std::optional<double> usual);
+
+/// Replaces stamps that are too coarse for their steps (whole milliseconds at 97 Hz) by the grid that all of them
+/// together show, t₀ + n T by regression on the row numbers n, and says so in the remark:
+///
+///   (1)  |t_k − t₀ − n_k T| ≤ q  for every k,   q: rounding of the stamps, at most T/3
+///
+/// false: nothing changed, since the stamps are exact, do not rise, or (1) does not hold.
+bool recover_grid(Recording& recording, const StampRounding& rounding, std::optional<double> usual_rate);
+
 /// Rounding of times as large as `largest` [s], printed or kept in single precision; 0 where `period` is a multiple of
 /// it.
 [[nodiscard]] double stamp_error(const std::vector<double>& time, const StampRounding& rounding, double period);

@@ -105,7 +105,10 @@ std::string objection_to_loop(const RigDescription& description, const Settings&
     }
     model->step(*state, {.foot_point = motion[k]});
     const auto deflection = model->deflection(*state);
-    std::string wrong = check.judge(k, {deflection.position, deflection.velocity, 0.0});
+    const auto signals = model->signals(*state);
+    const double acceleration =
+        signals[model::index(model::Channel::zdd_w)] - signals[model::index(model::Channel::zdd_b)];
+    std::string wrong = check.judge(k, {deflection.position, deflection.velocity, acceleration});
     const double force = model->suspension_force(*state);
     if (wrong.empty() && std::abs(force) > settings.limits.force) {
       wrong = "the described component has " + rounded(force) + " N at " +

@@ -1,4 +1,4 @@
-// What speaks against a run before anything moves.
+// Checks of a run before anything moves: is there a reason to refuse it?
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ namespace firmware {
 ///   a step: a speed above twice limits.speed, or an acceleration above twice limits.acceleration, the first period
 ///   from rest included. Less than that the loop slows down for a moment and counts it; hil: a force of the described
 ///   component beyond limits.force.
-/// An empty text: nothing speaks against it. A run takes about 1 µs a sample on a PC.
+/// An empty text: the run is allowed. A run takes about 1 µs a sample on a PC.
 [[nodiscard]] std::string run_objection(const RigDescription& description, const FootPointMotion& excitation);
 
 /// Limits that can never trip, or do not fit each other or the devices of the description. An empty text: none.

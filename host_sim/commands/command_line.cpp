@@ -12,6 +12,7 @@
 #include "host_sim/commands/diagnose_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
+#include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
 
@@ -52,6 +53,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_frf(app, frf_options);
   DiagnoseOptions diagnose_options;
   add_diagnose(app, diagnose_options);
+  PlanOptions plan_options;
+  add_plan(app, plan_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   try {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware/description/input_error.hpp"
+#include "host_sim/comparison/model_rate.hpp"
 #include "host_sim/comparison/start_state.hpp"
 
 namespace host_sim {
@@ -13,7 +14,11 @@ namespace host_sim {
 ComparedRecording::ComparedRecording(const firmware::RigDescription& description, firmware::Recording recording,
                                      StartChoice choice)
     : recording_(std::move(recording)),
-      input_(simulation_input(description.rig, recording_)),
+      step_(model_steps_per_sample(recording_.sample_period, description.rig.kind == model::RigKind::hil
+                                                                 ? 1.0 / description.sample_rate
+                                                                 : longest_model_step)),
+      simulated_(interpolated(recording_, step_)),
+      input_(simulation_input(description.rig, simulated_)),
       range_(description.range) {
   constexpr std::size_t least = 16;  // fewer samples resolve no band and no state at the start
   if (recording_.size() < least) {
@@ -59,12 +64,18 @@ ComparedRecording::ComparedRecording(const firmware::RigDescription& description
         "at least one of " + wanted);
   }
   at_rest_ = choice == StartChoice::rest ||
-             (choice == StartChoice::automatic && begins_at_rest(description.rig, input_, recording_));
+             (choice == StartChoice::automatic && begins_at_rest(description.rig, input_, simulated_));
 }
 
 Response ComparedRecording::simulate(const model::RigParameters<double>& rig) const {
-  return host_sim::simulate(rig, input_,
-                            at_rest_ ? resting(rig, input_) : estimated_start(rig, input_, recording_, range_));
+  Response response = host_sim::simulate(
+      rig, input_, at_rest_ ? resting(rig, input_) : estimated_start(rig, input_, simulated_, range_));
+  if (step_ == 1) return response;
+  for (std::vector<double>& values : response) {
+    for (std::size_t k = 0; k * step_ < values.size(); ++k) values[k] = values[k * step_];
+    if (!values.empty()) values.resize(recording_.size());
+  }
+  return response;
 }
 
 std::size_t ComparedRecording::residual_count() const {

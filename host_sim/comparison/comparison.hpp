@@ -74,6 +74,8 @@ class ComparedRecording {
   }
 
   firmware::Recording recording_;
+  std::size_t step_;               ///< model steps for each sample, of which only the recorded instants are compared
+  firmware::Recording simulated_;  ///< the recording at the model's rate
   SimulationInput input_;
   firmware::MeasuringRanges range_;
   bool at_rest_ = false;

@@ -120,7 +120,7 @@ std::vector<Response> simulate_side_by_side(const std::vector<SideBySideRig>& ri
   std::vector<model::RigParameters<double>> simulated;
   std::vector<SideBySideRig> all = rigs;
   for (const SideBySideRig& rig : rigs) {
-    simulated.push_back(rig.input->deflection_reached ? without_machine(*rig.rig) : *rig.rig);
+    simulated.push_back(answering(*rig.rig, *rig.input));
   }
   for (std::size_t i = 0; i < all.size(); ++i) all[i].rig = &simulated[i];
 

@@ -13,13 +13,31 @@ using model::Channel;
 using model::RigKind;
 using Rig = model::RigParameters<double>;
 
-}  // namespace
-
+/// Without the machine: what is known to have been reached needs no machine.
 Rig without_machine(Rig rig) {
   rig.effects.for_each([](auto& slot) {
     if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::machine) slot.active = false;
   });
   return rig;
+}
+
+/// On a wheel that moves as prescribed: a tyre so stiff that the wheel follows within (ω² m_w/k = 3e-5 at 40 Hz), at
+/// critical damping, without effects of its own. F_w is then what it takes to move the wheel so.
+Rig on_prescribed_wheel(Rig rig) {
+  constexpr double stiffness = 1e11;  // [N/m]
+  rig.tyre.stiffness = stiffness;
+  rig.tyre.damping = 2.0 * std::sqrt(stiffness * rig.wheel.mass);
+  rig.effects.for_each([](auto& slot) {
+    if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::tyre) slot.active = false;
+  });
+  return rig;
+}
+
+}  // namespace
+
+Rig answering(const Rig& rig, const SimulationInput& input) {
+  if (input.deflection_reached) return without_machine(rig);
+  return input.wheel_prescribed ? on_prescribed_wheel(rig) : rig;
 }
 
 SimulationInput simulation_input(const Rig& rig, const firmware::Recording& recording) {
@@ -62,6 +80,7 @@ SimulationInput simulation_input(const Rig& rig, const firmware::Recording& reco
 std::vector<Channel> response_channels(RigKind kind, const SimulationInput& input) {
   switch (kind) {
     case RigKind::quarter_car:
+      if (input.wheel_prescribed) return {Channel::z_b, Channel::zdd_b, Channel::dz_b, Channel::F_w};
       return {Channel::z_w, Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w, Channel::dz_b, Channel::F_w};
     case RigKind::hil:
       return {Channel::z_w,  Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w,
@@ -80,6 +99,7 @@ InitialState resting(const Rig& rig, const SimulationInput& input) {
     start(4) = first;
   } else {
     start(0) = start(2) = first;
+    if (input.wheel_prescribed && !input.motion.empty()) start(1) = start(3) = input.motion.front().velocity;
   }
   return start;
 }
@@ -92,7 +112,7 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
 Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
                   int substeps, const std::vector<Channel>& channels) {
   const bool bench = rig.kind == RigKind::component_bench;
-  const model::RigModel<> model(input.deflection_reached ? without_machine(rig) : rig, input.period / substeps);
+  const model::RigModel<> model(answering(rig, input), input.period / substeps);
   const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
   Response response;
   for (const Channel channel : channels) response[index(channel)].resize(count);

@@ -26,6 +26,7 @@ struct SimulationInput {
   std::vector<double> actuator_force;            ///< F_act [N]; empty: none
   std::vector<model::OpenDucts> ducts;           ///< in force from each sample on; empty: as in the rig description
   bool deflection_reached = false;               ///< motion is x_act
+  bool wheel_prescribed = false;                 ///< motion is the wheel's; what is below it is not simulated
   model::Channel channel = model::Channel::z_r;  ///< that the motion comes from
 
   [[nodiscard]] std::size_t size() const { return motion.size(); }
@@ -35,13 +36,14 @@ struct SimulationInput {
 [[nodiscard]] SimulationInput simulation_input(const model::RigParameters<double>& rig,
                                                const firmware::Recording& recording);
 
-/// The channels that the model computes: all of this kind of rig except its input.
+/// The channels that the model computes: all of this kind of rig except its input. On a prescribed wheel z_b, z̈_b, dz_b
+/// and F_w.
 [[nodiscard]] std::vector<model::Channel> response_channels(model::RigKind kind, const SimulationInput& input);
 
 /// z_w, ż_w, z_b, ż_b, y, ẏ
 using InitialState = model::Column<double, 6>;
 
-/// At rest above the first sample of the input.
+/// At rest above the first sample of the input; on a prescribed wheel moving with it.
 [[nodiscard]] InitialState resting(const model::RigParameters<double>& rig, const SimulationInput& input);
 
 /// Simulated channels, by model::Channel; those that the rig does not have stay empty. `samples`: how many, 0 for all.
@@ -56,8 +58,10 @@ using Response = std::array<std::vector<double>, model::channel_count>;
                                 const InitialState& start, std::size_t samples, int substeps,
                                 const std::vector<model::Channel>& channels);
 
-/// Without the machine: what is known to have been reached needs no machine.
-[[nodiscard]] model::RigParameters<double> without_machine(model::RigParameters<double> rig);
+/// The rig that answers to an input: without its machine where the deflection is known, with a wheel that follows where
+/// its motion is prescribed.
+[[nodiscard]] model::RigParameters<double> answering(const model::RigParameters<double>& rig,
+                                                     const SimulationInput& input);
 
 /// Between two samples, where the model has it (model::hermite); its z̈ is the measured one, straight between.
 [[nodiscard]] inline model::Motion<double> between_samples(const model::Motion<double>& from,

@@ -44,7 +44,8 @@ class StartProblem {
     constexpr std::size_t fewest = 10;
     samples_ = std::max(fewest, std::min(input.size(), static_cast<std::size_t>(window / input.period)));
     const bool has_car = rig.kind != RigKind::component_bench, has_piston = rig.has_fdva && rig.fdva.open_ducts > 0;
-    for (int state = 0; state < 6; ++state) {
+    const int first = input.wheel_prescribed ? 2 : 0;
+    for (int state = first; state < 6; ++state) {
       if (state < 4 ? has_car : has_piston) free_.push_back(state);
     }
     for (const auto& m : input.motion) size_ = std::max(size_, std::abs(m.position));

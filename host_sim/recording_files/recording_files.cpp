@@ -53,8 +53,8 @@ firmware::Recording read_recording(const std::filesystem::path& file, const firm
 }
 
 std::vector<firmware::Recording> read_parts(const std::filesystem::path& file, const firmware::ChannelMap& map,
-                                            std::optional<double> expected_rate) {
-  return firmware::pieces_of(read(file, map, expected_rate, firmware::Missing::mark));
+                                            std::optional<double> usual_rate) {
+  return firmware::pieces_of(read(file, map, usual_rate, firmware::Missing::mark));
 }
 
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording) {

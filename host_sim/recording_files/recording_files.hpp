@@ -29,10 +29,12 @@ namespace host_sim {
 
 /// The same for an analysis that can leave samples out: values that are NaN and rows that are missing, up to 5 % of the
 /// rows and 10 % with long gaps, are marked (Recording::filled), and a recording with gaps beyond 20 ms comes in parts
-/// (firmware/recording/recording_gaps.hpp). The remark of the first part says what was left out.
+/// (firmware/recording/recording_gaps.hpp). The remark of the first part says what was left out. The recording may run
+/// at another rate than `usual_rate`, the rig's, which only counts where it is that one (firmware::rate_if_usual); its
+/// grid may be rounded (firmware::recover_grid).
 [[nodiscard]] std::vector<firmware::Recording> read_parts(const std::filesystem::path& file,
                                                           const firmware::ChannelMap& map = {},
-                                                          std::optional<double> expected_rate = std::nullopt);
+                                                          std::optional<double> usual_rate = std::nullopt);
 
 /// Writes all columns present, `t` first: MATLAB 5 if the name ends in .mat, else CSV with the shortest decimals that
 /// read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).

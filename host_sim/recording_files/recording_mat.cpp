@@ -403,7 +403,10 @@ firmware::Recording read_recording_mat(const std::filesystem::path& path, const 
                                std::string(firmware::quantity_name(q)) + " has " + std::to_string(size) + " samples",
                                std::to_string(recording.size()) + " as in t");
   }
-  if (missing == firmware::Missing::mark) fill_gaps(recording, {}, location, expected_rate, missing);
+  if (missing == firmware::Missing::mark) {
+    expected_rate = firmware::rate_if_usual(recording.time, firmware::StampRounding{}, expected_rate);
+    fill_gaps(recording, {}, location, expected_rate, missing);
+  }
   firmware::check_time(recording, firmware::StampRounding{}, location, expected_rate);
   return recording;
 }

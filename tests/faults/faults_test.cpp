@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/faults/campaign.hpp"
+#include "tests/faults/session_trial.hpp"
 
 namespace {
 
@@ -18,6 +19,18 @@ TEST(Faults, AHundredScenariosKeepTheInvariants) {
   }
   EXPECT_GE(runs, 50) << "most scenarios come to a run";
   EXPECT_GE(faults, 30) << "and many end by a fault";
+}
+
+// Law. The program's own session leaves a recording with every period up to its end, the reason of its last row in its
+// last line, and a status that says whether that was a fault.
+TEST(Faults, TenSessionsLeaveTheirReasonAndStatus) {
+  int faults = 0;
+  for (std::uint64_t seed = 10; seed <= 100; seed += 10) {
+    const faults::SessionEnd end = faults::play_session(seed);
+    EXPECT_EQ(end.violated, "") << "seed " << seed;
+    faults += is_fault(end.reason) ? 1 : 0;
+  }
+  EXPECT_GE(faults, 3);
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ std::vector<Overlay> overlays_of(const IdentificationProblem& problem, const Hyp
     overlay.error_refit = densities.of_error(data, by_refit[c]);
     overlay.error_after = densities.of_error(data, by_after[c]);
     overlay.frequency = densities.frequency();
-    overlay.noise = 2.0 * samples.noise[c] * samples.noise[c] / rate;
+    overlay.noise = 2.0 * samples.noise[c] * samples.noise[c] * samples.compared_period();
     for (std::size_t k = from; k < from + length; ++k) {
       overlay.time.push_back(samples.recording.time[k]);
       overlay.measured.push_back(data[k]);

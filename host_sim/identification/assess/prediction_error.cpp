@@ -29,13 +29,17 @@ double noise_floor(const IdentificationProblem& problem, Channel channel) {
     const PreparedRecording& samples = *r.samples;
     const auto& measured = samples.recording[channel];
     const Window window = samples.comparable(channel, r.held_out);
-    for (std::size_t k = window.from; k < window.to; ++k) data += std::pow(measured[k], 2);
+    double count = 0.0;
+    for (std::size_t k = samples.compared_from(window.from); k < window.to; k += samples.step) {
+      data += std::pow(measured[k], 2);
+      count += 1.0;
+    }
     double variance = samples.noise[c] * samples.noise[c] + r.input_noise.variance[c];
     if (channel == Channel::zdd_r) {  // z_r alone says nothing of faster motion
       variance += variance_above(thresholds::acceleration_edge * samples.acceleration_known, measured, window,
                                  samples.noise[c], samples.input.period);
     }
-    noise += variance * static_cast<double>(window.size());
+    noise += variance * count;
   }
   return data > 0.0 ? std::sqrt(noise / data) : 0.0;
 }

@@ -99,7 +99,8 @@ std::vector<FreeParameter> start_parameters(const firmware::RigDescription& desc
     double size = 0.0;
     for (const auto& m : recordings[r].input.motion) size = std::max(size, std::abs(m.position));
     size = std::max(size, 1e-6);
-    for (int state = 0; state < 6; ++state) {
+    const int first = recordings[r].input.wheel_prescribed ? 2 : 0;
+    for (int state = first; state < 6; ++state) {
       if (!(state < 4 ? has_car : has_piston)) continue;
       parameters.push_back({.role = FreeParameter::Role::start,
                             .path = "",
@@ -148,6 +149,9 @@ std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effec
 SearchSpace search_space(const firmware::RigDescription& description, const std::vector<PreparedRecording>& recordings,
                          Hypothesis given) {
   SearchSpace space{std::move(given), tolerated_parameters(description), {}, suspect_parameters(description)};
+  const auto unseen = [&](const FreeParameter& p) { return !recordings.front().shows(p.path); };
+  std::erase_if(space.tolerated, unseen);
+  std::erase_if(space.suspects, unseen);
   space.common = space.tolerated;
   for (FreeParameter& start : start_parameters(description, recordings)) space.common.push_back(std::move(start));
   return space;

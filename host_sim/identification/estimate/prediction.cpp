@@ -109,7 +109,7 @@ Eigen::VectorXd residuals(const IdentificationProblem& problem, const Prediction
 
 std::vector<Eigen::VectorXd> residuals_of_each(const IdentificationProblem& problem,
                                                const std::vector<Variation>& variations, bool half_substeps,
-                                               const Prediction& base) {
+                                               const Prediction* base) {
   const auto& recordings = problem.recordings();
   std::vector<std::vector<Spectra>> seen(variations.size(), std::vector<Spectra>(recordings.size()));
   const std::vector<Batch> batches = batches_of(problem, variations);
@@ -135,10 +135,9 @@ std::vector<Eigen::VectorXd> residuals_of_each(const IdentificationProblem& prob
     for (std::size_t i = 0; i < recordings.size(); ++i) {
       if (!recordings[i].is_fitted()) continue;
       const bool moved = !variations[v].recording || *variations[v].recording == i;
-      recordings[i].fit_whitening->whiten(moved ? seen[v][i] : base.seen[i], out);
+      recordings[i].fit_whitening->whiten(moved ? seen[v][i] : (base != nullptr ? base->seen : seen.back())[i], out);
       out += recordings[i].fit_whitening->count();
     }
-    seen[v].clear();
   });
   return values;
 }

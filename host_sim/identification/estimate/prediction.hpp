@@ -33,10 +33,11 @@ struct Variation {
 };
 
 /// residuals(problem, predict(problem, hypothesis, half_substeps)) of each variation, bit for bit, with simulations
-/// side by side (comparison/side_by_side.hpp). Recordings in which a variation does not differ are those of `base`.
+/// side by side (comparison/side_by_side.hpp). Recordings in which a variation does not differ are those of `base`;
+/// nullptr: those of the last variation, which then is the base.
 [[nodiscard]] std::vector<Eigen::VectorXd> residuals_of_each(const IdentificationProblem& problem,
                                                              const std::vector<Variation>& variations,
-                                                             bool half_substeps, const Prediction& base);
+                                                             bool half_substeps, const Prediction* base);
 
 /// Whitened residuals of the fitted windows, recording after recording (noise/whitening.hpp).
 [[nodiscard]] Eigen::VectorXd residuals(const IdentificationProblem& problem, const Prediction& prediction);

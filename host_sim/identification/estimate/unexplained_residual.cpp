@@ -120,7 +120,7 @@ void SquaredError::add(const PreparedRecording& recording, model::Channel channe
                        Window window) {
   const auto c = index(channel);
   window = recording.comparable(channel, window);
-  for (std::size_t k = window.from; k < window.to; ++k) {
+  for (std::size_t k = recording.compared_from(window.from); k < window.to; k += recording.step) {
     if (!recording.clipped[c].empty() && recording.clipped[c][k]) continue;
     const double measured = recording.recording[channel][k];
     error += std::pow(response[c][k] - measured, 2);

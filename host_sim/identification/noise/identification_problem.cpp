@@ -42,7 +42,7 @@ bool IdentificationProblem::has_held_out() const {
 }
 
 bool IdentificationProblem::update_input_noise(const Hypothesis& hypothesis) {
-  if (!(samples_->front().input_noise.position > 0.0)) return false;
+  if (!samples_->front().input_noise.any()) return false;
   for_all(recordings_.size(), [&](std::size_t i) {
     // Over the whole window, not a truncated one: the covariance is the same, and better known.
     const PreparedRecording& r = *recordings_[i].samples;

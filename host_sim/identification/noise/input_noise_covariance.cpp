@@ -8,16 +8,27 @@
 #include "firmware/simulation/gaussian.hpp"
 #include "host_sim/identification/noise/whitening.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/input_fusion.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
+#include "host_sim/signal/interpolation.hpp"
 #include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::identification {
 namespace {
 
-/// Noise of the input, as it passes the fusion, and the input with it.
+/// Noise of the recorded samples of an input, between them interpolated as the input is.
+std::vector<double> noise_of_input(const PreparedRecording& recording, double rms, firmware::Gaussian& gaussian) {
+  std::vector<double> noise((recording.size() + recording.step - 1) / recording.step);
+  for (double& v : noise) v = rms * gaussian();
+  noise = Interpolation(recording.step)(noise);
+  noise.resize(recording.size(), 0.0);
+  return noise;
+}
+
+/// Noise of the input, as it passes the fusion or the integration, and the input with it.
 struct NoisyInput {
-  std::vector<double> position;
+  std::vector<double> noise;  ///< P of (1): of the position, of an acceleration that is integrated before that
   SimulationInput input;
 };
 NoisyInput noisy_input(const PreparedRecording& recording, int realisation) {
@@ -25,14 +36,23 @@ NoisyInput noisy_input(const PreparedRecording& recording, int realisation) {
   const std::size_t n = recording.size();
   const double period = recording.input.period;
   firmware::Gaussian gaussian(1, static_cast<std::uint32_t>(realisation));
-  NoisyInput noisy{std::vector<double>(n), recording.input};
-  for (double& v : noisy.position) v = noise.position * gaussian();
-  if (noise.acceleration > 0.0) {
-    std::vector<double> acceleration(n);
-    for (double& v : acceleration) v = noise.acceleration * gaussian();
-    noisy.position = fused_displacement(noisy.position, acceleration, noise.position, noise.acceleration, period);
+  NoisyInput noisy{{}, recording.input};
+  std::vector<double> position;
+  if (noise.position > 0.0) {
+    position = noise_of_input(recording, noise.position, gaussian);
+    if (noise.acceleration > 0.0) {
+      const std::vector<double> acceleration = noise_of_input(recording, noise.acceleration, gaussian);
+      position = fused_displacement(position, acceleration, noise.position, noise.acceleration, period);
+    }
+    noisy.noise = position;
+  } else {
+    noisy.noise = noise_of_input(recording, noise.acceleration, gaussian);
+    position = twice_integrated(noisy.noise, period);
+    // From rest, since the state at the start is found with the noise that is there.
+    const double first = position.front(), rise = n > 1 ? position[1] - first : 0.0;
+    for (std::size_t k = 0; k < n; ++k) position[k] -= first + rise * static_cast<double>(k);
   }
-  firmware::FootPointMotion motion = firmware::through_samples(noisy.position, 1.0 / period);
+  firmware::FootPointMotion motion = firmware::through_samples(position, 1.0 / period);
   if (recording.acceleration_known > 0.0) {
     smooth_acceleration(motion, thresholds::acceleration_edge * recording.acceleration_known, period);
   }
@@ -73,18 +93,20 @@ struct BandSums {
 
 /// (3)
 double input_density(const InputNoise& noise, double f, double period) {
+  if (!(noise.position > 0.0)) return noise.acceleration * noise.acceleration;
   const double density = noise.position * noise.position;
   if (!(noise.acceleration > 0.0)) return density;
   const double curvature = std::pow(2.0 * std::sin(std::numbers::pi * f * period) / period, 2);
   return 1.0 / (1.0 / density + std::pow(curvature / noise.acceleration, 2));
 }
 
-/// Spectra of a tapered window.
+/// Spectra of a tapered window, of the samples that are compared.
 class WindowSpectrum {
  public:
-  explicit WindowSpectrum(Window window)
+  WindowSpectrum(Window window, std::size_t step)
       : from_(window.from),
-        length_(good_fft_size_at_most(window.size())),
+        step_(step),
+        length_(good_fft_size_at_most(window.size() / step)),
         taper_(hann_window(length_)),
         transform_(length_) {}
 
@@ -97,13 +119,13 @@ class WindowSpectrum {
   template <class ValueAt>
   [[nodiscard]] Spectrum operator()(const ValueAt& value_at) {
     std::vector<double> tapered(length_);
-    for (std::size_t k = 0; k < length_; ++k) tapered[k] = taper_[k] * value_at(from_ + k);
+    for (std::size_t k = 0; k < length_; ++k) tapered[k] = taper_[k] * value_at(from_ + k * step_);
     const auto bins = transform_(tapered);
     return {bins.begin(), bins.end()};
   }
 
  private:
-  std::size_t from_, length_;
+  std::size_t from_, step_, length_;
   std::vector<double> taper_;
   RealTransform transform_;
 };
@@ -113,13 +135,15 @@ class WindowSpectrum {
 InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording, const Hypothesis& hypothesis,
                                             const InitialState& start, Window window) {
   InputNoiseCovariance result;
-  if (!(recording.input_noise.position > 0.0) || window.size() < thresholds::shortest_covariance_window) return result;
-  const double period = recording.input.period;
+  if (!recording.input_noise.any() || window.size() / recording.step < thresholds::shortest_covariance_window) {
+    return result;
+  }
+  const double period = recording.compared_period();
   const auto m = static_cast<Eigen::Index>(recording.channels.size());
   const Resolution resolution{recording.substeps};
   const Response clean = read_channels(hypothesis, recording, recording.input, start, window.to, resolution);
 
-  WindowSpectrum spectrum_of(window);
+  WindowSpectrum spectrum_of(window, recording.step);
   const double line = 1.0 / (period * static_cast<double>(spectrum_of.length()));
   const double top = std::min(thresholds::highest_frequency, thresholds::highest_share_of_rate / period);
   const auto bands = static_cast<std::size_t>(top / thresholds::covariance_band) + 1;
@@ -128,7 +152,7 @@ InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording, 
   for (int realisation = 0; realisation < realisations; ++realisation) {
     const NoisyInput noisy = noisy_input(recording, realisation);
     const Response disturbed = read_channels(hypothesis, recording, noisy.input, start, window.to, resolution);
-    const Spectrum input = spectrum_of([&](std::size_t k) { return noisy.position[k]; });
+    const Spectrum input = spectrum_of([&](std::size_t k) { return noisy.noise[k]; });
     Spectra outputs;
     for (const model::Channel channel : recording.channels) {
       const auto c = index(channel);
@@ -149,8 +173,9 @@ InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording, 
   }
   for (std::size_t b = 0; b < bands; ++b) {
     const double f = (static_cast<double>(b) + 0.5) * thresholds::covariance_band;
-    result.spectrum.push_back(
-        sums[b].covariance(input_density(recording.input_noise, f, period), spectrum_of.taper_power()));
+    double density = input_density(recording.input_noise, f, recording.input.period);
+    if (b == 0) density += recording.input_noise.mean_variance * static_cast<double>(spectrum_of.length());
+    result.spectrum.push_back(sums[b].covariance(density, spectrum_of.taper_power()));
   }
   return result;
 }

@@ -18,7 +18,8 @@ double held_noise(const PreparedRecording& recording, model::Channel channel, do
   if (!renewals) return 1.0;
   const double x = std::numbers::pi * f * renewals->period * recording.input.period;
   const double sinc = x > 1e-6 ? std::sin(x) / x : 1.0;
-  return std::max(renewals->period * sinc * sinc, thresholds::least_held_noise);
+  const double samples = renewals->period / static_cast<double>(recording.step);
+  return std::max(samples * sinc * sinc, thresholds::least_held_noise);
 }
 
 /// A Fourier transform borrowed from a shared list: a plan costs more than a transform, and serves one thread at a
@@ -64,12 +65,13 @@ class LentTransform {
 
 Whitening::Whitening(const PreparedRecording& recording, Window window,
                      const std::vector<Eigen::MatrixXcd>& input_noise, double model_error)
-    : decimation_(1.0 / recording.input.period, thresholds::highest_frequency),
+    : decimation_(1.0 / recording.compared_period(), thresholds::highest_frequency),
       window_(window),
+      step_(recording.step),
       channels_(recording.channels.size()),
-      period_(recording.input.period) {
-  length_ = decimation_.factor() * good_fft_size_at_most(window.size() / decimation_.factor());
-  window_.to = window_.from + length_;
+      period_(recording.compared_period()) {
+  length_ = decimation_.factor() * good_fft_size_at_most(window.size() / step_ / decimation_.factor());
+  window_.to = window_.from + length_ * step_;
   const double resolution = 1.0 / (period_ * static_cast<double>(length_));
   const double top = std::min(thresholds::highest_frequency, thresholds::highest_share_of_rate / period_);
   bins_ = static_cast<std::size_t>(top / resolution) + 1;
@@ -79,7 +81,7 @@ Whitening::Whitening(const PreparedRecording& recording, Window window,
     const auto& values = recording.recording[recording.channels[c]];
     data_.push_back(spectrum(recording, c, values));
     double sum = 0.0;
-    for (std::size_t k = window_.from; k < window_.to; ++k) sum += values[k] * values[k];
+    for (std::size_t k = window_.from; k < window_.to; k += step_) sum += values[k] * values[k];
     mean_squares.push_back(sum / static_cast<double>(length_));
   }
   const auto bands = static_cast<std::size_t>(top / thresholds::covariance_band) + 1;
@@ -153,11 +155,11 @@ Spectrum Whitening::spectrum(const PreparedRecording& recording, std::size_t cha
                              const std::vector<double>& readings) const {
   std::vector<double> tapered(length_);
   const double* const values = readings.data() + window_.from;
-  for (std::size_t k = 0; k < length_; ++k) tapered[k] = taper_[k] * values[k];
+  for (std::size_t k = 0; k < length_; ++k) tapered[k] = taper_[k] * values[k * step_];
   const std::vector<bool>& clipped = recording.clipped[index(recording.channels[channel])];
   if (!clipped.empty()) {
     for (std::size_t k = 0; k < length_; ++k) {
-      if (clipped[window_.from + k]) tapered[k] = 0.0;
+      if (clipped[window_.from + k * step_]) tapered[k] = 0.0;
     }
   }
   const std::vector<double> decimated = decimation_(std::move(tapered));

@@ -25,6 +25,8 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 ///   (3)  whitened = √(2/Σw²) L(f)⁻¹ R(f),   Σ = L Lᴴ (Cholesky)
 ///   (4)  h_c(f) = P sinc²(f P h) of a channel that is held for P samples, whose noise is held too; else 1
 ///
+/// k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
+///
 /// N: covariance of what the input's noise makes of the channels (input_noise_covariance.hpp); S_c: power of the
 /// channel; ε: error of the simulation itself; ε_c: an allowed error of the model, alike at every frequency.
 ///
@@ -66,6 +68,7 @@ class Whitening {
 
   Decimation decimation_;
   Window window_;
+  std::size_t step_ = 1;  ///< samples for each one that is compared
   std::size_t length_ = 0, bins_ = 0, channels_ = 0;
   double period_ = 0.0;
   double taper_power_ = 0.0;  ///< Σ w²

@@ -8,6 +8,7 @@
 #include "host_sim/identification/parity/describe_residual.hpp"
 #include "host_sim/identification/parity/relation_fit.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -109,10 +110,10 @@ class OriginGain {
 };
 
 ParityResidual check(const firmware::RigDescription& description, const std::vector<firmware::Recording>& recordings,
-                     const SmoothWindow& window, const ParityRelation& relation) {
+                     const SmoothWindow& window, const ParityRelation& relation, double highest) {
   ParityResidual out;
   out.relation = relation.words;
-  const RelationFit fit(description, recordings, window, relation);
+  const RelationFit fit(description, recordings, window, relation, highest);
   if (!fit.has_data()) return out;
   compare_with_noise(fit, out);
   const OriginGain gain(description, recordings.front(), relation, fit.spectra(), window);
@@ -138,17 +139,27 @@ std::vector<ParityResidual> parity_residuals(const firmware::RigDescription& des
         subsystem != model::Subsystem::machine)
       return {};
   }
-  std::vector<firmware::Recording> parts;  // copies of two minutes at most, made once
+  std::vector<firmware::Recording> parts;  // copies of two minutes at most, made once, of one rate
+  firmware::RigDescription known = description;
+  double highest = thresholds::parity_band_edges.back();
   for (const PreparedRecording& r : recordings) {
+    const double period = r.recording.sample_period;
+    if (!parts.empty() && std::abs(period - parts.front().sample_period) > 1e-6 * period) continue;
     const auto most = static_cast<std::size_t>(thresholds::parity_length / r.recording.sample_period);
     const Window window{r.fitted.from, std::min(r.fitted.to, r.fitted.from + most)};
-    if (r.fitted.size() > 0) parts.push_back(cut(r.recording, window));
+    if (r.fitted.size() == 0) continue;
+    parts.push_back(cut(r.recording, window));
+    // White at every sample, with the density of the noise of those that were recorded.
+    for (std::size_t c = 0; c < r.noise.size() && parts.size() == 1; ++c) {
+      if (r.noise[c] > 0.0) known.noise[c] = r.noise[c] * std::sqrt(static_cast<double>(r.step));
+    }
+    highest = std::min(highest, thresholds::recorded_share_of_rate / r.compared_period());
   }
   if (parts.empty()) return {};
   const SmoothWindow window(parts.front().sample_period);
   std::vector<ParityResidual> list;
   for (const ParityRelation& relation : parity_relations(description.rig, parts.front())) {
-    list.push_back(check(description, parts, window, relation));
+    list.push_back(check(known, parts, window, relation, highest));
   }
   return list;
 }

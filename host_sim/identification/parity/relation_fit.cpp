@@ -48,8 +48,8 @@ Series simulate_bench(const model::RigParameters<double>& bench, const firmware:
 
 RelationFit::RelationFit(const firmware::RigDescription& description,
                          const std::vector<firmware::Recording>& recordings, const SmoothWindow& window,
-                         const ParityRelation& relation)
-    : description_(description), recordings_(recordings), window_(window), relation_(relation) {
+                         const ParityRelation& relation, double highest)
+    : description_(description), recordings_(recordings), window_(window), relation_(relation), highest_(highest) {
   full_gauss_newton_steps(*this, thresholds::parity_steps, thresholds::parity_converged);
 }
 
@@ -176,8 +176,8 @@ void RelationFit::find_spectra() {
   const std::size_t length = good_fft_size(static_cast<std::size_t>(thresholds::parity_block * rate));
   const auto size = static_cast<Eigen::Index>(linear_.change.size()) + 1;
   BlockTransform transform(hann_window(length), Detrend::none);
-  const double resolution = rate / static_cast<double>(length), top = thresholds::parity_band_edges.back();
-  const auto bins = std::min(transform.bins(), static_cast<std::size_t>(top / resolution) + 1);
+  const double resolution = rate / static_cast<double>(length);
+  const auto bins = std::min(transform.bins(), static_cast<std::size_t>(highest_ / resolution) + 1);
   // Freed from the mean as the window weights it: a constant c is c W₀ at 0 and −c W₀/2 at the next line. The plain
   // mean of a derivative is the difference of its ends, which would carry fast noise down here.
   const auto transformed = [&](const Series& s, std::size_t from) {

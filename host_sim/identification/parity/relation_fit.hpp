@@ -10,6 +10,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/identification/parity/parity_relation.hpp"
+#include "host_sim/identification/parity/thresholds.hpp"
 #include "host_sim/least_squares/gauss_newton.hpp"
 
 namespace host_sim::identification {
@@ -38,7 +39,8 @@ struct RelationSpectra {
 class RelationFit {
  public:
   RelationFit(const firmware::RigDescription& description, const std::vector<firmware::Recording>& recordings,
-              const SmoothWindow& window, const ParityRelation& relation);
+              const SmoothWindow& window, const ParityRelation& relation,
+              double highest = thresholds::parity_band_edges.back());
 
   [[nodiscard]] bool has_data() const { return spectra_.blocks > 0.0; }
   [[nodiscard]] const RelationSpectra& spectra() const { return spectra_; }
@@ -78,6 +80,7 @@ class RelationFit {
   const std::vector<firmware::Recording>& recordings_;
   const SmoothWindow& window_;
   const ParityRelation& relation_;
+  double highest_;                            ///< [Hz] that the recordings hold
   std::map<std::string, double> deviations_;  ///< of the component's parameters so far, relative
   Linearised linear_;
   RelationSpectra spectra_;

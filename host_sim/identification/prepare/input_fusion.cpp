@@ -18,6 +18,11 @@ bool mean_acceleration(const std::vector<double>& a, std::size_t k, double& valu
   return std::isfinite(value);
 }
 
+/// [Hz] up to where a recording holds its signal: the interpolation's filter ends there.
+double highest_recorded(double period, std::size_t step) {
+  return thresholds::recorded_share_of_rate / (period * static_cast<double>(step));
+}
+
 }  // namespace
 
 std::vector<double> fused_displacement(const std::vector<double>& displacement, const std::vector<double>& acceleration,
@@ -61,7 +66,7 @@ std::vector<double> fused_displacement(const std::vector<double>& displacement, 
 }
 
 bool disagree(const std::vector<double>& displacement, const std::vector<double>& acceleration,
-              double displacement_noise, double acceleration_noise, double period) {
+              double displacement_noise, double acceleration_noise, double period, std::size_t step) {
   const std::size_t n = displacement.size() >= 64 ? good_fft_size_at_most(displacement.size() - 2) : 0;
   if (n < 32) return false;
   std::vector<double> difference(n);
@@ -81,7 +86,7 @@ bool disagree(const std::vector<double>& displacement, const std::vector<double>
   for (std::size_t k = 1; k < bins.size(); ++k) {
     const double f = resolution * static_cast<double>(k);
     const std::size_t b = noise_band_of(f);
-    if (b >= noise_bands) break;
+    if (b >= noise_bands || f > highest_recorded(period, step)) break;
     const double sine = std::pow(std::sin(std::numbers::pi * f * period), 2);
     const double variance = std::pow(acceleration_noise * (1.0 - sine / 3.0), 2) +
                             std::pow(displacement_noise * 4.0 * sine / (period * period), 2);
@@ -99,12 +104,12 @@ bool disagree(const std::vector<double>& displacement, const std::vector<double>
   return false;
 }
 
-double known_up_to(const std::vector<double>& displacement, double noise, double period) {
+double known_up_to(const std::vector<double>& displacement, double noise, double period, std::size_t step) {
   const PowerSpectrum spectrum = welch(displacement, 1.0 / period, static_cast<std::size_t>(1.0 / period));
   const double floor = 2.0 * noise * noise * period;
   double known = thresholds::lowest_known_frequency;
-  for (std::size_t k = 0; k < spectrum.frequency.size() && spectrum.frequency[k] <= thresholds::highest_known_frequency;
-       ++k) {
+  const double highest = std::min(thresholds::highest_known_frequency, highest_recorded(period, step));
+  for (std::size_t k = 0; k < spectrum.frequency.size() && spectrum.frequency[k] <= highest; ++k) {
     if (spectrum.density[k] > thresholds::power_above_noise * floor) known = std::max(known, spectrum.frequency[k]);
   }
   return known;

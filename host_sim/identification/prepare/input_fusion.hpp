@@ -1,6 +1,7 @@
 // Input fusion: the motion of the foot point from a displacement and an acceleration sensor.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "firmware/simulation/road.hpp"
@@ -27,11 +28,13 @@ namespace host_sim::identification {
 ///   (2)  σ_a² |M|² + σ_z² (4 sin²(πfh)/h²)²,   M = 1 − sin²(πfh)/3
 ///
 /// by thresholds::input_disagreement and input_disagreement_share. Samples of A that are not finite are left out.
+/// `step`: samples for each one that was recorded; nothing above 0.45 of the recorded rate is compared.
 [[nodiscard]] bool disagree(const std::vector<double>& displacement, const std::vector<double>& acceleration,
-                            double displacement_noise, double acceleration_noise, double period);
+                            double displacement_noise, double acceleration_noise, double period, std::size_t step = 1);
 
-/// The highest frequency at which a displacement is above its white noise [Hz], 10 … 90.
-[[nodiscard]] double known_up_to(const std::vector<double>& displacement, double noise, double period);
+/// The highest frequency at which a displacement is above its white noise [Hz], 10 … 90 and 0.45 of the recorded rate.
+[[nodiscard]] double known_up_to(const std::vector<double>& displacement, double noise, double period,
+                                 std::size_t step = 1);
 
 /// z̈ of a motion through samples, up to `highest` [Hz]: above, the noise of a displacement grows with f². A symmetric
 /// filter of ± acceleration_reach; at the ends the last value goes on.

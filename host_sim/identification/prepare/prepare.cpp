@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "firmware/description/input_error.hpp"
+#include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/prepare/validation.hpp"
 
@@ -61,6 +62,7 @@ void add_remarks(const PreparedRecording& r, const firmware::RigDescription& des
                   std::string(model::name(channel)).c_str(), r.noise[c], std::string(model::unit(channel)).c_str());
     remarks.emplace_back(text);
   }
+  if (const std::string road = road_remark(r.input); !road.empty()) remarks.push_back(source + ": " + road);
   if (r.inputs_disagree) {
     remarks.push_back(source + ": z_r and zdd_r are inconsistent; the foot point follows z_r alone");
   }
@@ -85,11 +87,12 @@ PreparedData prepare(const firmware::RigDescription& description, std::vector<Re
   data.remarks = validate(description, recordings);
   data.remarks.insert(data.remarks.end(), shortened.begin(), shortened.end());
   // What one recording shows of the sensors holds for all: they are explained with the same channels.
-  const bool disagree = std::any_of(records.begin(), records.end(), [&](const Record& record) {
-    return inputs_disagree(description, record.recording);
-  });
-  for (Record& record : records) {
-    data.recordings.push_back(prepare_recording(description, std::move(record.recording), record.use, disagree));
+  std::vector<SampledRecording> all;
+  for (Record& record : records) all.push_back(sampled(description, std::move(record.recording)));
+  const bool disagree = std::any_of(all.begin(), all.end(),
+                                    [&](const SampledRecording& one) { return inputs_disagree(description, one); });
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    data.recordings.push_back(prepare_recording(description, std::move(all[i]), records[i].use, disagree));
     add_remarks(data.recordings.back(), description, data.remarks);
   }
   check_channels(data.recordings);

@@ -1,11 +1,13 @@
 #include "host_sim/identification/prepare/prepared_recording.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/number_text.hpp"
 #include "host_sim/comparison/start_state.hpp"
+#include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/input_fusion.hpp"
-#include "host_sim/identification/prepare/sensor_noise.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -17,66 +19,76 @@ namespace {
 
 /// The two sensors of the foot point; nullopt where they are not both recorded, or one is without noise.
 struct FootSensors {
-  double position_noise, acceleration_noise;
-  std::vector<double> acceleration;  ///< not a number where clipped
+  double position_noise, acceleration_noise;  ///< at every sample
+  std::vector<double> acceleration;           ///< not a number where clipped
 };
-std::optional<FootSensors> foot_sensors(const firmware::RigDescription& description,
-                                        const firmware::Recording& recording) {
+std::optional<FootSensors> foot_sensors(const firmware::RigDescription& description, const SampledRecording& sampled) {
+  const firmware::Recording& recording = sampled.recording;
   if (description.rig.kind != RigKind::quarter_car) return std::nullopt;
   if (!recording.has(Channel::z_r) || !recording.has(Channel::zdd_r)) return std::nullopt;
-  FootSensors sensors{sensor_noise(description, recording, Channel::z_r),
-                      sensor_noise(description, recording, Channel::zdd_r), recording[Channel::zdd_r]};
+  FootSensors sensors{sampled.noise_at_every_sample(Channel::z_r), sampled.noise_at_every_sample(Channel::zdd_r),
+                      recording[Channel::zdd_r]};
   if (!(sensors.position_noise > 0.0) || !(sensors.acceleration_noise > 0.0)) return std::nullopt;
-  if (const auto& range = description.range[index(Channel::zdd_r)]) {
-    for (double& a : sensors.acceleration) a = range->holds(a) ? a : std::nan("");
+  const std::vector<bool>& clipped = sampled.clipped[index(Channel::zdd_r)];
+  for (std::size_t k = 0; k < clipped.size(); ++k) {
+    if (clipped[k]) sensors.acceleration[k] = std::nan("");
   }
   return sensors;
 }
 
 void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& description,
-                   const firmware::Recording& recording, bool disagree) {
+                   const SampledRecording& sampled, bool disagree) {
+  const firmware::Recording& recording = sampled.recording;
   const Channel input = prepared.input.channel;
   if (input == Channel::x_cmd) return;  // computed, without noise
-  const double position_noise = sensor_noise(description, recording, input);
-  prepared.input_noise.position = position_noise;
-  const auto sensors = foot_sensors(description, recording);
+  const bool integrated = input == Channel::zdd_r || input == Channel::zdd_w;
+  (integrated ? prepared.input_noise.acceleration : prepared.input_noise.position) = sampled.noise[index(input)];
+  if (integrated) {
+    double squares = 0.0;
+    for (const auto& m : prepared.input.motion) squares += m.velocity * m.velocity;
+    const auto n = static_cast<double>(prepared.input.size());
+    prepared.input_noise.mean_variance = 2.0 * squares / n / std::pow(n * recording.sample_period, 2);
+  }
+  const auto sensors = foot_sensors(description, sampled);
   if (!sensors) return;
   const double h = recording.sample_period;
   prepared.inputs_disagree = disagree;
   if (disagree) {
     prepared.input.motion = firmware::through_samples(recording[Channel::z_r], 1.0 / h);
-    prepared.acceleration_known = known_up_to(recording[Channel::z_r], position_noise, h);
+    prepared.acceleration_known = known_up_to(recording[Channel::z_r], sensors->position_noise, h, prepared.step);
     smooth_acceleration(prepared.input.motion, thresholds::acceleration_edge * prepared.acceleration_known, h);
     return;
   }
-  prepared.input.motion = firmware::through_samples(fused_displacement(recording[Channel::z_r], sensors->acceleration,
-                                                                       position_noise, sensors->acceleration_noise, h),
-                                                    1.0 / h);
-  prepared.input_noise.acceleration = sensors->acceleration_noise;
-}
-
-/// Samples that were not recorded or lie outside the measuring range; empty: none.
-std::vector<bool> clipped_samples(const firmware::RigDescription& description, const firmware::Recording& recording,
-                                  Channel channel) {
-  const auto& data = recording[channel];
-  const auto& range = description.range[index(channel)];
-  if (!range && recording.filled.empty()) return {};
-  std::vector<bool> clipped = recording.filled;
-  clipped.resize(data.size());
-  for (std::size_t k = 0; k < data.size(); ++k) clipped[k] = clipped[k] || (range && !range->holds(data[k]));
-  if (std::find(clipped.begin(), clipped.end(), true) == clipped.end()) clipped.clear();
-  return clipped;
+  prepared.input.motion =
+      firmware::through_samples(fused_displacement(recording[Channel::z_r], sensors->acceleration,
+                                                   sensors->position_noise, sensors->acceleration_noise, h),
+                                1.0 / h);
+  prepared.input_noise.acceleration = sampled.noise[index(Channel::zdd_r)];
 }
 
 void split(PreparedRecording& prepared, Use use, std::size_t samples) {
+  const std::size_t step = prepared.step;
   std::size_t end = samples;
   if (use == Use::shared) end -= samples / thresholds::held_out_part;
   if (use == Use::held_out) end = 0;
+  if (end < samples) end = end / step * step;
   prepared.fitted = {0, end};
   prepared.held_out = {end, samples};
 }
 
 }  // namespace
+
+bool PreparedRecording::shows(std::string_view parameter_path) const {
+  if (!input.wheel_prescribed) return true;
+  if (parameter_path.starts_with("tyre.")) return false;
+  return !parameter_path.starts_with("wheel.") || explains(Channel::F_w);
+}
+
+bool PreparedRecording::shows(const firmware::CatalogueEntry& effect) const {
+  if (!input.wheel_prescribed || effect.of_channel) return true;
+  if (effect.subsystem == model::Subsystem::wheel_guide) return explains(Channel::F_w);
+  return effect.subsystem != model::Subsystem::tyre && effect.subsystem != model::Subsystem::sensor;
+}
 
 Window PreparedRecording::comparable(Channel channel, Window window) const {
   if (channel != Channel::zdd_r || !(acceleration_known > 0.0)) return window;
@@ -108,47 +120,57 @@ std::optional<HoldPeriod> hold_period(const std::vector<PreparedRecording>& reco
   return HoldPeriod{sum / weights, slack};
 }
 
-bool inputs_disagree(const firmware::RigDescription& description, const firmware::Recording& recording) {
-  const auto sensors = foot_sensors(description, recording);
-  return sensors && disagree(recording[Channel::z_r], sensors->acceleration, sensors->position_noise,
-                             sensors->acceleration_noise, recording.sample_period);
+bool inputs_disagree(const firmware::RigDescription& description, const SampledRecording& sampled) {
+  const auto sensors = foot_sensors(description, sampled);
+  return sensors && disagree(sampled.recording[Channel::z_r], sensors->acceleration, sensors->position_noise,
+                             sensors->acceleration_noise, sampled.recording.sample_period, sampled.step);
 }
 
 PreparedRecording prepare_recording(const firmware::RigDescription& description, firmware::Recording recording, Use use,
                                     bool disagree) {
+  return prepare_recording(description, sampled(description, std::move(recording)), use, disagree);
+}
+
+PreparedRecording prepare_recording(const firmware::RigDescription& description, SampledRecording sampled, Use use,
+                                    bool disagree) {
+  const firmware::Recording& recording = sampled.recording;
   const double duration = recording.sample_period * static_cast<double>(recording.size());
   if (duration < thresholds::shortest_recording) {
-    throw firmware::InputError(recording.source, 0, "the recording lasts " + std::to_string(duration) + " s",
-                               "at least 5 s");
+    throw firmware::InputError(recording.source, 0, "the recording lasts " + firmware::shortest(duration) + " s",
+                               "at least " + firmware::shortest(thresholds::shortest_recording) + " s");
   }
   const model::RigParameters<double> rig = explained_part(description.rig);
   PreparedRecording prepared;
-  prepared.input = simulation_input(rig, recording);
+  prepared.input = driving_input(rig, recording);
+  prepared.step = sampled.step;
+  prepared.noise = sampled.noise;
   prepared.substeps = std::max(1, static_cast<int>(std::lround(prepared.input.period / thresholds::step_with_corners)));
-  prepare_input(prepared, description, recording, disagree);
+  prepare_input(prepared, description, sampled, disagree);
   prepared.at_rest = begins_at_rest(rig, prepared.input, recording);
   std::vector<Channel> simulated = response_channels(rig.kind, prepared.input);
   if (prepared.inputs_disagree) simulated.push_back(Channel::zdd_r);
+  // A sensor of F_w that feels the road's acceleration says nothing where that is not known.
+  const auto described = firmware::effects_of(rig);
+  const bool feels_road = std::any_of(described.begin(), described.end(), [&](const auto& placed) {
+    return !prepared.shows(*placed.entry) && placed.entry->subsystem == model::Subsystem::sensor;
+  });
+  if (feels_road) std::erase(simulated, Channel::F_w);
   for (const Channel channel : simulated) {
     if (!recording.has(channel)) continue;
     const auto c = index(channel);
     prepared.channels.push_back(channel);
-    prepared.renewals[c] = renewals_of(recording[channel]);
-    prepared.noise[c] = sensor_noise(description, recording, channel);
-
-    prepared.clipped[c] = clipped_samples(description, recording, channel);
+    prepared.renewals[c] = std::move(sampled.renewals[c]);
+    prepared.clipped[c] = std::move(sampled.clipped[c]);
   }
   std::vector<Channel> sensors = prepared.channels;
   if (rig.kind == model::RigKind::quarter_car) sensors.insert(sensors.end(), {Channel::z_r, Channel::zdd_r});
-  for (const Channel channel : sensors) {
-    prepared.noise_factor[index(channel)] = noise_factor(description, recording, channel);
-  }
+  for (const Channel channel : sensors) prepared.noise_factor[index(channel)] = sampled.noise_factor[index(channel)];
   if (prepared.channels.empty()) {
     throw firmware::InputError(recording.source, 0, "nothing is measured that the model could explain",
                                "one channel at least beside the input");
   }
   split(prepared, use, recording.size());
-  prepared.recording = std::move(recording);
+  prepared.recording = std::move(sampled.recording);
   return prepared;
 }
 

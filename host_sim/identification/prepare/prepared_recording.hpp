@@ -5,20 +5,27 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string_view>
 #include <vector>
 
+#include "firmware/description/effects_by_name.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/comparison/simulation.hpp"
 #include "host_sim/identification/prepare/recording_window.hpp"
 #include "host_sim/identification/prepare/sample_hold.hpp"
+#include "host_sim/identification/prepare/sampled_recording.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"
 
 namespace host_sim::identification {
 
-/// rms of the noise of the measured input [SI]; 0: none, or not known.
+/// rms of the noise of a recorded sample of the measured input [SI]; 0: none, or not known.
 struct InputNoise {
-  double position = 0.0, acceleration = 0.0;
+  double position = 0.0;      ///< of z_r or z_w; 0: the motion is an acceleration, integrated twice
+  double acceleration = 0.0;  ///< of the accelerometer beside it, or alone
+  /// Of an integrated acceleration the mean is removed, (ż(T) − ż(0))/T of which is motion: its variance.
+  double mean_variance = 0.0;
+  [[nodiscard]] bool any() const { return position > 0.0 || acceleration > 0.0; }
 };
 
 /// A recording with its input prepared, split into what is fitted and what is held out.
@@ -29,9 +36,11 @@ struct InputNoise {
 struct PreparedRecording {
   firmware::Recording recording;
   SimulationInput input;
+  /// Samples of the simulation for each one that was recorded and is compared; windows begin and end at such.
+  std::size_t step = 1;
   bool at_rest = false;                              ///< begins at rest; else the state at the first sample is unknown
   std::vector<model::Channel> channels;              ///< measured, to be explained
-  std::array<double, model::channel_count> noise{};  ///< rms [SI], declared or estimated
+  std::array<double, model::channel_count> noise{};  ///< rms of compared samples [SI], declared or estimated
   /// How much louder the noise is than declared; nullopt: not known. Of all channels with samples, inputs too.
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
   std::array<std::vector<bool>, model::channel_count> clipped{};         ///< samples not to be used; empty: none
@@ -52,7 +61,14 @@ struct PreparedRecording {
   [[nodiscard]] bool explains(model::Channel channel) const {
     return std::find(channels.begin(), channels.end(), channel) != channels.end();
   }
+  /// Whether a parameter, or an effect, moves anything that is simulated: on a prescribed wheel nothing of the tyre
+  /// does, what acts on the wheel shows in F_w alone, and a sensor that feels the road's acceleration is not known.
+  [[nodiscard]] bool shows(std::string_view parameter_path) const;
+  [[nodiscard]] bool shows(const firmware::CatalogueEntry& effect) const;
   [[nodiscard]] std::size_t size() const { return recording.size(); }
+  /// The first sample from `k` on that was recorded; from there each step-th is.
+  [[nodiscard]] std::size_t compared_from(std::size_t k) const { return (k + step - 1) / step * step; }
+  [[nodiscard]] double compared_period() const { return input.period * static_cast<double>(step); }  ///< [s]
 };
 
 /// The part of a rig that recordings of its kind are explained with: a hil rig without its virtual car, which is the
@@ -63,10 +79,12 @@ struct PreparedRecording {
 enum class Use { fitted, shared, held_out };
 
 /// Whether a recording holds z_r and zdd_r and they contradict each other (input_fusion.hpp).
-[[nodiscard]] bool inputs_disagree(const firmware::RigDescription& description, const firmware::Recording& recording);
+[[nodiscard]] bool inputs_disagree(const firmware::RigDescription& description, const SampledRecording& sampled);
 
-/// InputError where the recording does not hold what is needed: the input, a measured channel, 5 s. `disagree`: whether
-/// z_r and zdd_r are treated as contradicting each other.
+/// InputError where the recording does not hold what is needed: the input, a measured channel,
+/// thresholds::shortest_recording. `disagree`: whether z_r and zdd_r are treated as contradicting each other.
+[[nodiscard]] PreparedRecording prepare_recording(const firmware::RigDescription& description, SampledRecording sampled,
+                                                  Use use, bool disagree);
 [[nodiscard]] PreparedRecording prepare_recording(const firmware::RigDescription& description,
                                                   firmware::Recording recording, Use use, bool disagree);
 

@@ -9,9 +9,11 @@ namespace host_sim::identification::thresholds {
 
 // Length of recordings ----------------------------------------------------------------------------------------------
 
-/// [s] A shorter recording is refused. Derivation: the held-out quarter must hold two periods of a body mode of 1.5 Hz.
-/// Half: one period is held out, so nothing is confirmed. Twice: refuses usable bench recordings.
-inline constexpr double shortest_recording = 5.0;
+/// [s] A shorter recording is refused. Derivation: its fitted three quarters must hold two periods of a body mode of
+/// 1.5 Hz between tapers of 0.25 s: (2/1.5 + 0.5)/0.75 = 2.4. A channel then has 330 residuals up to 90 Hz, against
+/// some 20 parameters and states. Half: less than one period, so stiffness and start are not told apart. Twice: refuses
+/// recordings of 3.5 s, of which several say as much as a long one.
+inline constexpr double shortest_recording = 2.5;
 /// [s] Fitted at most, of each recording. Derivation: standard errors fall with √T, and memory grows with T (the
 /// Jacobian of 300 s at 1 kHz with 7 channels and 10 parameters takes 30 MB). Half: half the memory, errors 1.4 times
 /// as large. Twice: twice the time. Verdicts at half and twice: not measured.
@@ -20,6 +22,15 @@ inline constexpr double longest_fitted = 300.0;
 inline constexpr double longest_held_out = 100.0;
 /// One part in so many of a recording is held out at its end, as contract.md says.
 inline constexpr std::size_t held_out_part = 4;
+
+/// [s] Of a faster recording every n-th sample is kept. Derivation: what is compared ends at 90 Hz, and a simulation
+/// with this step is exact to 4e-5 at 30 Hz. Half: noise √2 smaller at twice the time. Twice: 6e-4 at 30 Hz, which
+/// shows.
+inline constexpr double shortest_period = 1e-3;
+
+/// [recorded rate] up to which interpolated samples are what was recorded (signal/interpolation.hpp). Half: loses half
+/// of what a recording of 100 Hz says. Twice: beyond half the rate there is nothing.
+inline constexpr double recorded_share_of_rate = 0.45;
 
 // Simulation --------------------------------------------------------------------------------------------------------
 

@@ -8,8 +8,10 @@
 #include "firmware/description/channel_map.hpp"
 #include "firmware/description/input_error.hpp"
 #include "host_sim/comparison/simulation.hpp"
+#include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/prepared_recording.hpp"
 #include "host_sim/identification/prepare/recording_window.hpp"
+#include "host_sim/identification/prepare/sampled_recording.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -100,7 +102,7 @@ Likenesses likenesses(const model::RigParameters<double>& rig, firmware::Recordi
   for (double& v : part[input]) v /= factor;
   Likenesses result;
   result[index(Channel::zdd_r)] = acceleration_of_foot_point(part);
-  const SimulationInput simulated = simulation_input(rig, part);
+  const SimulationInput simulated = driving_input(rig, part);
   const Response response = simulate(rig, simulated, resting(rig, simulated));
   const auto from = static_cast<std::size_t>(thresholds::unit_check_settling / part.sample_period);
   for (const Channel channel : response_channels(rig.kind, simulated)) {
@@ -126,7 +128,7 @@ void add_unit_errors(const model::RigParameters<double>& rig, const firmware::Re
   const auto known = [&](Channel channel) {
     return std::any_of(found.begin(), found.end(), [&](const UnitError& s) { return s.channel == channel; });
   };
-  const Channel input = simulation_input(rig, part).channel;
+  const Channel input = driving_input(rig, part).channel;
   Likenesses best = likenesses(rig, part, input, 1.0);
   double input_factor = 1.0;
   if (!known(input)) {
@@ -169,7 +171,7 @@ std::vector<UnitError> unit_errors(const firmware::RigDescription& description, 
   const std::size_t count = std::min(recording.size(), n), from = (recording.size() - count) / 2;
   std::vector<UnitError> found;
   if (static_cast<double>(count) * recording.sample_period <= thresholds::unit_check_settling) return found;
-  const firmware::Recording part = cut(recording, {from, from + count});
+  const firmware::Recording part = at_simulated_rate(cut(recording, {from, from + count}));
   add_unit_errors(explained_part(description.rig), part, found);
   if (description.rig.kind == RigKind::hil) add_unit_errors(description.rig, part, found);
   return found;

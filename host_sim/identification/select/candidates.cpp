@@ -158,6 +158,7 @@ std::vector<Candidate> candidates(const std::vector<PreparedRecording>& recordin
   const PreparedRecording& first = recordings.front();
   std::vector<Candidate> list;
   for (const firmware::CatalogueEntry& entry : firmware::catalogue()) {
+    if (!first.shows(entry)) continue;
     if (entry.of_channel) {
       for (const Channel channel : first.channels) {
         if (!firmware::has_place(hypothesis.rig, entry, channel) || is_present(entry, channel)) continue;

@@ -110,7 +110,7 @@ std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, 
       tried.push_back(start);
       variations.push_back({std::move(other), std::nullopt});
     }
-    const auto values = residuals_of_each(problem_, variations, false, base.fit.prediction);
+    const auto values = residuals_of_each(problem_, variations, false, &base.fit.prediction);
     for (std::size_t s = 0; s < tried.size(); ++s) keep(tried[s], values[s]);
     effort_.simulations += tried.size();
     std::sort(scanned[i].starts.begin(), scanned[i].starts.end(),

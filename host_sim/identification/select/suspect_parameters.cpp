@@ -23,7 +23,7 @@ void find_promises(const IdentificationProblem& problem, const Fit& base,
     Hypothesis& moved = variations.back().hypothesis;
     parameter.put(moved, parameter.get(moved) + parameter.difference);
   }
-  const std::vector<Eigen::VectorXd> values = residuals_of_each(problem, variations, false, base.prediction);
+  const std::vector<Eigen::VectorXd> values = residuals_of_each(problem, variations, false, &base.prediction);
   for (std::size_t i = 0; i < suspects.size(); ++i) {
     const Eigen::VectorXd d = (values[i] - base.residual) / suspects[i].second.difference;
     suspects[i].first = d.allFinite() ? others.free_gain(d) : 0.0;

@@ -202,6 +202,31 @@ TEST(CommandGuard, CatchesUpWithAMovingReference) {
   }
 }
 
+// (3): a reference that was too fast for 20 ms turns round while it is caught up with, as the deflection of a hil rig
+// on a rough road does. Braked as if the reference moved straight on, the command overshot by 2.1 mm, was limited for
+// 52 ms, and the run ended.
+TEST(CommandGuard, CatchesUpWithAReferenceThatTurnsRound) {
+  Limits limits;
+  limits.speed = 1.5;
+  constexpr double fast = 2.2, back = 1.4, w = 2.0 * 3.14159265358979 * 12.0;  // [m/s], [m/s], [1/s]
+  constexpr double there = fast / w, acceleration = fast * w, w_back = acceleration / back, here = back / w_back;
+  CommandGuard guard(limits, h, -there);
+  double overshoot = 0.0;
+  for (int k = 1; k <= 68; ++k) {
+    const double t = h * k, s = t - 3.14159265358979 / w;
+    const hal::Command wanted =
+        s < 0.0 ? hal::Command{-there * std::cos(w * t), fast * std::sin(w * t), acceleration * std::cos(w * t)}
+                : hal::Command{there - here + here * std::cos(w_back * s), -back * std::sin(w_back * s),
+                               -acceleration * std::cos(w_back * s)};
+    const auto verdict = guard.judge(wanted);
+    ASSERT_FALSE(verdict.hazard) << k;
+    overshoot = std::max(overshoot, verdict.command.position - wanted.position);
+    guard.passed(verdict.command);
+  }
+  EXPECT_GT(guard.limited_count(), 30U);
+  EXPECT_LT(overshoot, 0.1e-3);
+}
+
 // A zigzag between ± 0.6 m/s, 1200 m/s² at each corner, is below the speed limit. It was not noticed.
 TEST(CommandGuard, TripsOnAZigzag) {
   CommandGuard guard(Limits{}, h, 0.0);

@@ -92,7 +92,7 @@ TEST_F(DiagnoseCommand, TellsMistakesInOneLine) {
   folder.write("short.csv", "t,x_cmd,x_act,F\n0,0,0,0\n0.001,0,0,0\n0.002,0,0,0\n");
   refused(rigtwin({"diagnose", "--rig", (folder / "bench.toml").string(), "--data", (folder / "short.csv").string(),
                    "--out", (folder / "o").string()}),
-          3, "at least 5 s");
+          3, "at least 2.5 s");
   EXPECT_EQ(rigtwin({"diagnose", "--explain", "top_mount"}).status, 0);
 }
 

@@ -45,7 +45,7 @@ TEST(PreparedRecording, SplitsOffAQuarter) {
   EXPECT_FALSE(shared.explains(Channel::x_cmd));
   EXPECT_EQ(prepare_recording(bench, sample::recorded(bench), Use::fitted, false).held_out.size(), 0U);
   EXPECT_EQ(prepare_recording(bench, sample::recorded(bench), Use::held_out, false).fitted.size(), 0U);
-  EXPECT_THROW((void)prepare_recording(bench, sample::recorded(bench, 4.9), Use::fitted, false), firmware::InputError);
+  EXPECT_THROW((void)prepare_recording(bench, sample::recorded(bench, 2.4), Use::fitted, false), firmware::InputError);
 }
 
 // Point. Samples outside the measuring range are marked, and those alone.

@@ -1,0 +1,45 @@
+#include "host_sim/comparison/model_rate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_sim/signal/interpolation.hpp"
+
+namespace host_sim {
+
+std::size_t model_steps_per_sample(double sample_period, double longest) {
+  constexpr double margin = 0.05;
+  return static_cast<std::size_t>(
+      std::max(1.0, std::ceil(sample_period / std::max(longest, longest_model_step) - margin)));
+}
+
+firmware::Recording interpolated(const firmware::Recording& recording, std::size_t factor) {
+  if (factor == 1 || recording.size() < 2) return recording;
+  const std::size_t count = factor * (recording.size() - 1) + 1;
+  firmware::Recording finer;
+  finer.sample_period = recording.sample_period / static_cast<double>(factor);
+  finer.comments = recording.comments;
+  finer.source = recording.source;
+  finer.remark = recording.remark;
+  finer.ignored_columns = recording.ignored_columns;
+  finer.time.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    finer.time[k] = recording.time[k / factor] + static_cast<double>(k % factor) * finer.sample_period;
+  }
+  const Interpolation interpolation(factor);
+  for (std::size_t c = 0; c < finer.channels.size(); ++c) finer.channels[c] = interpolation(recording.channels[c]);
+  const auto held = [&](const auto& values, auto& result) {
+    if (values.empty()) return;
+    result.resize(count);
+    for (std::size_t k = 0; k < count; ++k) result[k] = values[k / factor];
+  };
+  for (std::size_t j = 0; j < finer.ducts.size(); ++j) held(recording.ducts[j], finer.ducts[j]);
+  held(recording.filled, finer.filled);
+  for (std::size_t k = 0; k < finer.filled.size(); ++k) {
+    const bool next = k % factor != 0 && recording.filled[k / factor + 1];
+    finer.filled[k] = finer.filled[k] || next;
+  }
+  return finer;
+}
+
+}  // namespace host_sim

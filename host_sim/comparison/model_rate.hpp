@@ -1,0 +1,22 @@
+// A recording at a rate at which models step.
+#pragma once
+
+#include <cstddef>
+
+#include "firmware/recording/recording.hpp"
+
+namespace host_sim {
+
+/// [s] The longest step of a simulation. Between samples the input is a cubic whose velocity has an error of (ωh)⁴/30:
+/// 4e-5 at 30 Hz and this step. Half: 3e-6, twice the time. Twice: 7e-4, and 3 % at 5 ms, which passes for an effect.
+inline constexpr double longest_model_step = 1e-3;
+
+/// Model steps for each sample of a recording, so that none is longer than `longest` by more than 5 %. `longest` is
+/// longest_model_step at least; the loop of a hil rig may be slower, which is no error of the simulation.
+[[nodiscard]] std::size_t model_steps_per_sample(double sample_period, double longest = longest_model_step);
+
+/// The recording with so many samples for each one. Those between are interpolated (signal/interpolation.hpp); ducts
+/// keep their position. What lies beside a sample that was not recorded was not recorded either.
+[[nodiscard]] firmware::Recording interpolated(const firmware::Recording& recording, std::size_t factor);
+
+}  // namespace host_sim

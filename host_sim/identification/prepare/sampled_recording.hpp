@@ -1,0 +1,41 @@
+// A recording at the rate of its simulation, with what its own samples say of the sensors.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/identification/prepare/sample_hold.hpp"
+#include "host_sim/identification/prepare/sensor_noise.hpp"
+
+namespace host_sim::identification {
+
+/// A recording comes to a rate of 1 … 2 kHz:
+///
+///   faster  every n-th sample is kept (thresholds::shortest_period), so an hour at 10 kHz costs what it does at 1 kHz
+///   slower  `step` samples for each one, interpolated (comparison/model_rate.hpp). Only each step-th, which is a
+///           recorded one, is compared with a simulation
+///
+/// Nothing is filtered: what a sampling folds, the simulation folds in the same way. Sensors are judged by the samples
+/// before the interpolation.
+struct SampledRecording {
+  firmware::Recording recording;
+  std::size_t step = 1;                              ///< samples for each one that is compared
+  std::array<double, model::channel_count> noise{};  ///< rms [SI] of a sample that is compared
+  std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
+  std::array<std::vector<bool>, model::channel_count> clipped{};  ///< not recorded or out of range; empty: none
+  std::array<std::optional<Renewals>, model::channel_count> renewals{};
+
+  /// rms of white noise at every sample with the density of that of a channel's compared samples.
+  [[nodiscard]] double noise_at_every_sample(model::Channel channel) const;
+};
+
+[[nodiscard]] SampledRecording sampled(const firmware::RigDescription& description, firmware::Recording recording);
+
+/// The samples alone, for a check.
+[[nodiscard]] firmware::Recording at_simulated_rate(firmware::Recording recording);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,254 @@
+#include "host_sim/plan/plan.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include "firmware/description/input_error.hpp"
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/common/wording.hpp"
+#include "host_sim/plan/thresholds.hpp"
+
+namespace host_sim::plan {
+
+using model::Channel;
+
+namespace {
+
+/// Shares of the progress line: sizes, separations, advice.
+constexpr double after_sizes = 0.5, after_separations = 0.6;
+
+/// A subject while its sizes are found.
+struct Sized {
+  std::vector<PlannedEffect> rows;       ///< one for each of its parameters that has a size
+  std::optional<std::size_t> leading{};  ///< of `rows`
+  double growth = 1.0;                   ///< what stands for the road that was cut: √(whole ÷ rehearsed)
+  Rival rival;
+};
+
+std::string shows_too_little(const SizeSearch& search, const Subject& subject, std::size_t parameter) {
+  char text[160];
+  std::snprintf(text, sizeof text, "does not show: %.2g standard deviations at most, with %s = %.4g %s",
+                search.strongest().significance, std::string(subject.entry->parameters[parameter].name).c_str(),
+                search.strongest().value, unit_of(subject, parameter).c_str());
+  return text;
+}
+
+/// Of a law without parameters that changes nothing here: how far the wheel load falls, and how far it would have to.
+std::string not_reached(const Rehearsal& rehearsal, const Subject& subject) {
+  const auto responses = read_all(rehearsal.problem(), rehearsal.given());
+  const auto& load = responses.front()[index(Channel::F_w)];
+  if (subject.entry->tyre_force == nullptr || load.empty()) return "not reached by this excitation";
+  const auto& rig = rehearsal.given().rig;
+  const double gravity = 9.80665, still = gravity * (rig.body.mass + rig.wheel.mass);
+  char text[128];
+  std::snprintf(text, sizeof text, "not reached: the wheel load falls by %.3g N, needs %.3g N",
+                -*std::min_element(load.begin(), load.end()), still);
+  return text;
+}
+
+/// Of a held channel: it shows by repetition, from two samples on.
+void add_seen(const Rehearsal& rehearsal, const Subject& subject, Sized& sized) {
+  const auto change = rehearsal.change(subject.placed());
+  const double significance = change ? rehearsal.significance(*change) : 0.0;
+  PlannedEffect row{subject, 0, {subject.values.front(), significance}, subject.values.front()};
+  row.named_at = row.shows_at;
+  sized.rows.push_back(std::move(row));
+}
+
+Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double growth) {
+  Sized sized;
+  sized.growth = growth;
+  sized.rival.subject = subject;
+  if (subject.seen_by_itself) {
+    add_seen(rehearsal, subject, sized);
+    return sized;
+  }
+  if (subject.values.empty()) {  // a law without parameters: there or not
+    PlannedEffect row{subject, 0, {0.0, 0.0}, std::nullopt};
+    if (const auto change = rehearsal.change(subject.placed())) {
+      row.at_default.significance = growth * rehearsal.significance(*change);
+      sized.rival.strong = subject.placed();
+      sized.leading = 0;
+    }
+    if (row.at_default.significance < thresholds::shows) row.why = not_reached(rehearsal, subject);
+    sized.rows.push_back(std::move(row));
+    sized.rival.directions = directions_of(rehearsal, sized.rival);
+    return sized;
+  }
+  for (std::size_t p = 0; p < subject.values.size(); ++p) {
+    SizeSearch search(rehearsal, subject, p);
+    PlannedEffect row{subject, p, search.at_default(), std::nullopt};
+    row.at_default.significance *= growth;
+    if (const auto size = search.with(thresholds::shows / growth)) {
+      row.shows_at = size->value;
+    } else if (search.strongest().significance * growth >= thresholds::shows) {
+      row.why = "shows with every value: it is no size of this effect here";
+    } else {
+      row.why = shows_too_little(search, subject, p);
+    }
+    if (row.shows_at && !sized.leading) {
+      sized.leading = sized.rows.size();
+      sized.rival.strong = subject.placed();
+      const auto strong = search.with(thresholds::told_apart / growth);
+      sized.rival.strong->values[p] = strong ? strong->value : search.strongest().value;
+      sized.rival.absent = search.absent();
+    }
+    sized.rows.push_back(std::move(row));
+  }
+  sized.rival.directions = directions_of(rehearsal, sized.rival);
+  return sized;
+}
+
+/// A parameter of the rig in the place of an effect.
+struct ParameterRival {
+  std::string path;
+  std::vector<Direction> directions;
+};
+
+std::vector<ParameterRival> parameter_rivals(const Rehearsal& rehearsal) {
+  const auto& suspects = rehearsal.space().suspects;
+  const Eigen::MatrixXd j = rehearsal.jacobian(suspects);
+  std::vector<ParameterRival> rivals;
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    rivals.push_back({suspects[i].path, {}});
+    rivals.back().directions.push_back({rehearsal.as_change(j.col(static_cast<Eigen::Index>(i))), true});
+  }
+  return rivals;
+}
+
+/// What every effect that shows would be taken for; the matrix of it.
+SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all) {
+  const std::vector<ParameterRival> parameters = parameter_rivals(rehearsal);
+  SeparationMatrix matrix;
+  std::vector<std::size_t> of_row;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].rival.directions.empty()) continue;
+    matrix.columns.push_back(words(all[i].rival.subject));
+    if (all[i].leading && all[i].rival.strong) of_row.push_back(i);
+  }
+  for (const ParameterRival& parameter : parameters) matrix.columns.push_back(parameter.path);
+  matrix.left.resize(of_row.size() * matrix.columns.size());
+  for (const std::size_t i : of_row) matrix.rows.push_back(words(all[i].rival.subject));
+  identification::for_all(of_row.size(), [&](std::size_t row) {
+    Sized& own = all[of_row[row]];
+    const Change& change = own.rival.directions.front().change;
+    const double whole = own.growth * rehearsal.significance(change);
+    std::vector<TakenFor> taken;
+    std::size_t column = row * matrix.columns.size();
+    const auto put = [&](const std::string& name, const std::vector<Direction>& rival, bool self) {
+      const double left = self ? 0.0 : std::min(whole, own.growth * left_of(rehearsal, change, rival));
+      matrix.left[column++] = left;
+      if (!self) taken.push_back({name, left});
+    };
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (!all[j].rival.directions.empty()) put(words(all[j].rival.subject), all[j].rival.directions, j == of_row[row]);
+    }
+    for (const ParameterRival& parameter : parameters) put(parameter.path, parameter.directions, false);
+    std::stable_sort(taken.begin(), taken.end(), [](const TakenFor& a, const TakenFor& b) { return a.left < b.left; });
+    taken.resize(std::min(taken.size(), thresholds::most_rivals));
+    own.rows[*own.leading].taken_for = std::move(taken);
+  });
+  return matrix;
+}
+
+/// The size at which the leading parameter of an effect leaves ten standard deviations beside its nearest rival.
+void find_named(const Rehearsal& rehearsal, Sized& sized) {
+  if (!sized.leading || sized.rival.directions.empty()) return;
+  PlannedEffect& row = sized.rows[*sized.leading];
+  if (!row.shows_at || row.taken_for.empty()) return;
+  const double whole = sized.growth * rehearsal.significance(sized.rival.directions.front().change);
+  const double share = row.taken_for.front().left / whole;
+  if (share < thresholds::same) return;
+  SizeSearch search(rehearsal, row.subject, row.parameter);
+  const auto size = search.with(thresholds::told_apart / share / sized.growth);
+  if (size) row.named_at = size->value;
+}
+
+void check_channels(const firmware::RigDescription& description, const Setting& setting) {
+  const bool car = description.rig.kind == model::RigKind::quarter_car;
+  for (const Channel channel : setting.without) {
+    const bool of_car = channel != Channel::x_cmd && channel != Channel::x_act && channel != Channel::F;
+    const bool of_bench = !of_car;
+    const bool known = description.rig.kind == model::RigKind::hil || (car ? of_car : of_bench);
+    if (known) continue;
+    throw firmware::UsageError("--without: a " + std::string(model::name(description.rig.kind)) + " has no channel " +
+                               std::string(model::name(channel)));
+  }
+}
+
+/// Effects that show soonest, in terms of where a fit would start, first; those that do not show last.
+void sort(std::vector<PlannedEffect>& effects) {
+  const auto rank = [](const PlannedEffect& e) { return e.why.empty() ? e.at_default.significance : -1.0; };
+  std::stable_sort(effects.begin(), effects.end(),
+                   [&](const PlannedEffect& a, const PlannedEffect& b) { return rank(a) > rank(b); });
+}
+
+}  // namespace
+
+std::string words(const Subject& subject) { return identification::words(subject.placed()); }
+
+std::string unit_of(const Subject& subject, std::size_t parameter) {
+  const std::string_view unit = subject.entry->parameters[parameter].unit;
+  if (unit == "of the channel" && subject.channel) return std::string(model::unit(*subject.channel));
+  return unit == "1" ? std::string() : std::string(unit);
+}
+
+Plan make_plan(const firmware::RigDescription& description, Setting setting, const PlanProgress& progress) {
+  check_channels(description, setting);
+  std::mutex telling;
+  const auto tell = [&](double share, const char* what) {
+    const std::lock_guard lock(telling);
+    if (progress) progress(share, what);
+  };
+  Plan plan;
+  plan.duration = static_cast<double>(setting.motion.size()) / description.sample_rate;
+  double growth = 1.0;
+  if (plan.duration > thresholds::longest) {
+    growth = std::sqrt(plan.duration / thresholds::longest);
+    setting.motion.resize(static_cast<std::size_t>(thresholds::longest * description.sample_rate));
+    char remark[128];
+    std::snprintf(remark, sizeof remark, "of %.0f s the first %.0f s are rehearsed; significances grow with √duration",
+                  plan.duration, thresholds::longest);
+    plan.remarks.emplace_back(remark);
+  }
+  tell(0.0, "rehearsal");
+  const Rehearsal rehearsal(description, setting);
+  plan.channels = rehearsal.problem().channels();
+  for (const std::string& remark : rehearsal.remarks()) plan.remarks.push_back(remark);
+
+  const std::vector<Subject> list = subjects(rehearsal);
+  std::vector<Sized> sized(list.size());
+  std::atomic<std::size_t> done{0};
+  identification::for_all(list.size(), [&](std::size_t i) {
+    sized[i] = sized_subject(rehearsal, list[i], growth);
+    tell(after_sizes * static_cast<double>(++done) / static_cast<double>(list.size()), "sizes of effects");
+  });
+  plan.separations = separate(rehearsal, sized);
+  identification::for_all(sized.size(), [&](std::size_t i) { find_named(rehearsal, sized[i]); });
+  tell(after_separations, "parameters");
+  Information information = information_of(rehearsal);
+  information.matrix *= growth * growth;
+  plan.parameters = planned_parameters(rehearsal, description, information);
+  plan.open = open_combinations(information);
+
+  std::vector<Rival> rivals;
+  for (Sized& one : sized) {
+    for (PlannedEffect& row : one.rows) plan.effects.push_back(std::move(row));
+    one.rival.directions.clear();
+    rivals.push_back(std::move(one.rival));
+  }
+  sort(plan.effects);
+  AdviceResult advice = advice_for(description, setting, rivals, plan.open, [&](double share) {
+    tell(after_separations + (1.0 - after_separations) * share, "other experiments");
+  });
+  plan.advice = std::move(advice.advice);
+  plan.remarks.insert(plan.remarks.end(), advice.remarks.begin(), advice.remarks.end());
+  return plan;
+}
+
+}  // namespace host_sim::plan

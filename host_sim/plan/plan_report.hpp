@@ -1,0 +1,26 @@
+// A plan as a page and as sentences.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_sim/plan/plan.hpp"
+
+namespace host_sim::plan {
+
+/// How many effects show, and what would help most.
+[[nodiscard]] std::string summary(const Plan& plan);
+/// A value of the effect's parameter with its unit.
+[[nodiscard]] std::string value_text(const PlannedEffect& effect, double value);
+/// Advice that is worth a sentence, best first; and what is said where there is none.
+[[nodiscard]] std::vector<Advice> helpful(const Plan& plan);
+inline constexpr std::string_view nothing_helps =
+    "No other level, octave, sensor or number of open ducts that was tried shows effects sooner by a tenth.";
+/// One piece of advice.
+[[nodiscard]] std::string sentence(const Advice& advice);
+/// `road`: what the rig is driven over, in words.
+[[nodiscard]] std::string report_html(const Plan& plan, const firmware::RigDescription& description,
+                                      const std::string& road);
+
+}  // namespace host_sim::plan

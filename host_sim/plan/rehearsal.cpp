@@ -1,0 +1,168 @@
+#include "host_sim/plan/rehearsal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "firmware/description/input_error.hpp"
+#include "firmware/simulation/simulated_rig.hpp"
+#include "host_sim/closed_loop/closed_loop.hpp"
+#include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/prepare/prepare.hpp"
+
+namespace host_sim::plan {
+
+using identification::Fit;
+using identification::FreeParameter;
+using identification::Hypothesis;
+using model::Channel;
+
+namespace {
+
+double rms_of(const std::vector<double>& values) {
+  double squares = 0.0;
+  for (const double v : values) squares += v * v;
+  return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(values.size(), 1)));
+}
+
+/// The recording of a run, without the noise of its sensors or with it.
+firmware::Recording run(const firmware::RigDescription& description, const Setting& setting,
+                        firmware::SimulatedRig::Noise noise) {
+  RunOptions options;
+  options.seed = setting.seed;
+  options.noise = noise;
+  Run made = run_closed_loop(description, setting.motion, options);
+  if (firmware::is_fault(made.trip.reason)) {
+    throw firmware::InputError(description.source, 0,
+                               "the firmware stops this run: " + std::string(firmware::name(made.trip.reason)),
+                               "an excitation that the rig can follow");
+  }
+  made.recording.source = description.source;
+  return std::move(made.recording);
+}
+
+/// A channel that the run does not record, as the described rig moves.
+std::vector<double> added_channel(const firmware::RigDescription& description, const firmware::Recording& recording,
+                                  Channel channel) {
+  const auto rig = identification::explained_part(description.rig);
+  const SimulationInput input = simulation_input(rig, recording);
+  return simulate(rig, input, resting(rig, input))[index(channel)];
+}
+
+/// Whether a channel comes from a sensor whose readings are compared; the virtual car of a hil rig is computed.
+bool is_compared(model::RigKind kind, Channel channel) {
+  if (kind != model::RigKind::quarter_car) return channel == Channel::x_act || channel == Channel::F;
+  return channel != Channel::z_r && channel != Channel::zdd_r && channel != Channel::F_act;
+}
+
+/// The description with noise for every channel that is compared; remarks on what was assumed.
+void declare_noise(firmware::RigDescription& description, const firmware::Recording& silent,
+                   std::vector<std::string>& remarks) {
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    const Channel channel = model::channel_at(c);
+    if (silent.channels[c].empty() || !is_compared(description.rig.kind, channel)) continue;
+    if (description.noise[c] && *description.noise[c] > 0.0) continue;
+    const double rms = rms_of(silent.channels[c]);
+    if (!(rms > 0.0)) continue;
+    description.noise[c] = identification::thresholds::new_sensor_noise * rms;
+    remarks.push_back("noise of " + std::string(model::name(channel)) + " is not declared: 1 % of its rms is assumed");
+  }
+}
+
+}  // namespace
+
+Rehearsal::Rehearsal(const firmware::RigDescription& description, const Setting& setting) {
+  firmware::RigDescription noisy = description;
+  firmware::Recording silent = run(noisy, setting, firmware::SimulatedRig::Noise::none);
+  if (setting.added && !silent.has(*setting.added)) {
+    silent[*setting.added] = added_channel(description, silent, *setting.added);
+  }
+  declare_noise(noisy, silent, remarks_);
+  firmware::Recording recording = run(noisy, setting, firmware::SimulatedRig::Noise::as_described);
+  if (setting.added) recording[*setting.added] = silent[*setting.added];
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    if (!recording.channels[c].empty()) recorded_.push_back(model::channel_at(c));
+  }
+  for (const Channel channel : setting.without) recording[channel].clear();
+  std::vector<identification::Record> records;
+  records.push_back({std::move(recording), identification::Use::shared});
+  identification::PreparedData data = identification::prepare(noisy, std::move(records));
+  for (identification::PreparedRecording& r : data.recordings) {  // as declared: one run's luck is no plan
+    for (const Channel channel : r.channels) r.noise[index(channel)] = noisy.noise[index(channel)].value_or(0.0);
+  }
+  Hypothesis given = identification::described_hypothesis(noisy, data.recordings);
+  problem_.emplace(std::move(data.recordings), given);
+  space_ = identification::search_space(noisy, problem_->samples(), given);
+  scales_ = identification::scales_of(problem_->samples(), given, read_all(*problem_, given));
+  base_.hypothesis = std::move(given);
+  base_ = described_with(space_.common);
+  Eigen::MatrixXd h = base_.jacobian.transpose() * base_.jacobian;
+  for (Eigen::Index i = 0; i < h.rows(); ++i) {
+    const FreeParameter& parameter = base_.parameters[static_cast<std::size_t>(i)];
+    const double width = parameter.upper - parameter.lower;
+    h(i, i) += 1e-12 * h(i, i) + 1e-30;
+    if (parameter.role == FreeParameter::Role::tolerated) h(i, i) += 12.0 / (width * width);
+  }
+  tolerances_.compute(h);
+}
+
+Fit Rehearsal::described_with(const std::vector<FreeParameter>& parameters) const {
+  Fit fit;
+  fit.hypothesis = base_.hypothesis;
+  fit.parameters = parameters;
+  fit.prediction = identification::predict(*problem_, fit.hypothesis);
+  fit.residual = identification::residuals(*problem_, fit.prediction);
+  identification::refresh_jacobian(*problem_, fit);
+  return fit;
+}
+
+std::optional<Eigen::VectorXf> Rehearsal::residuals_with(const firmware::PlacedEffect& effect) const {
+  Hypothesis other = base_.hypothesis;
+  put_effect(other.rig, effect);
+  if (firmware::find_rig_fault(other.rig, problem_->sample_period())) return std::nullopt;
+  const Eigen::VectorXd residual = identification::residuals(
+      *problem_,
+      effect.channel ? predict_sensor(*problem_, other, base_.prediction, *effect.channel) : predict(*problem_, other));
+  if (!residual.allFinite()) return std::nullopt;
+  return residual.cast<float>();
+}
+
+std::optional<Change> Rehearsal::change(const firmware::PlacedEffect& effect, const Eigen::VectorXf* absent) const {
+  std::optional<Eigen::VectorXf> residual = residuals_with(effect);
+  if (!residual) return std::nullopt;
+  if (absent != nullptr) {
+    *residual -= *absent;
+  } else {
+    *residual -= base_.residual.cast<float>();
+  }
+  Change change{std::move(*residual), {}};
+  change.tolerated = base_.jacobian.transpose() * change.whitened.cast<double>();
+  return change;
+}
+
+Change Rehearsal::as_change(const Eigen::VectorXd& whitened) const {
+  return {whitened.cast<float>(), base_.jacobian.transpose() * whitened};
+}
+
+Eigen::MatrixXd Rehearsal::jacobian(const std::vector<FreeParameter>& parameters) const {
+  return described_with(parameters).jacobian;
+}
+
+double Rehearsal::product(const Change& a, const Change& b) const {
+  const double whole = a.whitened.cast<double>().dot(b.whitened.cast<double>());
+  return a.tolerated.size() == 0 ? whole : whole - a.tolerated.dot(tolerances_.solve(b.tolerated));
+}
+
+double Rehearsal::significance(const Change& d) const { return std::sqrt(std::max(0.0, product(d, d))); }
+
+std::vector<Channel> unrecorded_channels(const Rehearsal& rehearsal) {
+  const auto& recorded = rehearsal.recorded();
+  std::vector<Channel> channels;
+  for (const Channel channel :
+       response_channels(rehearsal.given().rig.kind, rehearsal.problem().samples().front().input)) {
+    if (std::find(recorded.begin(), recorded.end(), channel) == recorded.end()) channels.push_back(channel);
+  }
+  return channels;
+}
+
+}  // namespace host_sim::plan

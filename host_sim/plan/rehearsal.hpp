@@ -1,0 +1,80 @@
+// The experiment before it is made: what the described rig would record, and what a change of the rig would change.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_sim/identification/estimate/fit.hpp"
+#include "host_sim/identification/select/candidates.hpp"
+
+namespace host_sim::plan {
+
+/// What is rehearsed beside the rig.
+struct Setting {
+  firmware::FootPointMotion motion;       ///< of the road; of a component_bench the deflection
+  std::vector<model::Channel> without{};  ///< channels that are not recorded
+  std::optional<model::Channel> added{};  ///< a channel that the recorder does not have yet
+  std::uint64_t seed = 1;                 ///< of the sensor noise
+};
+
+/// How the whitened residuals change when the rig changes, and how the tolerances follow.
+struct Change {
+  Eigen::VectorXf whitened;   ///< d
+  Eigen::VectorXd tolerated;  ///< Jᵀd, J: columns of the tolerated parameters
+};
+
+/// The described rig, driven through its firmware and diagnosed' way of looking at recordings: prepare/, predict/ and
+/// noise/ of identification, three quarters of the recording fitted.
+///
+///   (1)  ⟨a, b⟩ = aᵀb − aᵀJ (JᵀJ + P)⁻¹ Jᵀb      P: 12/width² of each tolerated parameter, as Fit (3)
+///   (2)  significance of a change d = √⟨d, d⟩     [standard deviations], the tolerances refitted
+///
+/// The level of the noise costs nothing here: its information is independent of that of the mean (Fisher's matrix of a
+/// normal distribution).
+class Rehearsal {
+ public:
+  /// InputError where the rig cannot be driven over the road, or nothing is measured.
+  Rehearsal(const firmware::RigDescription& description, const Setting& setting);
+  Rehearsal(const Rehearsal&) = delete;
+  Rehearsal& operator=(const Rehearsal&) = delete;
+  ~Rehearsal() = default;
+
+  [[nodiscard]] const identification::IdentificationProblem& problem() const { return *problem_; }
+  [[nodiscard]] const identification::Hypothesis& given() const { return base_.hypothesis; }
+  [[nodiscard]] const identification::SearchSpace& space() const { return space_; }
+  [[nodiscard]] const identification::Scales& scales() const { return scales_; }
+  [[nodiscard]] const std::vector<model::Channel>& recorded() const { return recorded_; }  ///< inputs too
+  [[nodiscard]] const std::vector<std::string>& remarks() const { return remarks_; }
+
+  /// What an effect beside the described ones changes, from `absent` (residuals with the effect too small to act) or
+  /// from the described rig. nullopt: the model refuses such a rig, or its simulation diverges.
+  [[nodiscard]] std::optional<Change> change(const firmware::PlacedEffect& effect,
+                                             const Eigen::VectorXf* absent = nullptr) const;
+  /// Residuals with an effect; for `absent`.
+  [[nodiscard]] std::optional<Eigen::VectorXf> residuals_with(const firmware::PlacedEffect& effect) const;
+  /// J of parameters of the rig as described, a column each.
+  [[nodiscard]] Eigen::MatrixXd jacobian(const std::vector<identification::FreeParameter>& parameters) const;
+  [[nodiscard]] Change as_change(const Eigen::VectorXd& whitened) const;
+
+  [[nodiscard]] double product(const Change& a, const Change& b) const;  ///< (1)
+  [[nodiscard]] double significance(const Change& d) const;              ///< (2)
+
+ private:
+  [[nodiscard]] identification::Fit described_with(const std::vector<identification::FreeParameter>& parameters) const;
+
+  std::vector<model::Channel> recorded_;
+  std::vector<std::string> remarks_;
+  std::optional<identification::IdentificationProblem> problem_;
+  identification::SearchSpace space_;
+  identification::Scales scales_;
+  identification::Fit base_;  ///< tolerated parameters, J
+  Eigen::LDLT<Eigen::MatrixXd> tolerances_;
+};
+
+/// Channels that a model of this rig computes and that its recorder does not write.
+[[nodiscard]] std::vector<model::Channel> unrecorded_channels(const Rehearsal& rehearsal);
+
+}  // namespace host_sim::plan

@@ -1,0 +1,39 @@
+// What is left of an effect when another is refitted in its place.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "host_sim/plan/effect_size.hpp"
+
+namespace host_sim::plan {
+
+/// A change that a rival can make, in any size.
+struct Direction {
+  Change change;
+  bool of_either_sign;  ///< it may also be taken away
+};
+
+/// A subject once its sizes are known.
+struct Rival {
+  Subject subject;
+  /// At thresholds::told_apart, or where it shows most; nullopt: nothing ever shows.
+  std::optional<firmware::PlacedEffect> strong{};
+  std::optional<firmware::PlacedEffect> absent{};  ///< of an effect with a corner
+  std::vector<Direction> directions{};             ///< first the one of `strong`
+};
+
+/// With ⟨·,·⟩ of rehearsal.hpp (1) and the rival's directions b,
+///
+///   (1)  left² = min over b of  ⟨a, a⟩ − ⟨a, b⟩²/⟨b, b⟩      where ⟨a, b⟩ > 0 or b may be taken away; else ⟨a, a⟩
+///
+/// in standard deviations. Source: discrimination between models, W. Hunter and A. Reiner, Technometrics 7, 1965.
+[[nodiscard]] double left_of(const Rehearsal& rehearsal, const Change& a, const std::vector<Direction>& rival);
+
+/// The directions of a subject: of `strong`, of each combination of starts where the effect has several parameters.
+[[nodiscard]] std::vector<Direction> directions_of(const Rehearsal& rehearsal, const Rival& rival);
+
+/// The change of `strong`.
+[[nodiscard]] std::optional<Change> strong_change(const Rehearsal& rehearsal, const Rival& rival);
+
+}  // namespace host_sim::plan

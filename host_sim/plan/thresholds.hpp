@@ -1,0 +1,53 @@
+// Every number that decides something while an experiment is planned.
+#pragma once
+
+#include <cstddef>
+
+namespace host_sim::plan::thresholds {
+
+/// [standard deviations] from which an effect shows. Derivation: of some 60 effects that are not there, noise makes one
+/// look like this in one of six recordings, so it shows and is not yet to be believed. Half: noise shows all the time.
+/// Twice: what diagnose asks of an effect with one parameter (√40 = 6.3).
+inline constexpr double shows = 3.0;
+/// [standard deviations] at which effects are told apart, and that an effect must keep beside its nearest rival to be
+/// named. Derivation: diagnose asks for 6.3; 10 leaves three standard deviations of luck and a tenth for what is not
+/// linear. Half: named in one of ten. Twice: named always, at sizes twice as large as necessary.
+inline constexpr double told_apart = 10.0;
+/// [1] Relative error of a size. Half: one simulation more for each size. Twice: 10 % of a size.
+inline constexpr double size_error = 0.05;
+/// [1] Sizes are looked for within this factor of where a fit would start, and in so many simulations. Derivation: a
+/// card's starts lie within a factor of 100 of what recordings show; from there as far again. Half and twice: no
+/// difference for the rigs of host_sim/rigs.
+inline constexpr double range = 1e4;
+inline constexpr int most_trials = 12;
+/// [1] Share of the start at which an effect with a corner counts as absent: its step has as many substeps there, and
+/// what they change belongs to no effect.
+inline constexpr double absent = 1e-4;
+/// [1] Share of the start's significance below which an effect that is as small as it can be simulated counts as
+/// absent. Half and twice: no difference for the rigs of host_sim/rigs.
+inline constexpr double vanishes = 0.1;
+/// [1] A rival that leaves less than this of an effect is the same effect for this experiment: no size tells them
+/// apart. Derivation: the linear answer of a rival is off by some per cent of the effect where laws have corners.
+inline constexpr double same = 0.03;
+
+/// [1] Half width of the relative 95 % interval from which a parameter counts as open: ± half of its value. Half and
+/// twice: other words for the same interval, which stands beside them.
+inline constexpr double open = 0.5;
+/// [1] Share of the largest entry below which a parameter is no part of an open combination.
+inline constexpr double part_of_combination = 0.1;
+
+/// [s] of the road that are rehearsed at most; of a longer one the beginning, and significances grow with √duration.
+/// Derivation: a class B road has 50 periods of the slowest mode in it. Twice: twice the time.
+inline constexpr double longest = 120.0;
+/// [s] of the rehearsals that advice compares: what is compared is the same road. Half: the least that diagnose takes
+/// with its held-out quarter. Twice: twice the time.
+inline constexpr double advice_duration = 16.0;
+/// [1] Gain of one effect that counts at most, either way: advice that makes one effect visible and no other is not
+/// better than advice that helps all.
+inline constexpr double most_gain = 10.0;
+/// [1] from which advice is worth a sentence.
+inline constexpr double worth_saying = 1.1;
+/// Rivals of an effect that are listed at most.
+inline constexpr std::size_t most_rivals = 8;
+
+}  // namespace host_sim::plan::thresholds

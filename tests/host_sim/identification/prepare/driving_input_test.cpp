@@ -1,0 +1,89 @@
+// Roads that were not measured.
+#include "host_sim/identification/prepare/driving_input.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "firmware/description/input_error.hpp"
+#include "host_sim/identification/diagnosis.hpp"
+#include "tests/host_sim/identification/truth_recording.hpp"
+
+namespace {
+
+using namespace host_sim::identification;
+using model::Channel;
+
+/// 20 s of a car with 30 N of friction in its suspension, of which only these channels were recorded.
+sample::Given car_with(const std::vector<Channel>& channels, const std::string& group) {
+  truth::Wanted wanted;
+  wanted.duration = 20.0;
+  truth::Truth truth = truth::draw(group, 2, wanted);
+  truth.records.resize(1);
+  sample::Given given{firmware::parse_rig(truth::rig_toml(truth), "rig.toml"), {}};
+  const firmware::Recording whole =
+      firmware::parse_recording_csv(truth::csv(truth, truth::simulate(truth).front()), "rec.csv");
+  given.recording = whole;
+  for (auto& values : given.recording.channels) values.clear();
+  for (const Channel channel : channels) given.recording[channel] = whole[channel];
+  return given;
+}
+
+// Law. The second integral of a sine's acceleration is the sine, up to a line and (ωh)⁴/240.
+TEST(DrivingInput, IntegratesTwice) {
+  constexpr double h = 1e-3, w = 2.0 * std::numbers::pi * 5.0;
+  std::vector<double> acceleration, position;
+  for (int k = 0; k < 4001; ++k) {
+    position.push_back(std::cos(w * h * k));
+    acceleration.push_back(-w * w * position.back());
+  }
+  const std::vector<double> found = twice_integrated(acceleration, h);
+  for (std::size_t k = 0; k < position.size(); ++k) ASSERT_NEAR(found[k], position[k], 2e-2) << k;
+}
+
+// Point. The road drives where it was measured; else its acceleration, else the wheel; nothing else can.
+TEST(DrivingInput, TakesWhatIsThere) {
+  const auto driven_by = [](const std::vector<Channel>& channels) {
+    const sample::Given car = car_with(channels, "none:quarter_car");
+    return driving_input(car.description.rig, car.recording);
+  };
+  EXPECT_EQ(driven_by({Channel::z_r, Channel::zdd_r, Channel::zdd_b}).channel, Channel::z_r);
+  EXPECT_EQ(driven_by({Channel::zdd_r, Channel::zdd_w, Channel::zdd_b}).channel, Channel::zdd_r);
+  const host_sim::SimulationInput wheel = driven_by({Channel::zdd_w, Channel::zdd_b});
+  EXPECT_EQ(wheel.channel, Channel::zdd_w);
+  EXPECT_TRUE(wheel.wheel_prescribed);
+  EXPECT_NE(road_remark(wheel).find("tyre and road cannot be judged"), std::string::npos);
+  EXPECT_THROW((void)driven_by({Channel::zdd_b, Channel::dz_b}), firmware::InputError);
+}
+
+Diagnosis diagnosis_of(const std::vector<Channel>& channels, const std::string& group) {
+  const sample::Given car = car_with(channels, group);
+  return diagnose(car.description, {{car.recording, Use::shared}});
+}
+
+// Journey. The wheel's motion alone tells the suspension's friction from its damping; tyre and road are no suspects.
+TEST(DiagnosisWithoutRoad, NamesFrictionFromTheWheelsMotion) {
+  const Diagnosis d =
+      diagnosis_of({Channel::zdd_w, Channel::zdd_b, Channel::dz_b}, "single:quarter_car:coulomb_friction");
+  ASSERT_EQ(d.effects.size(), 1U);
+  EXPECT_EQ(d.effects.front().effect.entry->name, "coulomb_friction");
+  EXPECT_NEAR(d.effects.front().parameters.front().value, 30.55, 1.0);
+  EXPECT_GT(d.effects.front().confidence, 0.9);
+  EXPECT_EQ(d.parameters.count("tyre.stiffness"), 0U);
+  EXPECT_EQ(d.parameters.count("wheel.mass"), 0U);
+  EXPECT_EQ(diagnosis_of({Channel::zdd_w, Channel::zdd_b, Channel::dz_b}, "none:quarter_car").verdict,
+            Verdict::no_discrepancy);
+}
+
+// Journey. The road's acceleration alone is as good as its displacement for everything that is relative.
+TEST(DiagnosisWithoutRoad, IsDrivenByTheRoadsAcceleration) {
+  const std::vector<Channel> channels{Channel::zdd_r, Channel::zdd_w, Channel::zdd_b,
+                                      Channel::F_w,   Channel::dz_w,  Channel::dz_b};
+  const Diagnosis d = diagnosis_of(channels, "single:quarter_car:coulomb_friction");
+  ASSERT_EQ(d.effects.size(), 1U);
+  EXPECT_EQ(d.effects.front().effect.entry->name, "coulomb_friction");
+  EXPECT_EQ(diagnosis_of(channels, "none:quarter_car").verdict, Verdict::no_discrepancy);
+}
+
+}  // namespace
