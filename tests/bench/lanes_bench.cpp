@@ -1,6 +1,7 @@
 // What a simulation costs side by side with others, against the same alone; per rig.
 //
-//   lanes/…/alone      the time of one rig over ten seconds at 1 kHz, one after the other
+//   lanes/…/alone      the time of one rig over ten seconds at 1 kHz, one after the other, with the channels that a rig
+//                      records
 //   lanes/…/beside     the same with as many rigs side by side as the processor takes; at most alone / 2.5
 #include <benchmark/benchmark.h>
 
@@ -14,6 +15,7 @@
 namespace {
 
 using host_sim::LaneUse;
+using model::Channel;
 using model::RigKind;
 using Parameters = model::RigParameters<double>;
 
@@ -53,7 +55,9 @@ void simulate(benchmark::State& state, const Parameters& first, LaneUse use) {
   const host_sim::InitialState start = host_sim::resting(first, input);
   std::vector<host_sim::SideBySideRig> all;
   for (const Parameters& rig : rigs) all.push_back({&rig, &start, &input});
-  const auto channels = host_sim::response_channels(first.kind, input);
+  const std::vector<Channel> channels = first.kind == RigKind::quarter_car
+                                            ? std::vector{Channel::zdd_w, Channel::zdd_b, Channel::dz_b, Channel::F_w}
+                                            : std::vector{Channel::x_cmd, Channel::x_act, Channel::F};
   for (auto _ : state) {
     auto responses = host_sim::simulate_side_by_side(all, 0, 1, channels, use);
     benchmark::DoNotOptimize(responses);
