@@ -8,9 +8,10 @@ namespace firmware {
 
 /// One entry of the rig description's [channels]:   value in SI = scale × column + offset.
 struct ColumnSource {
-  std::string column;   ///< the column's header text ("Road [mm]"), or the part before the unit ("Road")
-  double scale = 1.0;   ///< [SI unit / unit of the column], not 0
-  double offset = 0.0;  ///< [SI unit]
+  std::string column;        ///< the column's header text ("Road [mm]"), or the part before the unit ("Road")
+  double scale = 1.0;        ///< [SI unit / unit of the column], not 0
+  double offset = 0.0;       ///< [SI unit]
+  bool scale_given = false;  ///< written in the description, and not 1 by default
 };
 
 /// Column by quantity. The keys are "t", the names of channels and "duct_1" … "duct_6" (is_recorded_quantity()).

@@ -157,6 +157,7 @@ void read_sensors(DescriptionTable& top, RigDescription& description) {
       ColumnSource column;
       column.column = entry.text("column");
       entry.optional_number("scale", column.scale);
+      column.scale_given = entry.has("scale");
       entry.optional_number("offset", column.offset);
       if (column.scale == 0.0) entry.fail("scale", entry.path("scale") + " is 0", "a factor other than 0");
       entry.finish();

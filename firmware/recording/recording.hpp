@@ -28,8 +28,13 @@ struct Recording {
   std::vector<ExtraColumn> extra;                                  ///< written only; readers leave it empty
   std::vector<std::string> comments;                               ///< written above the header of a CSV file
   std::string source;                                              ///< file name as given by the user
-  std::vector<bool> filled;  ///< rows that were not recorded completely, see recording_gaps.hpp; empty: none
-  std::string remark;        ///< one line on late periods and filled rows; empty: none
+  std::vector<bool> filled;   ///< rows that were not recorded completely, see recording_gaps.hpp; empty: none
+  std::string remark;         ///< one line on late periods and filled rows; empty: none
+  std::size_t lost_rows = 0;  ///< rows of the file that are missing or incomplete, in all parts of it
+  struct Gap {
+    double from, to;  ///< t of the rows before and after [s]
+  };
+  std::vector<Gap> gaps;                     ///< of more than 20 ms, in all parts of the file
   std::vector<std::string> ignored_columns;  ///< header texts of the columns not understood
 
   [[nodiscard]] std::size_t size() const { return time.size(); }

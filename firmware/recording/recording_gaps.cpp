@@ -110,6 +110,21 @@ std::size_t first_lost(const std::vector<bool>& filled, const Grid& grid) {
   return static_cast<std::size_t>(std::lower_bound(grid.place.begin(), grid.place.end(), first) - grid.place.begin());
 }
 
+/// The gaps of more than 20 ms.
+std::vector<Recording::Gap> long_gaps(const Recording& recording) {
+  std::vector<Recording::Gap> gaps;
+  const std::vector<bool>& filled = recording.filled;
+  for (std::size_t k = 0; k < filled.size(); ++k) {
+    std::size_t end = k;
+    while (end < filled.size() && filled[end]) ++end;
+    if (static_cast<double>(end - k) * recording.sample_period > longest + 0.5 * recording.sample_period) {
+      gaps.push_back({recording.time[k > 0 ? k - 1 : 0], recording.time[std::min(end, filled.size() - 1)]});
+    }
+    k = std::max(end, k + 1) - 1;
+  }
+  return gaps;
+}
+
 /// InputError where more is missing than an analysis leaves out.
 void check_share(const std::vector<bool>& filled, const Grid& grid, double period, const RecordingLocation& location) {
   std::size_t bridged = 0, lost = 0;
@@ -166,6 +181,9 @@ void fill_gaps(Recording& recording, const std::vector<double>& late, const Reco
   recording.time.resize(filled.size());
   for (std::size_t k = 0; k < filled.size(); ++k) recording.time[k] = begin + static_cast<double>(k) * period;
   recording.filled = std::move(filled);
+  recording.sample_period = period;
+  recording.lost_rows = static_cast<std::size_t>(lost);
+  recording.gaps = long_gaps(recording);
 
   recording.remark = recording.remark.empty() ? one_line(recording.source) + ": " : recording.remark + "; ";
   if (grid.late > 0) {
@@ -241,6 +259,8 @@ std::vector<Recording> pieces_of(Recording recording) {
                 gaps == 1 ? "gap" : "gaps", pieces.size(), pieces.size() == 1 ? "part" : "parts", used,
                 static_cast<double>(recording.size()) * recording.sample_period);
   pieces.front().remark = recording.remark + text;
+  pieces.front().lost_rows = recording.lost_rows;
+  pieces.front().gaps = recording.gaps;
   return pieces;
 }
 

@@ -84,7 +84,7 @@ bool recover_grid(Recording& recording, const StampRounding& rounding, std::opti
     ++single;
     if (other(step, middle)) ++odd;
   }
-  if (odd * 50 < time.size() || single == 0) return false;
+  if (odd == 0 || single == 0) return false;
   double period = sum / static_cast<double>(single);
   if (usual_rate && std::abs(period * *usual_rate - 1.0) < 1e-4) period = 1.0 / *usual_rate;
   if (place > period / 3.0) return false;

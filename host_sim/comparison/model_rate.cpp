@@ -21,6 +21,8 @@ firmware::Recording interpolated(const firmware::Recording& recording, std::size
   finer.comments = recording.comments;
   finer.source = recording.source;
   finer.remark = recording.remark;
+  finer.lost_rows = recording.lost_rows;
+  finer.gaps = recording.gaps;
   finer.ignored_columns = recording.ignored_columns;
   finer.time.resize(count);
   for (std::size_t k = 0; k < count; ++k) {

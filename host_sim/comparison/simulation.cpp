@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "firmware/description/input_error.hpp"
 #include "firmware/description/quantity.hpp"
@@ -105,14 +106,16 @@ InitialState resting(const Rig& rig, const SimulationInput& input) {
 }
 
 Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
-                  int substeps) {
-  return simulate(rig, input, start, samples, substeps, response_channels(rig.kind, input));
+                  int substeps, const RigVariation& variation) {
+  return simulate(rig, input, start, samples, substeps, response_channels(rig.kind, input), variation);
 }
 
 Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
-                  int substeps, const std::vector<Channel>& channels) {
+                  int substeps, const std::vector<Channel>& channels, const RigVariation& variation) {
   const bool bench = rig.kind == RigKind::component_bench;
-  const model::RigModel<> model(answering(rig, input), input.period / substeps);
+  std::optional<model::RigModel<>> model;
+  const auto become = [&](const Rig& present) { model.emplace(answering(present, input), input.period / substeps); };
+  become(variation.every > 0 ? variation.at(0) : rig);
   const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
   Response response;
   for (const Channel channel : channels) response[index(channel)].resize(count);
@@ -120,29 +123,30 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
 
   const auto& first = input.motion.front();
   model::MachinePath<double> machine{};
-  model.parameters().effects.act_on(machine);
+  model->parameters().effects.act_on(machine);
   model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
   if (bench) reached = {first.position, first.velocity};
   reached.position -= reached.velocity * machine.delay;
-  auto x = model.start(start, first, reached);
+  auto x = model->start(start, first, reached);
   if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();
 
   for (std::size_t k = 0;; ++k) {
-    const auto measured = model.measured(x);
+    const auto measured = model->measured(x);
     for (const Channel channel : channels) response[index(channel)][k] = measured[index(channel)];
     if (k + 1 == count) return response;
-    if (!input.ducts.empty() && input.ducts[k] != x.ducts.open()) model.open_ducts(x, input.ducts[k]);
+    if (k > 0 && variation.every > 0 && k % variation.every == 0) become(variation.at(k));
+    if (!input.ducts.empty() && input.ducts[k] != x.ducts.open()) model->open_ducts(x, input.ducts[k]);
     const auto& next = input.motion[k + 1];
     const double actuator_force = input.actuator_force.empty() ? 0.0 : input.actuator_force[k + 1];
     for (int substep = 1; substep < substeps; ++substep) {
       const double share = static_cast<double>(substep) / substeps;
       const model::Motion<double> inside = between_samples(input.motion[k], next, share, input.period);
-      model.step(x,
-                 {.foot_point = inside,
-                  .command = {inside.position, inside.velocity},
-                  .actuator_force = x.actuator_force + (actuator_force - x.actuator_force) / (substeps - substep + 1)});
+      model->step(
+          x, {.foot_point = inside,
+              .command = {inside.position, inside.velocity},
+              .actuator_force = x.actuator_force + (actuator_force - x.actuator_force) / (substeps - substep + 1)});
     }
-    model.step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
+    model->step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
@@ -51,12 +52,20 @@ using InitialState = model::Column<double, 6>;
 /// substeps a law with a corner (friction, a stop) acts near its own instant and not at the next sample. A controller
 /// runs 1.
 using Response = std::array<std::vector<double>, model::channel_count>;
+
+/// A rig whose parameters change while it moves: from every `every`-th sample on it is `at` that sample.
+struct RigVariation {
+  std::size_t every = 0;  ///< 0: it does not change
+  std::function<model::RigParameters<double>(std::size_t sample)> at{};
+};
+
 [[nodiscard]] Response simulate(const model::RigParameters<double>& rig, const SimulationInput& input,
-                                const InitialState& start, std::size_t samples = 0, int substeps = 1);
+                                const InitialState& start, std::size_t samples = 0, int substeps = 1,
+                                const RigVariation& variation = {});
 /// The same of a choice of response_channels().
 [[nodiscard]] Response simulate(const model::RigParameters<double>& rig, const SimulationInput& input,
                                 const InitialState& start, std::size_t samples, int substeps,
-                                const std::vector<model::Channel>& channels);
+                                const std::vector<model::Channel>& channels, const RigVariation& variation = {});
 
 /// The rig that answers to an input: without its machine where the deflection is known, with a wheel that follows where
 /// its motion is prescribed.

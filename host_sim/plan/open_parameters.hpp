@@ -34,7 +34,8 @@ struct OpenCombination {
 ///
 ///   (1)  H = JᵀJ                      Fisher's information, J over all parameters of the explained part and of the
 ///                                     effects that are described
-///   (2)  C = (H + 12/width²)⁻¹        width: of the prior, a factor of thresholds::parameter_range either way
+///   (2)  C = (H + 12/(n width²))⁻¹    width: of the prior, a factor of thresholds::parameter_range either way; n
+///                                     parameters, so that all in one ratio are known no better than one
 ///   (3)  open: eigenvectors of H with 1.96/√λ > thresholds::open, as sparse a basis of them as elimination finds
 struct Information {
   std::vector<identification::FreeParameter> parameters;

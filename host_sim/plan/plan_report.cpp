@@ -44,9 +44,9 @@ void add_advice(report::Report& page, const Plan& plan) {
   panel.y.quantity = "change";
   panel.y.of_names = true;
   report::Bars bars{"gain", {}, {}, 0};
-  for (auto advice = plan.advice.rbegin(); advice != plan.advice.rend(); ++advice) {
-    bars.names.push_back(advice->what);
-    bars.values.push_back(advice->gain);
+  for (const Advice& advice : plan.advice) {
+    bars.names.push_back(advice.what);
+    bars.values.push_back(advice.gain);
   }
   panel.bars.push_back(bars);
   panel.guides.push_back({report::Guide::Along::x, 1.0, "as planned"});

@@ -49,7 +49,8 @@ std::string hidden_words(const truth::Truth& truth) {
     for (const auto& [key, value] : effect.parameters) text += " " + key + "=" + number(value);
   }
   if (!truth.unknown.empty()) {
-    text = truth.unknown + (truth.unknown_channel.empty() ? "" : " (" + truth.unknown_channel + ")");
+    text += (text.empty() ? "" : " and ") + truth.unknown +
+            (truth.unknown_channel.empty() ? "" : " (" + truth.unknown_channel + ")");
   }
   return text.empty() ? "nothing" : text;
 }

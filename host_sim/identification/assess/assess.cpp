@@ -5,11 +5,14 @@
 #include <cmath>
 #include <utility>
 
+#include "host_sim/identification/assess/lost_samples.hpp"
+#include "host_sim/identification/assess/noise_faults.hpp"
+#include "host_sim/identification/assess/recording_causes.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
-#include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -84,7 +87,7 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
 /// Where no effect is named, a relation that fails counts as a residual: what drives the simulation, or is computed by
 /// the program, shows in the relations alone.
 void add_failed_relations(Diagnosis& result) {
-  if (!result.effects.empty() || !result.parameters_off.empty()) return;
+  if (!result.effects.empty() || !result.parameters_off.empty() || result.has_cause_in_recording()) return;
   for (const ParityResidual& r : result.relations) {
     if (!r.significant()) continue;
     result.unexplained = true;
@@ -93,8 +96,20 @@ void add_failed_relations(Diagnosis& result) {
   }
 }
 
+/// An effect whose size changes with its amplitude or with time is not the law that acts there.
+void add_inconstant_laws(const SearchResult& found, double temper, Diagnosis& result) {
+  for (std::size_t i = 0; i < found.constancy.size(); ++i) {
+    const LawConstancy& constancy = found.constancy[i];
+    if (!constancy.fails(temper)) continue;
+    result.unexplained = true;
+    result.residual.append(result.residual.empty() ? "" : "; ")
+        .append(words(found.best.effects[i]))
+        .append(constancy.with_time ? ": its size changes over the record" : ": its size depends on the amplitude");
+  }
+}
+
 Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
-  if (result.effects.empty() && result.parameters_off.empty())
+  if (result.effects.empty() && result.parameters_off.empty() && !result.has_cause_in_recording())
     return result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
   if (result.unexplained && explained < thresholds::explains_all) return Verdict::unexplained;
   return close ? Verdict::ambiguous : Verdict::named;
@@ -129,29 +144,6 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
   return list;
 }
 
-/// Noise that is not as declared, by channel: the mean over the recordings, weighted by their errors.
-std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem) {
-  std::vector<RecordingFault> faults;
-  for (std::size_t c = 0; c < model::channel_count; ++c) {
-    double sum = 0.0, weights = 0.0;
-    for (const PreparedRecording& r : problem.samples()) {
-      if (!r.noise_factor[c]) continue;
-      const double weight = 1.0 / std::max(std::pow(r.noise_factor[c]->half_width, 2), 1e-12);
-      sum += weight * r.noise_factor[c]->value;
-      weights += weight;
-    }
-    if (!(weights > 0.0)) continue;
-    const double factor = sum / weights, half_width = 1.0 / std::sqrt(weights);
-    const double off = std::abs(std::log(factor));
-    if (off < thresholds::noise_named || factor * off < 2.0 * half_width) continue;
-    faults.push_back({"noise_level",
-                      {model::channel_at(c)},
-                      {{"factor", {factor, factor - half_width, factor + half_width}}},
-                      thresholds::highest_confidence});
-  }
-  return faults;
-}
-
 void locate(const IdentificationProblem& problem, const SearchResult& found, bool tyre_effects, Diagnosis& result) {
   result.left_by_refit = band_powers(problem, found.nothing.fit.hypothesis);
   result.left_after = band_powers(problem, found.best.fit.hypothesis);
@@ -163,12 +155,14 @@ void locate(const IdentificationProblem& problem, const SearchResult& found, boo
   result.locations.push_back({Channel::F_w, 0.0, 0.5 / problem.sample_period(), "tyre", 1.0 - other});
 }
 
-void put_into_rig(const firmware::RigDescription& description, Diagnosis& result) {
+/// A parameter that drifts has its value in the middle of the recording.
+void put_into_rig(const firmware::RigDescription& description, const Hypothesis& found, Diagnosis& result) {
   result.rig = description;
   for (const auto& [path, value] : result.parameters) {
     if (double* const parameter = firmware::find_parameter(result.rig.rig, path)) *parameter = value.value;
   }
   for (const NamedEffect& named : result.effects) firmware::put_effect(result.rig.rig, named.effect);
+  result.rig.rig = drifted(result.rig.rig, found.faults, 0.5);
 }
 
 }  // namespace
@@ -209,18 +203,23 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
 
   const SelectionCriterion criterion;
   const Certainty certainty = certainty_of(problem, found, result.unexplained, explained);
+  add_inconstant_laws(found, certainty.temper, result);
   const std::vector<Interval> parameters = intervals(found.best.fit, certainty.temper);
   const std::vector<FreeParameter> tolerated = untied(space, found.freed).tolerated;
   for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];
   result.parameters_off = parameters_off(description, found, result.parameters, certainty);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
+  result.recording_faults = recording_causes(problem, found, criterion, parameters, certainty);
   const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close) ||
-                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close);
+                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close) ||
+                     std::any_of(result.recording_faults.begin(), result.recording_faults.end(), has_close);
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
   add_tyre_effects(car, criterion, result);
-  result.recording_faults = noise_faults(problem);
+  for (const auto& faults : {noise_faults(problem), lost_samples(problem)}) {
+    result.recording_faults.insert(result.recording_faults.end(), faults.begin(), faults.end());
+  }
   add_failed_relations(result);
   result.verdict = verdict_of(result, explained, close);
 
@@ -228,7 +227,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.power_over_time = power_over_time(problem, refit, after);
   result.prediction_errors.merge(prediction_errors(problem, space.given, refit, after));
   result.overlays = overlays_of(problem, space.given, refit, after);
-  put_into_rig(description, result);
+  put_into_rig(description, after, result);
   return result;
 }
 

@@ -1,6 +1,7 @@
 // The result of a diagnosis.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <string_view>
@@ -36,10 +37,14 @@ struct ParameterOff {
 
 /// A fault of the measurement, not of the rig.
 struct RecordingFault {
-  std::string name;  ///< as in contract.md: noise_level
+  std::string name;  ///< as in contract.md: noise_level, clock_offset …
   std::vector<model::Channel> channels;
   std::map<std::string, Interval> parameters;
   double confidence = 0.0;
+  std::string path{};  ///< of a drift: the parameter that changes
+  /// Not the noise alone: something that must be taken into account to explain the recording.
+  bool is_cause = false;
+  std::vector<Alternative> alternatives{};  ///< effects in its place, the nearest first
 };
 
 struct Diagnosis {
@@ -60,6 +65,11 @@ struct Diagnosis {
   ResidualPower residual_power;
   std::size_t simulations = 0, candidates = 0;  ///< tried
   std::vector<std::string> remarks;             ///< clipped samples, channels left out, noise estimated
+
+  [[nodiscard]] bool has_cause_in_recording() const {
+    return std::any_of(recording_faults.begin(), recording_faults.end(),
+                       [](const RecordingFault& fault) { return fault.is_cause; });
+  }
 };
 
 }  // namespace host_sim::identification

@@ -85,7 +85,7 @@ std::optional<double> separation_there(const ProblemRecording& r, const Hypothes
   moved.sample_period = e.recording.sample_period;
   moved.time = e.recording.time;
   if (kind == RigKind::component_bench) {
-    const Response here = true_channels(one.rig, e, e.input, resting(one.rig, e.input), 0, r.resolution());
+    const Response here = true_channels(one, e, e.input, resting(one.rig, e.input), 0, r.resolution());
     moved[Channel::x_act] = here[index(Channel::dz_b)];
   } else {
     if (!e.recording.has(Channel::z_r)) return std::nullopt;

@@ -8,6 +8,7 @@
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/common/frequency_bands.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/select/law_constancy.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -83,6 +84,7 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
       named.alternatives.push_back(std::move(alternative));
     }
     named.confidence = confidence(odds, gain, certainty);
+    if (law_in_doubt(found, i, certainty.temper)) named.confidence *= thresholds::inconstant_worth;
     list.push_back(std::move(named));
   }
   return list;

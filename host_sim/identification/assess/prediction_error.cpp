@@ -34,10 +34,11 @@ double noise_floor(const IdentificationProblem& problem, Channel channel) {
       data += std::pow(measured[k], 2);
       count += 1.0;
     }
-    double variance = samples.noise[c] * samples.noise[c] + r.input_noise.variance[c];
+    const double rms = samples.channel_noise[c].rms(samples.compared_period());
+    double variance = rms * rms + r.input_noise.variance[c];
     if (channel == Channel::zdd_r) {  // z_r alone says nothing of faster motion
-      variance += variance_above(thresholds::acceleration_edge * samples.acceleration_known, measured, window,
-                                 samples.noise[c], samples.input.period);
+      variance += variance_above(thresholds::acceleration_edge * samples.acceleration_known, measured, window, rms,
+                                 samples.input.period);
     }
     noise += variance * count;
   }

@@ -20,6 +20,10 @@ inline constexpr double most_logarithmic_odds = 300.0;
 /// power by which a law outside the catalogue differs from the nearest effect is at least this. Both are priors, chosen
 /// and not measured: half of `outside_share` halves the doubt about weak effects, twice doubles it.
 inline constexpr double outside_share = 0.2, closest_outside = 1e-3;
+/// [1] Factor on the confidence of an effect whose law is in doubt (select/law_constancy): its law is another one, or
+/// something else hides at its place. Below a half, so that no such name is believed; not 0, since the effect still is
+/// what comes nearest. Half and twice: other numbers below a half.
+inline constexpr double inconstant_worth = 0.3;
 /// [standard deviations] of a 95 % interval: 1.96 for noise that is known. What carries the noise through the rig is
 /// itself known to some per cent only, which over the recordings of tests/confusion takes 1.2 times as much. Tuned on
 /// our own generator: half of the excess (1.1) holds 93 %, twice (1.4) 97 % (normal distribution).
@@ -29,6 +33,10 @@ inline constexpr double interval_deviations = 1.2 * 1.96;
 inline constexpr double worth_of_shrinking = 0.5;
 /// [1] A channel with less of the excess is no place of the disagreement.
 inline constexpr double least_located_share = 0.005;
+
+/// [s] Either way, half width of the instants at which an event begins and ends: two blocks of parity's span_block and
+/// the reach of its smooth window. Derived.
+inline constexpr double event_edge = 0.035;
 
 // Experiments ---------------------------------------------------------------------------------------------------------
 

@@ -43,7 +43,7 @@ void find_sensor_columns(const IdentificationProblem& problem, Fit& at, const st
     const FreeParameter& parameter = at.parameters[columns[i]];
     const auto [other, step] = difference_of(problem, at, parameter);
     at.jacobian.col(static_cast<Eigen::Index>(columns[i])) =
-        (residuals(problem, predict_sensor(problem, other, at.prediction, *parameter.sensor)) - at.residual) / step;
+        (residuals(problem, predict_readings(problem, other, at.prediction, parameter.readings)) - at.residual) / step;
   });
 }
 
@@ -78,7 +78,7 @@ void find_simulated_columns(const IdentificationProblem& problem, Fit& at, const
 void find_columns(const IdentificationProblem& problem, Fit& at, Eigen::Index first) {
   std::vector<std::size_t> of_sensors, simulated;
   for (auto i = static_cast<std::size_t>(first); i < at.parameters.size(); ++i) {
-    (at.parameters[i].sensor ? of_sensors : simulated).push_back(i);
+    (at.parameters[i].readings.empty() ? simulated : of_sensors).push_back(i);
   }
   find_sensor_columns(problem, at, of_sensors);
   find_simulated_columns(problem, at, simulated);

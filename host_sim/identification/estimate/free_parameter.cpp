@@ -17,6 +17,8 @@ double FreeParameter::coordinate(double v) const {
 void FreeParameter::put(Hypothesis& hypothesis, double u) const {
   if (role == Role::start) {
     hypothesis.starts[recording](state) = value(u);
+  } else if (role == Role::fault) {
+    hypothesis.faults[fault].values[number] = value(u);
   } else if (double* const parameter = firmware::find_parameter(hypothesis.rig, path)) {
     *parameter = value(u);
   }
@@ -24,6 +26,7 @@ void FreeParameter::put(Hypothesis& hypothesis, double u) const {
 
 double FreeParameter::get(const Hypothesis& hypothesis) const {
   if (role == Role::start) return coordinate(hypothesis.starts[recording](state));
+  if (role == Role::fault) return coordinate(hypothesis.faults[fault].values[number]);
   model::RigParameters<double> rig = hypothesis.rig;
   const double* const parameter = firmware::find_parameter(rig, path);
   return parameter != nullptr ? coordinate(*parameter) : 0.0;
@@ -37,6 +40,7 @@ bool FreeParameter::at_bound(const Hypothesis& hypothesis) const {
 double FreeParameter::trust_radius(double u) const {
   if (role == Role::start) return thresholds::start_trust_radius;
   if (role == Role::tolerated || (sensor && !logarithmic)) return INFINITY;
+  if (role == Role::fault && is_linear) return INFINITY;
   return logarithmic ? thresholds::effect_trust_radius : std::max(thresholds::effect_trust_radius, std::abs(u));
 }
 
@@ -69,8 +73,12 @@ std::vector<FreeParameter> tolerated_parameters(const firmware::RigDescription& 
 }
 
 std::vector<FreeParameter> suspect_parameters(const firmware::RigDescription& description) {
+  return parameters_of_part(explained_part(description.rig));
+}
+
+std::vector<FreeParameter> parameters_of_part(const model::RigParameters<double>& explained) {
   std::vector<FreeParameter> parameters;
-  model::RigParameters<double> part = explained_part(description.rig);
+  model::RigParameters<double> part = explained;
   const bool has_car = part.kind != model::RigKind::component_bench;
   for (const firmware::ParameterPath& p : firmware::parameter_paths()) {
     const std::string path = std::string(p.table) + "." + std::string(p.key);
@@ -110,6 +118,55 @@ std::vector<FreeParameter> start_parameters(const firmware::RigDescription& desc
                             .lower = -thresholds::start_bound,
                             .upper = thresholds::start_bound,
                             .difference = thresholds::start_difference});
+    }
+  }
+  return parameters;
+}
+
+std::vector<FreeParameter> fault_parameters(const std::vector<PlacedFault>& faults) {
+  std::vector<FreeParameter> parameters;
+  for (std::size_t f = 0; f < faults.size(); ++f) {
+    const PlacedFault& fault = faults[f];
+    for (std::size_t v = 0; v < fault.values.size(); ++v) {
+      if (!fault.fitted[v]) continue;
+      FreeParameter u{.role = FreeParameter::Role::fault, .path = ""};
+      u.fault = f;
+      u.number = v;
+      u.readings = fault.channels;
+      u.difference = thresholds::fault_difference;
+      const auto range = [&u](double centre, double scale, double bound) {
+        u.centre = centre;
+        u.scale = scale;
+        u.lower = -bound / scale;
+        u.upper = bound / scale;
+      };
+      switch (fault.kind) {
+        case FaultKind::clock:
+          range(0.0, v == 0 ? thresholds::offset_scale : thresholds::rate_scale,
+                v == 0 ? thresholds::largest_offset : thresholds::largest_rate);
+          break;
+        case FaultKind::common_filter:
+          u.scale = 1.0;
+          u.logarithmic = true;
+          u.lower = std::log(thresholds::lowest_corner);
+          u.upper = std::log(thresholds::highest_corner);
+          break;
+        case FaultKind::mains_hum:
+          if (v == 0) {
+            range(fault.values[0], thresholds::hum_scale, thresholds::hum_range);
+          } else {
+            const double size = std::hypot(fault.values[2 * ((v - 1) / 2) + 1], fault.values[2 * ((v - 1) / 2) + 2]);
+            range(0.0, std::max(size, 1e-12), 1e3 * std::max(size, 1e-12));
+            u.is_linear = true;
+            u.readings = {fault.channels[(v - 1) / 2]};
+          }
+          break;
+        case FaultKind::drift:
+          range(0.0, v == 0 ? thresholds::drift_scale : 1.0,
+                v == 0 ? thresholds::largest_drift : thresholds::largest_curvature);
+          break;
+      }
+      parameters.push_back(std::move(u));
     }
   }
   return parameters;

@@ -19,15 +19,18 @@ namespace host_sim::identification {
 ///   (1)  value = centre + scale · u      tolerated parameters, signed effect parameters, start states
 ///   (2)  value = scale · e^u             effect parameters that are positive
 struct FreeParameter {
-  enum class Role : unsigned char { tolerated, effect, start } role;
+  enum class Role : unsigned char { tolerated, effect, start, fault } role;
   std::string path;                        ///< of tolerated and effect parameters
   std::size_t recording{};                 ///< of start states
   int state{};                             ///< of start states: z_w, ż_w, z_b, ż_b, y, ẏ
   std::optional<model::Channel> sensor{};  ///< of a sensor effect: only this channel's readings depend on it
   double centre{}, scale{};
   bool logarithmic = false;
-  double lower{}, upper{};  ///< bounds of u
-  double difference{};      ///< of u, for the Jacobian
+  bool is_linear = false;                  ///< residuals are linear in it: a step of any length is trusted
+  double lower{}, upper{};                 ///< bounds of u
+  double difference{};                     ///< of u, for the Jacobian
+  std::size_t fault{}, number{};           ///< of a fault: which of Hypothesis::faults, which of its values
+  std::vector<model::Channel> readings{};  ///< of a fault that costs no simulation: only these channels depend on it
 
   [[nodiscard]] double value(double u) const;
   [[nodiscard]] double coordinate(double value) const;
@@ -40,6 +43,8 @@ struct FreeParameter {
     double lower, upper;
   };
   [[nodiscard]] StepBounds step_bounds(double u, double trust) const;
+  /// Whether another value asks for a simulation, and not only for other readings of what was simulated.
+  [[nodiscard]] bool simulates() const { return !sensor && readings.empty(); }
   void put(Hypothesis& hypothesis, double u) const;
   [[nodiscard]] double get(const Hypothesis& hypothesis) const;  ///< u
   [[nodiscard]] bool at_bound(const Hypothesis& hypothesis) const;
@@ -51,6 +56,7 @@ struct FreeParameter {
 /// Every parameter of the explained part that is not 0, within a factor thresholds::parameter_range of what is
 /// described.
 [[nodiscard]] std::vector<FreeParameter> suspect_parameters(const firmware::RigDescription& description);
+[[nodiscard]] std::vector<FreeParameter> parameters_of_part(const model::RigParameters<double>& explained);
 
 /// The states at the beginnings of fitted recordings that do not begin at rest.
 [[nodiscard]] std::vector<FreeParameter> start_parameters(const firmware::RigDescription& description,
@@ -58,6 +64,9 @@ struct FreeParameter {
 
 /// The parameters of an effect that is in the hypothesis, those that are to be fitted.
 [[nodiscard]] std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effect);
+
+/// The values of the faults of a recording that are to be fitted, in the order of the faults.
+[[nodiscard]] std::vector<FreeParameter> fault_parameters(const std::vector<PlacedFault>& faults);
 
 /// What all models of a search share: where they begin and what is free in each of them.
 struct SearchSpace {

@@ -28,7 +28,7 @@ Spectra spectra_of(const ProblemRecording& recording, const Hypothesis& hypothes
   for (std::size_t c = 0; c < samples.channels.size(); ++c) {
     const model::Channel channel = samples.channels[c];
     const auto& values = truth[index(channel)];
-    const bool affected = has_sensor_effect(hypothesis.rig, channel);
+    const bool affected = is_altered(hypothesis, channel);
     seen.push_back(recording.fit_whitening->spectrum(
         samples, c, affected ? sensor_readings(hypothesis, samples, channel, values) : values));
   }
@@ -67,8 +67,8 @@ void predict_recording(const IdentificationProblem& problem, const Hypothesis& h
                        bool half_substeps, Prediction& prediction) {
   const ProblemRecording& r = problem.recordings()[recording];
   if (!r.is_fitted()) return;
-  auto simulated = true_channels_of_each({{&hypothesis.rig, &hypothesis.starts[recording], &r.samples->input}},
-                                         *r.samples, r.fit_whitening->window().to, resolution_of(r, half_substeps));
+  auto simulated = true_channels_of_each({{&hypothesis, &hypothesis.starts[recording], &r.samples->input}}, *r.samples,
+                                         r.fit_whitening->window().to, resolution_of(r, half_substeps));
   prediction.truth[recording] = std::make_shared<const Response>(std::move(simulated.front()));
   prediction.seen[recording] = spectra_of(r, hypothesis, *prediction.truth[recording]);
 }
@@ -82,12 +82,18 @@ Prediction predict(const IdentificationProblem& problem, const Hypothesis& hypot
 
 Prediction predict_sensor(const IdentificationProblem& problem, const Hypothesis& hypothesis, const Prediction& base,
                           model::Channel channel) {
+  return predict_readings(problem, hypothesis, base, {channel});
+}
+
+Prediction predict_readings(const IdentificationProblem& problem, const Hypothesis& hypothesis, const Prediction& base,
+                            const std::vector<model::Channel>& channels) {
   Prediction prediction = base;
   for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
     const ProblemRecording& r = problem.recordings()[i];
     if (!r.is_fitted()) continue;
     for (std::size_t c = 0; c < r.samples->channels.size(); ++c) {
-      if (r.samples->channels[c] != channel) continue;
+      const model::Channel channel = r.samples->channels[c];
+      if (std::find(channels.begin(), channels.end(), channel) == channels.end()) continue;
       prediction.seen[i][c] = r.fit_whitening->spectrum(
           *r.samples, c, sensor_readings(hypothesis, *r.samples, channel, (*base.truth[i])[index(channel)]));
     }
@@ -119,7 +125,7 @@ std::vector<Eigen::VectorXd> residuals_of_each(const IdentificationProblem& prob
     std::vector<SimulatedRig> rigs;
     for (const std::size_t v : batches[b].variations) {
       const Hypothesis& hypothesis = variations[v].hypothesis;
-      rigs.push_back({&hypothesis.rig, &hypothesis.starts[i], &r.samples->input});
+      rigs.push_back({&hypothesis, &hypothesis.starts[i], &r.samples->input});
     }
     const auto simulated =
         true_channels_of_each(rigs, *r.samples, r.fit_whitening->window().to, resolution_of(r, half_substeps));

@@ -38,6 +38,9 @@ struct Variation {
 [[nodiscard]] std::vector<Eigen::VectorXd> residuals_of_each(const IdentificationProblem& problem,
                                                              const std::vector<Variation>& variations,
                                                              bool half_substeps, const Prediction* base);
+/// The same of several channels: also where the hypotheses differ in faults of the recording that act on them.
+[[nodiscard]] Prediction predict_readings(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                          const Prediction& base, const std::vector<model::Channel>& channels);
 
 /// Whitened residuals of the fitted windows, recording after recording (noise/whitening.hpp).
 [[nodiscard]] Eigen::VectorXd residuals(const IdentificationProblem& problem, const Prediction& prediction);

@@ -26,6 +26,24 @@ inline constexpr double least_share_of_value = 1e-3;
 /// says.
 inline constexpr double parameter_range = 3.0;
 
+// Faults of the recording (predict/recording_faults.hpp) --------------------------------------------------------------
+
+/// [s], [1] Scales of a clock's offset and rate, of which a fit moves as far in its first step: 2 ms are a phase of 1
+/// rad at 80 Hz, where a linear step still helps; 100 ppm shift the end of 20 s by as much. And their bounds: 50 ms is
+/// the delay of a network, 2000 ppm the error of the worst RC oscillator. Half and twice of the scales: not measured.
+inline constexpr double offset_scale = 2e-3, rate_scale = 1e-4, largest_offset = 50e-3, largest_rate = 2e-3;
+/// [Hz] Corners of a filter. Below the lowest it is a sensor's lag; above the highest 90 Hz, the end of the residuals,
+/// is left as it is within a phase of 0.1 rad.
+inline constexpr double lowest_corner = 10.0, highest_corner = 900.0;
+/// [Hz] Scale and bound of what hum is off the mains' nominal frequency: grids keep ± 0.2 Hz in operation, ± 0.5 Hz
+/// before they shed load.
+inline constexpr double hum_scale = 0.01, hum_range = 0.5;
+/// [1] Scale and bound of a drift over the recording: a parameter that loses nine tenths does not drift, it breaks.
+/// And of its curvature κ = T/time constant: at 20 it is over in the first eighth of the recording.
+inline constexpr double drift_scale = 0.1, largest_drift = 0.9, largest_curvature = 20.0;
+/// [coordinate] Difference for the Jacobian: 1 % of each scale, as of a tolerance.
+inline constexpr double fault_difference = 1e-2;
+
 // What a fit leaves ---------------------------------------------------------------------------------------------------
 
 /// [standard deviations] of a channel's power in a band beyond its noise, on fitted and on held-out data, from which it

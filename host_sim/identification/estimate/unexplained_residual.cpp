@@ -120,12 +120,16 @@ void SquaredError::add(const PreparedRecording& recording, model::Channel channe
                        Window window) {
   const auto c = index(channel);
   window = recording.comparable(channel, window);
+  double sum = 0.0, count = 0.0, squares = 0.0;
   for (std::size_t k = recording.compared_from(window.from); k < window.to; k += recording.step) {
     if (!recording.clipped[c].empty() && recording.clipped[c][k]) continue;
-    const double measured = recording.recording[channel][k];
-    error += std::pow(response[c][k] - measured, 2);
+    const double measured = recording.recording[channel][k], difference = response[c][k] - measured;
+    sum += difference;
+    count += 1.0;
+    squares += difference * difference;
     data += measured * measured;
   }
+  error += recording.mean_unknown && count > 0.0 ? squares - sum * sum / count : squares;
 }
 
 double pooled_error(const IdentificationProblem& problem, const Hypothesis& hypothesis) {

@@ -48,7 +48,7 @@ struct UnexplainedResidual {
 
 /// Sums over a window of a channel, clipped samples left out.
 struct SquaredError {
-  double error = 0.0;  ///< Σ (simulated − measured)²
+  double error = 0.0;  ///< Σ (simulated − measured)², without its mean where that is unknown
   double data = 0.0;   ///< Σ measured²
   void add(const PreparedRecording& recording, model::Channel channel, const Response& response, Window window);
 };

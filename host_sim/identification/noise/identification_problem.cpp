@@ -1,6 +1,7 @@
 #include "host_sim/identification/noise/identification_problem.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
@@ -8,15 +9,35 @@
 namespace host_sim::identification {
 namespace {
 
+using model::Channel;
+
 /// [s] A truncated window is no shorter: two periods of 1 Hz.
 constexpr double shortest_truncated = 2.0;
+
+/// Whether what a hypothesis leaves of a channel may say more of its noise than the channel itself.
+bool is_open(const PreparedRecording& r, Channel channel) {
+  const ChannelNoise& noise = r.channel_noise[index(channel)];
+  return !r.renewals[index(channel)] && (!noise.is_known() || !noise.colour.is_white());
+}
+
+/// Measured minus read, samples that are not to be used left out.
+std::vector<double> left_of(const PreparedRecording& r, Channel channel, const Response& read) {
+  const auto c = index(channel);
+  const Window window = r.comparable(channel, r.fitted.size() > 0 ? r.fitted : r.held_out);
+  std::vector<double> left;
+  for (std::size_t k = r.compared_from(window.from); k < window.to; k += r.step) {
+    const bool clipped = !r.clipped[c].empty() && r.clipped[c][k];
+    left.push_back(clipped ? 0.0 : r.recording[channel][k] - read[c][k]);
+  }
+  return left;
+}
 
 }  // namespace
 
 IdentificationProblem::IdentificationProblem(std::vector<PreparedRecording> recordings)
     : samples_(std::make_shared<const std::vector<PreparedRecording>>(std::move(recordings))) {
   for (const PreparedRecording& r : *samples_) {
-    recordings_.push_back({&r, r.fitted, r.held_out, r.substeps, {}, std::nullopt, std::nullopt});
+    recordings_.push_back({&r, r.fitted, r.held_out, r.substeps, r.channel_noise, {}, std::nullopt, std::nullopt});
   }
   whiten();
 }
@@ -42,7 +63,11 @@ bool IdentificationProblem::has_held_out() const {
 }
 
 bool IdentificationProblem::update_input_noise(const Hypothesis& hypothesis) {
-  if (!samples_->front().input_noise.any()) return false;
+  const bool channels = update_channel_noise(hypothesis);
+  if (!samples_->front().input_noise.any()) {
+    if (channels) whiten();
+    return channels;
+  }
   for_all(recordings_.size(), [&](std::size_t i) {
     // Over the whole window, not a truncated one: the covariance is the same, and better known.
     const PreparedRecording& r = *recordings_[i].samples;
@@ -54,13 +79,40 @@ bool IdentificationProblem::update_input_noise(const Hypothesis& hypothesis) {
 }
 
 void IdentificationProblem::take_input_noise(const IdentificationProblem& other) {
-  for (std::size_t i = 0; i < recordings_.size(); ++i) recordings_[i].input_noise = other.recordings_[i].input_noise;
+  for (std::size_t i = 0; i < recordings_.size(); ++i) {
+    recordings_[i].noise = other.recordings_[i].noise;
+    recordings_[i].input_noise = other.recordings_[i].input_noise;
+  }
   whiten();
 }
 
 void IdentificationProblem::allow_model_error(double relative) {
   model_error_ = relative;
   whiten();
+}
+
+bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
+  std::atomic<bool> changed = false;
+  for_all(recordings_.size(), [&](std::size_t i) {
+    ProblemRecording& problem = recordings_[i];
+    const PreparedRecording& r = *problem.samples;
+    if (std::none_of(r.channels.begin(), r.channels.end(), [&](Channel c) { return is_open(r, c); })) return;
+    const Response read = read_channels(hypothesis, r, r.input, hypothesis.starts[i], 0, problem.resolution());
+    for (const Channel channel : r.channels) {
+      if (!is_open(r, channel)) continue;
+      const auto c = index(channel);
+      const double period = r.compared_period();
+      ChannelNoise found = noise_in(left_of(r, channel, read), period, channel, r.expected_colour);
+      if (!found.is_known()) continue;
+      const double highest = r.channel_noise[c].highest_level;
+      if (highest > 0.0) found.level = std::min(found.level, highest);
+      // Behind a low-pass, what corners leave of the channel was filtered, and the simulation is not: no noise.
+      if (r.expected_colour && r.declared_noise[c]) found.level = std::min(found.level, r.channel_noise[c].level);
+      problem.noise[c] = with_declared(found, r.declared_noise[c], period).noise;
+      changed = true;
+    }
+  });
+  return changed;
 }
 
 IdentificationProblem IdentificationProblem::truncated(double share) const {
@@ -71,7 +123,7 @@ IdentificationProblem IdentificationProblem::truncated(double share) const {
     const auto least = static_cast<std::size_t>(shortest_truncated / r.samples->input.period);
     const auto wanted = static_cast<std::size_t>(share * static_cast<double>(r.fitted.size()));
     const Window begin{r.fitted.from, r.fitted.from + std::min(r.fitted.size(), std::max(wanted, least))};
-    part.recordings_.push_back({r.samples, begin, {}, r.substeps, r.input_noise, std::nullopt, std::nullopt});
+    part.recordings_.push_back({r.samples, begin, {}, r.substeps, r.noise, r.input_noise, std::nullopt, std::nullopt});
   }
   part.whiten();
   return part;
@@ -83,9 +135,23 @@ IdentificationProblem IdentificationProblem::truncated_and_coarse(double share) 
   return part;
 }
 
+void IdentificationProblem::leave_out(std::size_t recording, Window left_out) {
+  auto samples = std::make_shared<std::vector<PreparedRecording>>(*samples_);
+  PreparedRecording& r = (*samples)[recording];
+  for (const model::Channel channel : r.channels) {
+    std::vector<bool>& clipped = r.clipped[index(channel)];
+    clipped.resize(r.size(), false);
+    std::fill(clipped.begin() + static_cast<std::ptrdiff_t>(left_out.from),
+              clipped.begin() + static_cast<std::ptrdiff_t>(std::min(left_out.to, r.size())), true);
+  }
+  for (std::size_t i = 0; i < recordings_.size(); ++i) recordings_[i].samples = &(*samples)[i];
+  samples_ = std::move(samples);
+  whiten();
+}
+
 Whitening IdentificationProblem::whitening(std::size_t recording, Window window) const {
   const ProblemRecording& r = recordings_[recording];
-  return {*r.samples, window, r.input_noise.spectrum, model_error_};
+  return {*r.samples, window, r.noise, r.input_noise.spectrum, model_error_};
 }
 
 void IdentificationProblem::whiten() {

@@ -16,6 +16,7 @@ struct ProblemRecording {
   const PreparedRecording* samples;
   Window fitted, held_out;  ///< of the samples; empty: nothing
   int substeps;             ///< model steps per sample where there are corners
+  ChannelNoises noise;      ///< of the channels: as prepared, or found in what a hypothesis leaves
   InputNoiseCovariance input_noise;
   std::optional<Whitening> fit_whitening, held_out_whitening;  ///< of the two windows
 
@@ -42,12 +43,17 @@ class IdentificationProblem {
   [[nodiscard]] std::size_t fitted_count() const;    ///< recordings
   [[nodiscard]] bool has_held_out() const;
 
-  /// Weights residuals anew for what a hypothesis makes of the input's noise. false: the input carries none.
+  /// Weights residuals anew for what a hypothesis makes of the input's noise, and for the noise of channels that their
+  /// own samples did not tell from motion: what the hypothesis leaves of them (sensor_noise.hpp). false: nothing
+  /// changed.
   bool update_input_noise(const Hypothesis& hypothesis);
-  /// The same noise as another problem on these samples.
+  /// The same noises as another problem on these samples.
   void take_input_noise(const IdentificationProblem& other);
   /// Allows for an error of the model, relative to the rms of each channel: ε_c of Whitening (2).
   void allow_model_error(double relative);
+
+  /// Samples of a recording that are not used any more, of any channel.
+  void leave_out(std::size_t recording, Window left_out);
 
   /// Whitening of any window of a recording, with the weights of the problem.
   [[nodiscard]] Whitening whitening(std::size_t recording, Window window) const;
@@ -59,6 +65,7 @@ class IdentificationProblem {
 
  private:
   IdentificationProblem() = default;
+  bool update_channel_noise(const Hypothesis& hypothesis);
   void whiten();
 
   std::shared_ptr<const std::vector<PreparedRecording>> samples_;

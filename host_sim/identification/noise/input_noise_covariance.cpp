@@ -94,10 +94,12 @@ struct BandSums {
 /// (3)
 double input_density(const InputNoise& noise, double f, double period) {
   if (!(noise.position > 0.0)) return noise.acceleration * noise.acceleration;
-  const double density = noise.position * noise.position;
+  const double density = noise.position * noise.position * noise.position_colour.power(f, noise.sample_period);
   if (!(noise.acceleration > 0.0)) return density;
   const double curvature = std::pow(2.0 * std::sin(std::numbers::pi * f * period) / period, 2);
-  return 1.0 / (1.0 / density + std::pow(curvature / noise.acceleration, 2));
+  const double acceleration =
+      noise.acceleration * noise.acceleration * noise.acceleration_colour.power(f, noise.sample_period);
+  return 1.0 / (1.0 / density + curvature * curvature / acceleration);
 }
 
 /// Spectra of a tapered window, of the samples that are compared.
@@ -173,8 +175,7 @@ InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording, 
   }
   for (std::size_t b = 0; b < bands; ++b) {
     const double f = (static_cast<double>(b) + 0.5) * thresholds::covariance_band;
-    double density = input_density(recording.input_noise, f, recording.input.period);
-    if (b == 0) density += recording.input_noise.mean_variance * static_cast<double>(spectrum_of.length());
+    const double density = input_density(recording.input_noise, f, recording.input.period);
     result.spectrum.push_back(sums[b].covariance(density, spectrum_of.taper_power()));
   }
   return result;

@@ -20,10 +20,9 @@ struct InputNoiseCovariance {
 ///
 ///   (1)  g = Σ D P* / Σ |P|²                                    gain from the input's noise to the channels
 ///   (2)  N = g gᴴ S_p + Σ (D − g P)(D − g P)ᴴ / ((n − 1) Σw²)    coherent part, and events that begin earlier or later
-///   (3)  S_p = σ_z², of an acceleration that is integrated σ_a²,  with a fused accelerometer 1/(1/σ_z² + (4
-///   sin²(πfh)/h²)²/σ_a²)
+///   (3)  S_p = σ_z², of an acceleration that is integrated σ_a², with a fused accelerometer
+///        1/(1/σ_z² + (4 sin²(πfh)/h²)²/σ_a²); σ² times the h(f) of its colour
 ///
-/// The mean of an integrated acceleration is not known (InputNoise::mean_variance): it adds to S_p in the lowest band.
 /// The second term of (2) is as uncertain as the instants of events are: when a contact sticks depends on the noise.
 /// Scaling the first term to the known density (3) makes a few realisations enough.
 [[nodiscard]] InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording,

@@ -25,6 +25,9 @@ inline constexpr double taper_length = 0.25;
 /// [1] Least share of a held channel's noise power where sinc² has its zeros: no renewal is exact. Half and twice: not
 /// measured.
 inline constexpr double least_held_noise = 0.05;
+/// [1] Least share of a filtered channel's noise power above the filter's corner: the filter acts on the signal, too,
+/// which the simulation does not know. Half and twice: not measured.
+inline constexpr double least_filtered_noise = 0.05;
 /// Simulations with seeded input noise that one covariance is estimated from. Derivation: the coherent part is scaled
 /// to the known density of the input's noise, so only the incoherent part scatters, by 1/√(3 lines of a band). Half (2)
 /// and twice (6): not measured; the time of the noise step is proportional to it.

@@ -12,10 +12,12 @@
 namespace host_sim::identification {
 namespace {
 
-/// h_c(f) of (4), with its zeros filled.
-double held_noise(const PreparedRecording& recording, model::Channel channel, double f) {
+/// h_c(f) of (4) and (5), with its zeros filled.
+double power_of_noise(const PreparedRecording& recording, model::Channel channel, const NoiseColour& colour, double f) {
   const auto& renewals = recording.renewals[index(channel)];
-  if (!renewals) return 1.0;
+  if (!renewals) {
+    return std::max(colour.power(f, recording.compared_period()), thresholds::least_filtered_noise);
+  }
   const double x = std::numbers::pi * f * renewals->period * recording.input.period;
   const double sinc = x > 1e-6 ? std::sin(x) / x : 1.0;
   const double samples = renewals->period / static_cast<double>(recording.step);
@@ -63,14 +65,16 @@ class LentTransform {
 
 }  // namespace
 
-Whitening::Whitening(const PreparedRecording& recording, Window window,
+Whitening::Whitening(const PreparedRecording& recording, Window window, const ChannelNoises& noise,
                      const std::vector<Eigen::MatrixXcd>& input_noise, double model_error)
     : decimation_(1.0 / recording.compared_period(), thresholds::highest_frequency),
       window_(window),
       step_(recording.step),
       channels_(recording.channels.size()),
       period_(recording.compared_period()) {
-  length_ = decimation_.factor() * good_fft_size_at_most(window.size() / step_ / decimation_.factor());
+  window_.from = recording.compared_from(window.from);
+  length_ = decimation_.factor() *
+            good_fft_size_at_most((window.to - std::min(window.to, window_.from)) / step_ / decimation_.factor());
   window_.to = window_.from + length_ * step_;
   const double resolution = 1.0 / (period_ * static_cast<double>(length_));
   const double top = std::min(thresholds::highest_frequency, thresholds::highest_share_of_rate / period_);
@@ -87,7 +91,7 @@ Whitening::Whitening(const PreparedRecording& recording, Window window,
   const auto bands = static_cast<std::size_t>(top / thresholds::covariance_band) + 1;
   const auto m = static_cast<Eigen::Index>(channels_);
   for (std::size_t b = 0; b < bands; ++b) {
-    const Eigen::MatrixXcd sigma = covariance(recording, b, input_noise, model_error, mean_squares);
+    const Eigen::MatrixXcd sigma = covariance(recording, b, noise, input_noise, model_error, mean_squares);
     deviations_.push_back(sigma.diagonal().real().cwiseSqrt());
     const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
     factors_.push_back(cholesky.matrixL().solve(Eigen::MatrixXcd::Identity(m, m)));
@@ -120,7 +124,7 @@ double Whitening::power(std::size_t channel, std::size_t band) const {
 }
 
 /// (2)
-Eigen::MatrixXcd Whitening::covariance(const PreparedRecording& recording, std::size_t band,
+Eigen::MatrixXcd Whitening::covariance(const PreparedRecording& recording, std::size_t band, const ChannelNoises& noise,
                                        const std::vector<Eigen::MatrixXcd>& input_noise, double model_error,
                                        const std::vector<double>& mean_squares) const {
   const auto m = static_cast<Eigen::Index>(channels_);
@@ -129,10 +133,15 @@ Eigen::MatrixXcd Whitening::covariance(const PreparedRecording& recording, std::
   const double f = (static_cast<double>(band) + 0.5) * thresholds::covariance_band;
   for (std::size_t c = 0; c < channels_; ++c) {
     const model::Channel channel = recording.channels[c];
-    const double noise = recording.noise[index(channel)], channel_power = power(c, band);
+    const ChannelNoise& own = noise[index(channel)];
+    const double channel_power = power(c, band);
     const auto i = static_cast<Eigen::Index>(c);
     constexpr double error = thresholds::simulation_error;
-    sigma(i, i) += noise * noise * held_noise(recording, channel, f) + error * error * channel_power + 1e-300;
+    sigma(i, i) += own.level * own.level * power_of_noise(recording, channel, own.colour, f) +
+                   error * error * channel_power + 1e-300;
+    if (!recording.renewals[index(channel)]) {
+      sigma(i, i) += std::pow(1.0 - own.colour.power(f, period_), 2) * channel_power;
+    }
     sigma(i, i) += model_error * model_error * mean_squares[c];
     // z_r alone says nothing of faster motion: the whole channel is uncertain.
     const bool unknown = recording.acceleration_known > 0.0 && f > recording.acceleration_known;
@@ -160,6 +169,18 @@ Spectrum Whitening::spectrum(const PreparedRecording& recording, std::size_t cha
   if (!clipped.empty()) {
     for (std::size_t k = 0; k < length_; ++k) {
       if (clipped[window_.from + k * step_]) tapered[k] = 0.0;
+    }
+  }
+  if (recording.mean_unknown) {
+    double sum = 0.0, weights = 0.0;
+    const auto used = [&](std::size_t k) { return clipped.empty() || !clipped[window_.from + k * step_]; };
+    for (std::size_t k = 0; k < length_; ++k) {
+      sum += tapered[k];
+      if (used(k)) weights += taper_[k];
+    }
+    const double mean = weights > 0.0 ? sum / weights : 0.0;
+    for (std::size_t k = 0; k < length_; ++k) {
+      if (used(k)) tapered[k] -= mean * taper_[k];
     }
   }
   const std::vector<double> decimated = decimation_(std::move(tapered));

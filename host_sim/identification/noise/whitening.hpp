@@ -23,9 +23,13 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 ///   (1)  R_c(f) = Σ_k w_k (measured − simulated)_k e^{−2πi fk},  w: taper, f up to thresholds::highest_frequency
 ///   (2)  Σ(f) = diag(σ_c² h_c(f)) + N(f) + ε² diag(S_c(f)) + ε_c² diag(rms_c²)
 ///   (3)  whitened = √(2/Σw²) L(f)⁻¹ R(f),   Σ = L Lᴴ (Cholesky)
-///   (4)  h_c(f) = P sinc²(f P h) of a channel that is held for P samples, whose noise is held too; else 1
+///   (4)  h_c(f) = P sinc²(f P h) of a channel that is held for P samples, whose noise is held too; else
+///   (5)  h_c(f): the colour of the channel's noise, prepare/noise_spectrum.hpp (1)
+///   (6)  (1 − h_c)² S_c is added to Σ: the low-pass acts on the signal, too, and on what corners leave of it not as on
+///        the input that drives the simulation. |1 − H|² of a Butterworth filter, less its delay, is of that order.
 ///
-/// k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
+/// Where the mean of the input is unknown (PreparedRecording::mean_unknown) each channel is freed from its own, Σ w x /
+/// Σ w. k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
 ///
 /// N: covariance of what the input's noise makes of the channels (input_noise_covariance.hpp); S_c: power of the
 /// channel; ε: error of the simulation itself; ε_c: an allowed error of the model, alike at every frequency.
@@ -34,9 +38,10 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 /// stationary time series, J. R. Stat. Soc. B 15, 1953; L. Ljung, System Identification, 1999, ch. 7.
 class Whitening {
  public:
-  /// `input_noise`: N(f), a matrix for each thresholds::covariance_band; empty: none. `model_error`: ε_c.
-  Whitening(const PreparedRecording& recording, Window window, const std::vector<Eigen::MatrixXcd>& input_noise = {},
-            double model_error = 0.0);
+  /// `noise`: of the channels. `input_noise`: N(f), a matrix for each thresholds::covariance_band; empty: none.
+  /// `model_error`: ε_c.
+  Whitening(const PreparedRecording& recording, Window window, const ChannelNoises& noise,
+            const std::vector<Eigen::MatrixXcd>& input_noise = {}, double model_error = 0.0);
 
   [[nodiscard]] std::size_t count() const { return 2 * bins_ * channels_; }
   [[nodiscard]] std::size_t bins() const { return bins_; }
@@ -61,6 +66,7 @@ class Whitening {
  private:
   void set_taper();
   [[nodiscard]] Eigen::MatrixXcd covariance(const PreparedRecording& recording, std::size_t band,
+                                            const ChannelNoises& noise,
                                             const std::vector<Eigen::MatrixXcd>& input_noise, double model_error,
                                             const std::vector<double>& mean_squares) const;
   [[nodiscard]] double power(std::size_t channel, std::size_t band) const;

@@ -48,4 +48,15 @@ inline constexpr double described_linear = 0.3, described_law = 0.2;
 /// between first and last third from which a drift is said. By eye, on our own generator.
 inline constexpr double described_variation = 0.02, described_drift = 1.6;
 
+// An event (disturbed_span.hpp) ---------------------------------------------------------------------------------------
+
+/// [s] Blocks in which a relation's residual is looked at, and how many times the median block it must exceed.
+/// Derivation: 10 samples of noise at 1 kHz, smoothed over 5 ms, have an rms within 2 of its median in all of 10⁴
+/// blocks; 4 is a push of four times the noise. Half of the factor: a loud road marks blocks. Twice: the ends of a soft
+/// push are cut.
+inline constexpr double span_block = 0.01, span_deviations = 4.0;
+/// Quieter blocks inside an event: a relation that is differentiated twice shows a push at its two ends alone when it
+/// is soft; 0.1 s. Half: a push of 0.4 s becomes two. Twice: two knocks become one.
+inline constexpr std::size_t span_gap = 10;
+
 }  // namespace host_sim::identification::thresholds

@@ -13,6 +13,16 @@ namespace host_sim::identification {
 using model::Channel;
 using Rig = model::RigParameters<double>;
 
+namespace {
+
+/// [s] A drifting parameter is renewed so often. Derivation: of a change by 50 % over 10 s each step is 0.25 % too
+/// early or late by at most half of that, and the errors of neighbouring steps cancel above 20 Hz: below 1e-4 of a
+/// signal whose sensitivity to the parameter is 1 (a test measures it). Half: twice the time for building models.
+/// Twice: 1e-4.
+constexpr double drift_refresh = 0.05;
+
+}  // namespace
+
 bool has_corners(const Rig& rig) {
   bool corners = false;
   rig.effects.for_each([&corners](const auto& slot) {
@@ -48,10 +58,18 @@ void add_acceleration(const PreparedRecording& recording, const SimulationInput&
 
 }  // namespace
 
-Response true_channels(const Rig& rig, const PreparedRecording& recording, const SimulationInput& input,
+Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,
                        const InitialState& start, std::size_t samples, Resolution resolution) {
-  const Rig bare = without_sensors(rig);
-  Response response = simulate(bare, input, start, samples, steps_of(bare, input.period, resolution));
+  const Rig bare = without_sensors(hypothesis.rig);
+  RigVariation variation;
+  if (drifts(hypothesis.faults)) {
+    variation = {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(drift_refresh / input.period))),
+                 [&](std::size_t sample) {
+                   const auto length = static_cast<double>(std::max<std::size_t>(recording.size(), 1));
+                   return drifted(bare, hypothesis.faults, std::min(static_cast<double>(sample) / length, 1.0));
+                 }};
+  }
+  Response response = simulate(bare, input, start, samples, steps_of(bare, input.period, resolution), variation);
   add_acceleration(recording, input, samples, response);
   return response;
 }
@@ -60,12 +78,19 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
                                             std::size_t samples, Resolution resolution) {
   std::vector<Response> responses(rigs.size());
   if (rigs.empty()) return responses;
-  std::vector<Channel> channels = response_channels(rigs.front().rig->kind, *rigs.front().input);
+  if (std::any_of(rigs.begin(), rigs.end(), [](const SimulatedRig& one) { return drifts(one.hypothesis->faults); })) {
+    for (std::size_t i = 0; i < rigs.size(); ++i) {  // a rig that changes while it moves has no lane
+      const SimulatedRig& one = rigs[i];
+      responses[i] = true_channels(*one.hypothesis, recording, *one.input, *one.start, samples, resolution);
+    }
+    return responses;
+  }
+  std::vector<Channel> channels = response_channels(rigs.front().hypothesis->rig.kind, *rigs.front().input);
   std::erase_if(channels, [&](Channel channel) { return !recording.explains(channel); });
   std::vector<Rig> bare;
   std::vector<int> steps;
   for (const SimulatedRig& one : rigs) {
-    bare.push_back(without_sensors(*one.rig));
+    bare.push_back(without_sensors(one.hypothesis->rig));
     steps.push_back(steps_of(bare.back(), one.input->period, resolution));
   }
   for (const int count : std::set<int>(steps.begin(), steps.end())) {
@@ -81,6 +106,10 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
   }
   for (std::size_t i = 0; i < rigs.size(); ++i) add_acceleration(recording, *rigs[i].input, samples, responses[i]);
   return responses;
+}
+
+bool is_altered(const Hypothesis& hypothesis, Channel channel) {
+  return has_sensor_effect(hypothesis.rig, channel) || alters(hypothesis.faults, channel);
 }
 
 bool has_sensor_effect(const Rig& rig, Channel channel) {
@@ -121,9 +150,8 @@ std::vector<double> held_values(const std::vector<double>& values, const Renewal
   return shown;
 }
 
-}  // namespace
-
-std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
+/// What the sensors alone make of a channel.
+std::vector<double> through_sensors(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
                                     const std::vector<double>& truth) {
   const Rig& rig = hypothesis.rig;
   if (!has_sensor_effect(rig, channel) || truth.empty()) return truth;
@@ -151,11 +179,19 @@ std::vector<double> sensor_readings(const Hypothesis& hypothesis, const Prepared
   return held ? held_values(values, *renewals, hypothesis.clocks[c]) : values;
 }
 
+}  // namespace
+
+std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
+                                    const std::vector<double>& truth) {
+  return with_faults(hypothesis.faults, channel, through_sensors(hypothesis, recording, channel, truth),
+                     recording.input.period);
+}
+
 Response read_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,
                        const InitialState& start, std::size_t samples, Resolution resolution) {
-  Response response = true_channels(hypothesis.rig, recording, input, start, samples, resolution);
+  Response response = true_channels(hypothesis, recording, input, start, samples, resolution);
   for (const Channel channel : recording.channels) {
-    if (has_sensor_effect(hypothesis.rig, channel)) {
+    if (is_altered(hypothesis, channel)) {
       response[index(channel)] = sensor_readings(hypothesis, recording, channel, response[index(channel)]);
     }
   }

@@ -19,14 +19,14 @@ struct Resolution {
 
 /// Channels before their sensors: the rig's own motion and forces at the recording's sample rate. `input`: that of the
 /// recording, or one that differs from it by noise. `samples`: how many, 0 for all. A channel without a simulation of
-/// its own (z̈_r) is taken from the input.
-[[nodiscard]] Response true_channels(const model::RigParameters<double>& rig, const PreparedRecording& recording,
+/// its own (z̈_r) is taken from the input. A parameter that drifts changes in small steps.
+[[nodiscard]] Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording,
                                      const SimulationInput& input, const InitialState& start, std::size_t samples,
                                      Resolution resolution);
 
-/// A rig with the state and the input that a simulation of a recording begins with.
+/// A hypothesis with the state and the input that a simulation of a recording begins with.
 struct SimulatedRig {
-  const model::RigParameters<double>* rig;
+  const Hypothesis* hypothesis;
   const InitialState* start;
   const SimulationInput* input;
 };
@@ -39,11 +39,16 @@ struct SimulatedRig {
 /// Whether a sensor effect acts between a channel and its readings.
 [[nodiscard]] bool has_sensor_effect(const model::RigParameters<double>& rig, model::Channel channel);
 
+/// Whether a channel's samples differ from its true values: by a sensor effect or a fault of the recording.
+[[nodiscard]] bool is_altered(const Hypothesis& hypothesis, model::Channel channel);
+
 /// Readings of one channel from its true values: the model's own sensors (model/sensors.hpp) are stepped over one
 /// channel, so a sensor effect costs no simulation. A held channel is renewed where the recording was
 /// (prepare/sample_hold.hpp), with the value of that sample or, by a clock of its own,
 ///
 ///   (1)  reading(t) = truth(t_0 + n P),   t_0 = first + phase · slack,   truth between samples on a cubic
+///
+/// Behind the sensors act the faults of the recording (recording_faults.hpp).
 [[nodiscard]] std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording,
                                                   model::Channel channel, const std::vector<double>& truth);
 

@@ -33,6 +33,8 @@ std::vector<std::string> leave_out_the_middle(std::vector<Record>& records) {
     remarks.push_back(r.source + text);
     if (end > 0) {
       ends.push_back({cut(r, {n - end, n}), Use::held_out});
+      ends.back().recording.lost_rows = 0;  // said of the beginning
+      ends.back().recording.gaps.clear();
       std::snprintf(text, sizeof text, ", the last %.0f s held out", static_cast<double>(end) * r.sample_period);
       remarks.back() += text;
       record.use = Use::fitted;

@@ -42,13 +42,11 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
   const Channel input = prepared.input.channel;
   if (input == Channel::x_cmd) return;  // computed, without noise
   const bool integrated = input == Channel::zdd_r || input == Channel::zdd_w;
-  (integrated ? prepared.input_noise.acceleration : prepared.input_noise.position) = sampled.noise[index(input)];
-  if (integrated) {
-    double squares = 0.0;
-    for (const auto& m : prepared.input.motion) squares += m.velocity * m.velocity;
-    const auto n = static_cast<double>(prepared.input.size());
-    prepared.input_noise.mean_variance = 2.0 * squares / n / std::pow(n * recording.sample_period, 2);
-  }
+  InputNoise& noise = prepared.input_noise;
+  (integrated ? noise.acceleration : noise.position) = sampled.noise[index(input)];
+  noise.position_colour = noise.acceleration_colour = sampled.channel_noise[index(input)].colour;
+  noise.sample_period = recording.sample_period * static_cast<double>(sampled.step);
+  prepared.mean_unknown = integrated;
   const auto sensors = foot_sensors(description, sampled);
   if (!sensors) return;
   const double h = recording.sample_period;
@@ -63,7 +61,8 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
       firmware::through_samples(fused_displacement(recording[Channel::z_r], sensors->acceleration,
                                                    sensors->position_noise, sensors->acceleration_noise, h),
                                 1.0 / h);
-  prepared.input_noise.acceleration = sampled.noise[index(Channel::zdd_r)];
+  noise.acceleration = sampled.noise[index(Channel::zdd_r)];
+  noise.acceleration_colour = sampled.channel_noise[index(Channel::zdd_r)].colour;
 }
 
 void split(PreparedRecording& prepared, Use use, std::size_t samples) {
@@ -162,6 +161,9 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
     prepared.renewals[c] = std::move(sampled.renewals[c]);
     prepared.clipped[c] = std::move(sampled.clipped[c]);
   }
+  prepared.channel_noise = sampled.channel_noise;
+  prepared.declared_noise = description.noise;
+  prepared.expected_colour = sampled.expected_colour;
   std::vector<Channel> sensors = prepared.channels;
   if (rig.kind == model::RigKind::quarter_car) sensors.insert(sensors.end(), {Channel::z_r, Channel::zdd_r});
   for (const Channel channel : sensors) prepared.noise_factor[index(channel)] = sampled.noise_factor[index(channel)];

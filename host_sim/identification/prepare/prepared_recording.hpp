@@ -19,12 +19,12 @@
 
 namespace host_sim::identification {
 
-/// rms of the noise of a recorded sample of the measured input [SI]; 0: none, or not known.
+/// Level of the noise of a recorded sample of the measured input [SI]; 0: none, or not known.
 struct InputNoise {
   double position = 0.0;      ///< of z_r or z_w; 0: the motion is an acceleration, integrated twice
   double acceleration = 0.0;  ///< of the accelerometer beside it, or alone
-  /// Of an integrated acceleration the mean is removed, (ż(T) − ż(0))/T of which is motion: its variance.
-  double mean_variance = 0.0;
+  NoiseColour position_colour{}, acceleration_colour{};
+  double sample_period = 1e-3;  ///< [s] of the colours
   [[nodiscard]] bool any() const { return position > 0.0 || acceleration > 0.0; }
 };
 
@@ -40,13 +40,19 @@ struct PreparedRecording {
   std::size_t step = 1;
   bool at_rest = false;                              ///< begins at rest; else the state at the first sample is unknown
   std::vector<model::Channel> channels;              ///< measured, to be explained
-  std::array<double, model::channel_count> noise{};  ///< rms of compared samples [SI], declared or estimated
+  std::array<double, model::channel_count> noise{};  ///< level of compared samples [SI], declared or estimated
+  ChannelNoises channel_noise{};                     ///< the same with its colour; inputs too
+  std::array<std::optional<double>, model::channel_count> declared_noise{};  ///< rms [SI]
+  std::optional<NoiseColour> expected_colour{};                              ///< of the recorder: noise_spectrum.hpp
   /// How much louder the noise is than declared; nullopt: not known. Of all channels with samples, inputs too.
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
   std::array<std::vector<bool>, model::channel_count> clipped{};         ///< samples not to be used; empty: none
   std::array<std::optional<Renewals>, model::channel_count> renewals{};  ///< of held channels
   Window fitted, held_out;
   InputNoise input_noise;
+  /// The input is an integrated acceleration: its mean was removed, (ż(T) − ż(0))/T of which was motion, and with it
+  /// what a channel is on average. Nothing is compared at 0 Hz.
+  bool mean_unknown = false;
   /// z_r and zdd_r contradict each other: the foot point moves on z_r alone and zdd_r is one of the channels. Where
   /// they agree the foot point moves on the fusion of both.
   bool inputs_disagree = false;

@@ -8,6 +8,8 @@ firmware::Recording cut(const firmware::Recording& whole, Window window) {
   part.comments = whole.comments;
   part.source = whole.source;
   part.remark = whole.remark;
+  part.lost_rows = whole.lost_rows;
+  part.gaps = whole.gaps;
   part.ignored_columns = whole.ignored_columns;
   const auto keep = [&](const auto& values, auto& kept) {
     if (values.empty()) return;

@@ -32,6 +32,8 @@ firmware::Recording picked(const firmware::Recording& recording, std::size_t n) 
   fewer.comments = recording.comments;
   fewer.source = recording.source;
   fewer.remark = recording.remark;
+  fewer.lost_rows = recording.lost_rows;
+  fewer.gaps = recording.gaps;
   fewer.ignored_columns = recording.ignored_columns;
   const auto pick = [n](const auto& values, auto& result) {
     for (std::size_t k = 0; k < values.size(); k += n) result.push_back(values[k]);
@@ -47,6 +49,36 @@ firmware::Recording picked(const firmware::Recording& recording, std::size_t n) 
 std::size_t samples_per_kept(double period) {
   constexpr double rounding = 1e-6;
   return std::max<std::size_t>(1, static_cast<std::size_t>(thresholds::shortest_period / period + rounding));
+}
+
+/// Channels that the real-time program computes carry no sensor's noise.
+bool is_computed(model::RigKind kind, model::Channel channel) {
+  if (kind == model::RigKind::quarter_car) return false;
+  return channel != model::Channel::x_act && channel != model::Channel::F;
+}
+
+/// The noise of everything that is measured: each channel by itself, then those whose colour is not clear once more
+/// with that of the others.
+void find_noise(SampledRecording& result, const firmware::RigDescription& description,
+                const firmware::Recording& recording) {
+  for (const bool again : {false, true}) {
+    if (again && !result.expected_colour) break;
+    for (std::size_t c = 0; c < model::channel_count; ++c) {
+      const model::Channel channel = model::channel_at(c);
+      if (!recording.has(channel)) continue;
+      const ChannelNoise& before = result.channel_noise[c];
+      if (again && before.is_known() && before.colour.is_white()) continue;
+      const SensorNoise found = find_sensor_noise(description, recording, channel, result.expected_colour);
+      result.channel_noise[c] = found.noise;
+      result.noise_factor[c] = found.factor;
+      result.noise[c] = found.noise.level;
+    }
+    ChannelNoises measured = result.channel_noise;
+    for (std::size_t c = 0; c < measured.size(); ++c) {
+      if (is_computed(description.rig.kind, model::channel_at(c))) measured[c] = {};
+    }
+    result.expected_colour = expected_colour(measured);
+  }
 }
 
 void interpolate(SampledRecording& sampled) {
@@ -85,11 +117,10 @@ SampledRecording sampled(const firmware::RigDescription& description, firmware::
   for (std::size_t c = 0; c < model::channel_count; ++c) {
     const model::Channel channel = model::channel_at(c);
     if (!recording.has(channel)) continue;
-    result.noise[c] = sensor_noise(description, recording, channel);
-    result.noise_factor[c] = noise_factor(description, recording, channel);
     result.clipped[c] = clipped_samples(description, recording, channel);
     result.renewals[c] = renewals_of(recording[channel]);
   }
+  find_noise(result, description, recording);
   result.recording = std::move(recording);
   interpolate(result);
   return result;

@@ -24,7 +24,9 @@ namespace host_sim::identification {
 struct SampledRecording {
   firmware::Recording recording;
   std::size_t step = 1;                              ///< samples for each one that is compared
-  std::array<double, model::channel_count> noise{};  ///< rms [SI] of a sample that is compared
+  std::array<double, model::channel_count> noise{};  ///< level [SI] of a sample that is compared
+  ChannelNoises channel_noise{};                     ///< the same with its colour
+  std::optional<NoiseColour> expected_colour{};      ///< of the recorder: noise_spectrum.hpp
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
   std::array<std::vector<bool>, model::channel_count> clipped{};  ///< not recorded or out of range; empty: none
   std::array<std::optional<Renewals>, model::channel_count> renewals{};

@@ -42,35 +42,72 @@ NoiseEstimate noise_estimate(const std::vector<double>& samples) {
 
 double estimated_noise(const std::vector<double>& samples) { return noise_estimate(samples).rms; }
 
-std::optional<NoiseFactor> noise_factor(const firmware::RigDescription& description,
-                                        const firmware::Recording& recording, model::Channel channel) {
-  const auto& given = description.noise[index(channel)];
-  const auto& samples = recording[channel];
-  if (!given || !(*given > 0.0) || samples.empty() || renewals_of(samples)) return std::nullopt;
+namespace {
+
+std::vector<double> renewed_values(const std::vector<double>& samples, const Renewals& renewals) {
+  std::vector<double> renewed;
+  for (const std::size_t k : renewals.at) renewed.push_back(samples[k]);
+  return renewed;
+}
+
+bool is_position(model::Channel channel) { return model::unit(channel) == "m"; }
+
+ChannelNoise white(const NoiseEstimate& estimate, double relative_error) {
+  return {estimate.rms, {}, relative_error, 0.0, 0.0};
+}
+
+}  // namespace
+
+ChannelNoise noise_in(const std::vector<double>& samples, double period, model::Channel channel,
+                      const std::optional<NoiseColour>& expected) {
+  constexpr double unknown = 1.0;
   const NoiseEstimate whole = noise_estimate(samples);
   std::vector<double> half;
   half.reserve(samples.size() / 2 + 1);
   for (std::size_t k = 0; k < samples.size(); k += 2) half.push_back(samples[k]);
   const NoiseEstimate octave_below = noise_estimate(half);
-  if (!(whole.rms > 0.0) || !(octave_below.rms > 0.0)) return std::nullopt;
-  if (std::abs(std::log(octave_below.rms / whole.rms)) > thresholds::white_noise) return std::nullopt;
-  const double factor = whole.rms / *given;
-  return NoiseFactor{factor, 1.96 * factor * whole.relative_error};
+  if (!(whole.rms > 0.0) || !(octave_below.rms > 0.0)) return white(whole, unknown);
+  if (std::abs(std::log(octave_below.rms / whole.rms)) <= thresholds::white_noise) {
+    return white(whole, whole.relative_error);
+  }
+  const auto fit = fit_noise_spectrum(samples, period, is_position(channel), expected);
+  return fit && fit->noise.level > 0.0 ? fit->noise : white(whole, unknown);
+}
+
+SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, double period,
+                          const std::optional<NoiseColour>& expected) {
+  if (!declared) return {found, std::nullopt};
+  if (!found.is_known() || !(*declared > 0.0)) {
+    return {{*declared, expected.value_or(NoiseColour{}), 1.0, 0.0, found.highest_level}, std::nullopt};
+  }
+  const double rms = found.rms(period), factor = rms / *declared;
+  double believed = std::clamp(factor, 1.0 / thresholds::most_noise_factor, thresholds::most_noise_factor);
+  if (std::abs(std::log(factor)) <= thresholds::noise_as_declared) believed = 1.0;
+  found.level = found.colour.is_white() ? believed * *declared : found.level * (believed * *declared / rms);
+  return {found, NoiseFactor{factor, 1.96 * factor * found.relative_error}};
+}
+
+SensorNoise find_sensor_noise(const firmware::RigDescription& description, const firmware::Recording& recording,
+                              model::Channel channel, const std::optional<NoiseColour>& expected) {
+  const auto& given = description.noise[index(channel)];
+  const auto& samples = recording[channel];
+  if (const auto renewals = renewals_of(samples)) {
+    if (given) return {{*given}, std::nullopt};
+    const NoiseEstimate estimate = noise_estimate(renewed_values(samples, *renewals));
+    return {white(estimate, estimate.relative_error), std::nullopt};
+  }
+  const double period = recording.sample_period;
+  return with_declared(noise_in(samples, period, channel, expected), given, period, expected);
+}
+
+std::optional<NoiseFactor> noise_factor(const firmware::RigDescription& description,
+                                        const firmware::Recording& recording, model::Channel channel) {
+  return find_sensor_noise(description, recording, channel).factor;
 }
 
 double sensor_noise(const firmware::RigDescription& description, const firmware::Recording& recording,
                     model::Channel channel) {
-  if (const auto& given = description.noise[index(channel)]) {
-    const auto factor = noise_factor(description, recording, channel);
-    if (!factor || std::abs(std::log(factor->value)) <= thresholds::noise_as_declared) return *given;
-    return *given * std::clamp(factor->value, 1.0 / thresholds::most_noise_factor, thresholds::most_noise_factor);
-  }
-  const auto& samples = recording[channel];
-  const auto renewals = renewals_of(samples);
-  if (!renewals) return estimated_noise(samples);
-  std::vector<double> renewed;
-  for (const std::size_t k : renewals->at) renewed.push_back(samples[k]);
-  return estimated_noise(renewed);
+  return find_sensor_noise(description, recording, channel).noise.level;
 }
 
 }  // namespace host_sim::identification

@@ -6,6 +6,7 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
+#include "host_sim/identification/prepare/noise_spectrum.hpp"
 
 namespace host_sim::identification {
 
@@ -26,20 +27,40 @@ struct NoiseEstimate {
 [[nodiscard]] NoiseEstimate noise_estimate(const std::vector<double>& samples);
 [[nodiscard]] double estimated_noise(const std::vector<double>& samples);
 
-/// How much louder a channel's noise is than declared, where its samples say so: (1) of the samples, which weighs the
-/// highest third of the frequencies, and of every other one, an octave below, agree within thresholds::white_noise.
-/// Noise is white there, and no motion is. nullopt: nothing declared, a held channel, noise or motion that is not
-/// white.
+/// How much louder a channel's noise is than declared.
 struct NoiseFactor {
   double value = 1.0;
   double half_width = 0.0;  ///< of the 95 % interval
 };
+
+/// What is known of a channel's noise.
+struct SensorNoise {
+  ChannelNoise noise;
+  std::optional<NoiseFactor> factor;  ///< nullopt: nothing declared, or its samples say nothing
+};
+
+/// The noise in samples. It is white where (1) of the samples, which weighs the highest third of the frequencies, and
+/// of every other one, an octave below, agree within thresholds::white_noise; else the spectrum is fitted
+/// (noise_spectrum.hpp, with `expected`).
+[[nodiscard]] ChannelNoise noise_in(const std::vector<double>& samples, double period, model::Channel channel,
+                                    const std::optional<NoiseColour>& expected = {});
+
+/// Noise that was found in samples, with what was declared, an rms, as a prior: it is corrected beyond
+/// thresholds::noise_as_declared and by a factor of thresholds::most_noise_factor at most, and stands where the samples
+/// do not tell noise from motion, with the colour of the other channels.
+[[nodiscard]] SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, double period,
+                                        const std::optional<NoiseColour>& expected = {});
+
+/// Both for a channel. Of a channel that is held, the new values are looked at, and their noise is taken for white.
+[[nodiscard]] SensorNoise find_sensor_noise(const firmware::RigDescription& description,
+                                            const firmware::Recording& recording, model::Channel channel,
+                                            const std::optional<NoiseColour>& expected = {});
+
+/// Its factor.
 [[nodiscard]] std::optional<NoiseFactor> noise_factor(const firmware::RigDescription& description,
                                                       const firmware::Recording& recording, model::Channel channel);
 
-/// rms of a channel's noise [SI]: as the rig description declares it, corrected by noise_factor() beyond
-/// thresholds::noise_as_declared and by a factor of thresholds::most_noise_factor at most; without a declaration
-/// estimated; of a channel that is held, from its new values.
+/// Its level: rms [SI] of white noise that has the power per sample of the channel's noise below its corner.
 [[nodiscard]] double sensor_noise(const firmware::RigDescription& description, const firmware::Recording& recording,
                                   model::Channel channel);
 

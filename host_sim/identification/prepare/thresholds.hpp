@@ -58,6 +58,38 @@ inline constexpr double white_noise = 0.10;
 inline constexpr double noise_as_declared = 0.05, noise_named = 0.18;
 /// [1] A declared noise is wrong by so much at most: more is another sensor, or motion.
 inline constexpr double most_noise_factor = 3.0;
+/// [1] Relative standard error of a level from which the spectrum does not tell noise from tails of corners.
+/// Derivation: a power that is known to 20 % is off by less than what a missing effect adds. Half, twice: not measured.
+inline constexpr double noise_level_known = 0.10;
+
+// The colour of noise ------------------------------------------------------------------------------------------------
+
+/// [Hz] From here on a spectrum holds noise and the tails of corners, no motion that is driven; at low sample rates
+/// from this share of the rate on. Derivation: as noise::highest_frequency. Half: roads up to 40 Hz and their leakage
+/// are near. Twice: corners of 60 Hz leave a slope only.
+inline constexpr double noise_begins = 90.0, noise_begins_share = 0.25;
+/// [1 / sample rate] and up to here: a filter's zero at the Nyquist frequency says nothing.
+inline constexpr double noise_ends_share = 0.49;
+/// Bands of that range: 8 Hz at 1 kHz, half of the lowest corner's slope. Half and twice: not measured.
+inline constexpr double noise_spectrum_bands = 50.0;
+/// [1] Power, relative to the lowest band, below which a filter leaves what rounding hides. Half and twice: 60 Hz of
+/// an order of 4 are seen up to 190 Hz, or 170.
+inline constexpr double least_filtered_power = 1e-4;
+/// [1] Lowest corner, relative to the beginning: below, only the product of level and corner is seen.
+inline constexpr double lowest_corner_share = 0.4;
+/// Orders of low-passes that recorders and amplifiers have.
+inline constexpr int highest_filter_order = 4;
+/// [1] Share of the lowest power above the motion that is noise at least, where tails hide it. Half and twice: the
+/// guess is replaced when the effect behind the tail was found.
+inline constexpr double least_of_tail = 0.1;
+/// [1] Relative half width of a corner from which it is not named, and the relative distance of two corners that count
+/// as one: a filter's parts differ by some per cent. Half and twice: not measured.
+inline constexpr double corner_known = 0.3, same_corner = 0.1;
+/// [−2 ln likelihood] Price of a corner or a tail: as SelectionCriterion::parameter.
+inline constexpr double colour_price = 10.0;
+/// [−2 ln likelihood] Price of a corner that is not that of the other channels: a recorder's filters are alike, and a
+/// tail is not exactly what (4) of noise_spectrum.hpp says. Half and twice: not measured.
+inline constexpr double other_corner_price = 50.0;
 
 // Two sensors of the foot point ---------------------------------------------------------------------------------------
 
@@ -94,6 +126,10 @@ inline constexpr double unit_check_correlation = 0.5;
 /// the distance between any two units (a factor of 9.8 at least). Half: a gain error of 20 % hides a unit. Twice: a
 /// factor of 2, still no two units overlap.
 inline constexpr double unit_factor_distance = 0.35;
+/// [ln] and within which it certainly is that: 0.15 = 16 %, what parameters inside usual tolerances make of a channel.
+/// A description that is 500 times too soft is 0.7 from a thousand. Half: a damping that is 10 % off lets millimetres
+/// pass. Twice: nearly unit_factor_distance, so guesses are refused.
+inline constexpr double unit_factor_certain = 0.15;
 /// [1] factors between which a channel counts as right, or as right with the sign swapped: no effect of the catalogue
 /// within its bounds makes more of it. Tuned on our own generator.
 inline constexpr double lowest_right_factor = 0.4, highest_right_factor = 2.5;

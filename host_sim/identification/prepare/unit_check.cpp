@@ -145,12 +145,19 @@ void add_unit_errors(const model::RigParameters<double>& rig, const firmware::Re
       input_factor = factor;
     }
   }
+  const std::size_t known_before = found.size();
   if (input_factor != 1.0) found.push_back({input, input_factor});
+  bool description_fits = true;
   for (std::size_t c = 0; c < best.size(); ++c) {
     const Channel channel = model::channel_at(c);
     if (!(best[c].correlation > thresholds::unit_check_correlation) || known(channel)) continue;
     const double factor = nominal(channel, best[c].factor);
-    if (factor != 1.0) found.push_back({channel, factor});
+    description_fits = description_fits && (factor != 1.0 || is_right(best[c].factor));
+    const bool exact = std::abs(std::log(best[c].factor / factor)) < thresholds::unit_factor_certain;
+    if (factor != 1.0) found.push_back({channel, factor, factor < 0.0 || exact});
+  }
+  for (std::size_t i = known_before; i < found.size(); ++i) {
+    found[i].certain = found[i].certain && (description_fits || found[i].factor < 0.0);
   }
 }
 
@@ -177,24 +184,33 @@ std::vector<UnitError> unit_errors(const firmware::RigDescription& description, 
   return found;
 }
 
-void refuse_unit_errors(const firmware::RigDescription& description, const firmware::Recording& recording) {
-  const std::vector<UnitError> found = unit_errors(description, recording);
-  if (found.empty()) return;
+std::vector<std::string> check_units(const firmware::RigDescription& description,
+                                     const firmware::Recording& recording) {
+  std::vector<std::string> remarks;
   std::string wrong, entries;
-  for (const UnitError& slip : found) {
+  for (const UnitError& slip : unit_errors(description, recording)) {
     const std::string channel(model::name(slip.channel));
     const auto entry = description.channels.find(channel);
     const firmware::ColumnSource source =
         entry == description.channels.end() ? firmware::ColumnSource{channel} : entry->second;
+    if (source.scale_given) {
+      remarks.push_back(recording.source + ": " + unit_error_text(slip) + "; kept as [channels] says");
+      continue;
+    }
+    if (!slip.certain) {
+      remarks.push_back(recording.source + ": " + unit_error_text(slip) + ", or the rig description is far off");
+      continue;
+    }
     char scale[32];
     std::snprintf(scale, sizeof scale, "%.4g", source.scale / slip.factor);
     wrong += (wrong.empty() ? "" : "; ") + unit_error_text(slip);
     entries += (entries.empty() ? "" : " and ") + channel + " = { column = \"" + source.column +
                "\", scale = " + scale + (source.offset == 0.0 ? "" : ", offset = …") + " }";
   }
-  throw firmware::InputError(
-      recording.source, 0, wrong,
-      "SI units and the contract's signs, or in the rig description under [channels]: " + entries);
+  if (wrong.empty()) return remarks;
+  throw firmware::InputError(recording.source, 0, wrong,
+                             "SI units and the contract's signs, or in the rig description under [channels]: " +
+                                 entries + "; a scale that is written there is kept");
 }
 
 }  // namespace host_sim::identification

@@ -13,6 +13,9 @@ namespace host_sim::identification {
 struct UnitError {
   model::Channel channel;
   double factor;  ///< recorded = factor × SI: ±1000 for millimetres, ±0.001 for kN, −1 for a swapped sign …
+  /// The factor is that of the unit up to thresholds::unit_factor_certain (of a sign: it is negative), and no other
+  /// channel has a factor that is neither right nor a unit's: the description is not what is wrong.
+  bool certain = true;
 };
 
 /// Compares 12 s from the middle of the recording with a simulation of the rig as described, driven by the recording's
@@ -30,8 +33,10 @@ struct UnitError {
 [[nodiscard]] std::vector<UnitError> unit_errors(const firmware::RigDescription& description,
                                                  const firmware::Recording& recording);
 
-/// InputError that names the channels, what they look like, and what to write in [channels]; nothing where there is
-/// none.
-void refuse_unit_errors(const firmware::RigDescription& description, const firmware::Recording& recording);
+/// InputError that names the channels that are certainly wrong, what they look like, and what to write in [channels].
+/// Returns a remark on those that are not certain, and on those whose scale the rig description gives in so many words:
+/// whoever writes it insists.
+[[nodiscard]] std::vector<std::string> check_units(const firmware::RigDescription& description,
+                                                   const firmware::Recording& recording);
 
 }  // namespace host_sim::identification

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 #include "firmware/description/input_error.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
@@ -112,7 +113,7 @@ std::vector<std::string> validate(const firmware::RigDescription& description,
     if (!missing.empty()) {
       remarks.push_back(recording->source + ": without " + missing + "; what only shows there cannot be judged");
     }
-    refuse_unit_errors(description, *recording);
+    for (std::string& remark : check_units(description, *recording)) remarks.push_back(std::move(remark));
   }
   return remarks;
 }

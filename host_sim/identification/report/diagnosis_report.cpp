@@ -85,7 +85,16 @@ void add_recording_faults(Report& page, const Diagnosis& diagnosis) {
   if (diagnosis.recording_faults.empty()) return;
   page.add_section("What is wrong with the recording");
   for (const RecordingFault& fault : diagnosis.recording_faults) page.add_text(words(fault) + ".");
-  page.add_text("The diagnosis used the noise that the samples show, not the one declared.");
+  const auto is_noise = [](const RecordingFault& fault) { return !fault.is_cause; };
+  if (std::any_of(diagnosis.recording_faults.begin(), diagnosis.recording_faults.end(), is_noise)) {
+    page.add_text("The diagnosis used the noise that the samples show, not the one declared.");
+  }
+  if (diagnosis.has_cause_in_recording()) {
+    page.add_text(
+        "These faults were fitted together with the rig. They are no part of the rig description below: a parameter "
+        "that "
+        "drifts has there its value in the middle of the recording.");
+  }
 }
 
 void add_effects(Report& page, const Diagnosis& diagnosis) {
@@ -253,6 +262,34 @@ void require_finite(const firmware::RigDescription& found) {
 
 }  // namespace
 
+namespace {
+
+/// "clock_drift of dz_b and F_w", "drift of suspension.damping", "event"
+std::string named(const RecordingFault& fault) {
+  std::vector<std::string> channels;
+  for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
+  const std::string of = fault.path.empty() ? joined(channels) : fault.path;
+  return fault.name + (of.empty() ? "" : " of " + of);
+}
+
+/// The faults of the recording that must be taken into account, in words; empty without one.
+std::string causes_in_recording(const Diagnosis& diagnosis) {
+  std::vector<std::string> causes;
+  for (const RecordingFault& fault : diagnosis.recording_faults) {
+    if (!fault.is_cause) continue;
+    std::string text = named(fault) + " (";
+    const char* separator = "";
+    for (const auto& [parameter, value] : fault.parameters) {
+      text += separator + parameter + " " + figure_text(value.value, 4);
+      separator = ", ";
+    }
+    causes.push_back(text + ")");
+  }
+  return joined(causes);
+}
+
+}  // namespace
+
 std::string odds_text(double odds) { return odds > 1e6 ? "over a million to 1" : figure_text(odds, 3) + " to 1"; }
 
 std::string unit_of(const firmware::PlacedEffect& effect, std::size_t parameter) {
@@ -276,6 +313,11 @@ std::string sentence(const Diagnosis& diagnosis) {
     off.push_back(parameter.path + " is " + figure_text(parameter.value.value, 5) + ", not " +
                   figure_text(parameter.described, 5));
   }
+  const std::string causes = causes_in_recording(diagnosis);
+  if (off.empty() && names.empty() && !causes.empty() && diagnosis.verdict != Verdict::unexplained) {
+    return "Rig and model agree, but the recording does not: " + causes + "." +
+           (diagnosis.residual.empty() ? "" : " Left over: " + diagnosis.residual + ".");
+  }
   if (!off.empty() && names.empty()) {
     std::string text = joined(off);
     if (diagnosis.verdict == Verdict::ambiguous)
@@ -286,6 +328,7 @@ std::string sentence(const Diagnosis& diagnosis) {
       text += ": with it the error of " + std::string(model::name(best->first)) + " falls from " +
               figure_text(100.0 * best->second.refit, 3) + " to " + figure_text(100.0 * best->second.after, 3) + " %";
     }
+    if (!causes.empty()) text += "; in the recording " + causes;
     return text + "." + (diagnosis.residual.empty() ? "" : " Left over: " + diagnosis.residual + ".");
   }
   std::string text;
@@ -310,15 +353,20 @@ std::string sentence(const Diagnosis& diagnosis) {
   }
   text += ".";
   if (!off.empty()) text += " Beside it " + joined(off) + ".";
+  if (!causes.empty()) text += " In the recording: " + causes + ".";
   if (!diagnosis.residual.empty()) text += " Left over: " + diagnosis.residual + ".";
   return text;
 }
 
 std::string words(const RecordingFault& fault) {
-  std::vector<std::string> channels;
-  for (const model::Channel channel : fault.channels) channels.emplace_back(model::name(channel));
-  std::string text = fault.name + " of " + joined(channels);
-  for (const auto& [parameter, value] : fault.parameters) text += ": " + parameter + " " + with_interval(value, "");
+  std::string text = named(fault);
+  const char* separator = ": ";
+  for (const auto& [parameter, value] : fault.parameters) {
+    const bool exact = !(value.upper > value.lower);
+    text += separator + parameter + " " + (exact ? figure_text(value.value, 5) : with_interval(value, ""));
+    separator = ", ";
+  }
+  if (fault.is_cause) text += ", confidence " + figure_text(fault.confidence, 3);
   return text;
 }
 

@@ -121,7 +121,9 @@ ordered_json to_json(const Diagnosis& diagnosis) {
     ordered_json one{{"name", fault.name}, {"channels", ordered_json::array()}, {"parameters", ordered_json::object()}};
     for (const model::Channel channel : fault.channels) one["channels"].push_back(model::name(channel));
     for (const auto& [parameter, value] : fault.parameters) one["parameters"][parameter] = to_json(value);
+    if (!fault.path.empty()) one["path"] = fault.path;
     one["confidence"] = fault.confidence;
+    if (fault.is_cause) one["alternatives"] = to_json(fault.alternatives);
     json["recording"].push_back(std::move(one));
   }
   // Always present, as contract.md says; not searched for yet.

@@ -39,4 +39,15 @@ double LinearRefit::free_gain(const Eigen::VectorXd& d) const {
   return square > 1e-8 * d.squaredNorm() ? along * along / square : 0.0;
 }
 
+LinearRefit::Directions LinearRefit::directions(const Eigen::MatrixXd& d) const {
+  Directions left{d.transpose() * d, d.transpose() * base_.residual};
+  if (base_.jacobian.cols() > 0) {
+    const Eigen::MatrixXd projection = base_.jacobian.transpose() * d;
+    const Eigen::MatrixXd solved = factor_.solve(projection);
+    left.matrix -= projection.transpose() * solved;
+    left.gradient -= solved.transpose() * residual_;
+  }
+  return left;
+}
+
 }  // namespace host_sim::identification

@@ -23,6 +23,15 @@ class LinearRefit {
   [[nodiscard]] double gain(const Eigen::VectorXd& d) const;       ///< (1)
   [[nodiscard]] double free_gain(const Eigen::VectorXd& d) const;  ///< (2); 0 where the others do all that d does
 
+  /// Of several directions together, the columns of D, behind everything else: with P the projection on what J leaves,
+  ///
+  ///   (3)  matrix = Dᵀ P D,   gradient = Dᵀ P r;   the best step is −matrix⁻¹ gradient
+  struct Directions {
+    Eigen::MatrixXd matrix;
+    Eigen::VectorXd gradient;
+  };
+  [[nodiscard]] Directions directions(const Eigen::MatrixXd& d) const;
+
  private:
   /// |d|² and r·d of what the others leave of d.
   struct Left {

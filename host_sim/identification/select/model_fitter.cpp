@@ -7,6 +7,7 @@
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/select/fault_candidates.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
@@ -50,8 +51,11 @@ struct ModelFitter::Scanned {
   std::vector<std::pair<double, Start>> starts;  ///< gain; best first
 };
 
-std::vector<FreeParameter> ModelFitter::parameters(const std::vector<firmware::PlacedEffect>& effects) const {
+std::vector<FreeParameter> ModelFitter::parameters(const Hypothesis& hypothesis,
+                                                   const std::vector<firmware::PlacedEffect>& effects) const {
   std::vector<FreeParameter> list = common_;
+  const auto of_faults = fault_parameters(hypothesis.faults);
+  list.insert(list.end(), of_faults.begin(), of_faults.end());
   for (const firmware::PlacedEffect& effect : effects) {
     const auto own = effect_parameters(effect);
     list.insert(list.end(), own.begin(), own.end());
@@ -62,7 +66,8 @@ std::vector<FreeParameter> ModelFitter::parameters(const std::vector<firmware::P
 CandidateModel ModelFitter::fitted(const Hypothesis& start, std::vector<firmware::PlacedEffect> effects, int most,
                                    const Eigen::MatrixXd& known_jacobian) const {
   CandidateModel result;
-  result.fit = fit(problem_, start, parameters(effects), most, known_jacobian);
+  result.fit = fit(problem_, start, parameters(start, effects), most, known_jacobian);
+  result.channels = problem_.channels().size();
   effort_.simulations += result.fit.simulations;
   result.effects = read_back(result.fit.hypothesis, std::move(effects));
   return result;
@@ -186,6 +191,76 @@ bool ModelFitter::is_seen(const firmware::PlacedEffect& effect) const {
   return is_hold(*effect.entry) && repeats_regularly(*effect.channel);
 }
 
+std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateModel& base, double least) const {
+  const bool only_noise = leaves_noise(base);
+  auto list = fault_candidates(problem_, base.fit, only_noise);
+  if (only_noise) {
+    std::erase_if(list, [&](const FaultCandidate& candidate) {
+      return candidate.gain < penalty(criterion_, candidate.fault, problem_.channels().size());
+    });
+  }
+  effort_.candidates += list.size();
+  std::erase_if(list, [least](const FaultCandidate& candidate) { return candidate.gain < least; });
+  if (list.size() > thresholds::fitted_faults) list.resize(thresholds::fitted_faults);
+  std::vector<CandidateModel> models(list.size());
+  for_all(list.size(), [&](std::size_t i) {
+    Hypothesis start = base.fit.hypothesis;
+    start.faults.push_back(list[i].fault);
+    models[i] = fitted(start, base.effects, 6);
+    drop_jacobian(models[i].fit);
+  });
+  std::erase_if(models, [](const CandidateModel& model) { return !std::isfinite(model.fit.chi_squared); });
+  if (models.empty()) return std::nullopt;
+  CandidateModel best = *std::min_element(models.begin(), models.end(),
+                                          [this](const auto& a, const auto& b) { return criterion_.prefers(a, b); });
+  refit(best, 4);
+  improve_group(best);
+  simplify_clock(best);
+  bend_drift(best);
+  return best;
+}
+
+void ModelFitter::improve_group(CandidateModel& model) const {
+  for (std::size_t round = 0; round < problem_.channels().size(); ++round) {
+    const auto others = neighbouring_groups(problem_, model.fit, model.faults().size() - 1,
+                                            thresholds::promising * criterion_.parameter);
+    if (others.empty()) return;
+    Hypothesis start = model.fit.hypothesis;
+    start.faults.back() = others.front().fault;
+    CandidateModel other = refitted(start, model.effects, 8);
+    if (!(other.fit.chi_squared < model.fit.chi_squared - thresholds::replaces)) return;
+    model = std::move(other);
+  }
+}
+
+void ModelFitter::simplify_clock(CandidateModel& model) const {
+  if (model.faults().back().kind != FaultKind::clock) return;
+  const CandidateModel whole = model;
+  for (const std::size_t value : {std::size_t{0}, std::size_t{1}}) {
+    Hypothesis start = whole.fit.hypothesis;
+    start.faults.back().values[value] = 0.0;
+    start.faults.back().fitted[value] = false;
+    CandidateModel simpler = refitted(start, whole.effects, 8);
+    // One channel that is late is its sensor's delay.
+    const bool of_sensor = value == 1 && start.faults.back().channels.size() == 1;
+    if (!of_sensor && criterion_.prefers(simpler, model)) model = std::move(simpler);
+  }
+}
+
+void ModelFitter::bend_drift(CandidateModel& model) const {
+  if (model.faults().back().kind != FaultKind::drift) return;
+  Hypothesis start = model.fit.hypothesis;
+  start.faults.back().fitted[1] = true;
+  CandidateModel bent = refitted(start, model.effects, 8);
+  if (criterion_.prefers(bent, model)) model = std::move(bent);
+}
+
+CandidateModel ModelFitter::without_fault(const CandidateModel& whole, std::size_t leave_out) const {
+  Hypothesis hypothesis = whole.fit.hypothesis;
+  hypothesis.faults.erase(hypothesis.faults.begin() + static_cast<std::ptrdiff_t>(leave_out));
+  return refitted(hypothesis, whole.effects, 6);
+}
+
 std::optional<CandidateModel> ModelFitter::held(const CandidateModel& base, const Scales& scales,
                                                 Channel channel) const {
   if (!repeats_regularly(channel)) return std::nullopt;
@@ -209,7 +284,7 @@ CandidateModel ModelFitter::without(const CandidateModel& whole, std::size_t lea
 void ModelFitter::refit_by_continuation(CandidateModel& model) const {
   Hypothesis hypothesis = model.fit.hypothesis;
   for (const double share : thresholds::continuation_shares) {
-    const Fit part = fit(problem_.truncated(share), hypothesis, parameters(model.effects), 10);
+    const Fit part = fit(problem_.truncated(share), hypothesis, parameters(hypothesis, model.effects), 10);
     effort_.simulations += part.simulations;
     hypothesis = part.hypothesis;
   }

@@ -55,6 +55,13 @@ class ModelFitter {
   [[nodiscard]] std::vector<CandidateModel> extended(const CandidateModel& base, const Scales& scales, std::size_t most,
                                                      double least = 0.0) const;
 
+  /// One more fault of the recordings: the best of those whose promise is at least `least`, with the group and values
+  /// that are worth their penalty. nullopt: none promises as much.
+  [[nodiscard]] std::optional<CandidateModel> extended_by_fault(const CandidateModel& base, double least) const;
+
+  /// Refitted without one of the faults.
+  [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t leave_out) const;
+
   /// With the hold of a channel whose renewals are regular, where it is not there yet.
   [[nodiscard]] std::optional<CandidateModel> held(const CandidateModel& base, const Scales& scales,
                                                    model::Channel channel) const;
@@ -73,8 +80,10 @@ class ModelFitter {
  private:
   struct Scanned;
 
-  /// Everything that may move in a model with these effects: common parameters first.
-  [[nodiscard]] std::vector<FreeParameter> parameters(const std::vector<firmware::PlacedEffect>& effects) const;
+  /// Everything that may move in a model with these effects: common parameters, then those of the hypothesis' faults,
+  /// those of the effects last.
+  [[nodiscard]] std::vector<FreeParameter> parameters(const Hypothesis& hypothesis,
+                                                      const std::vector<firmware::PlacedEffect>& effects) const;
 
   /// Candidates beside a model, with the gain of their starts (linear_refit.hpp); best first.
   [[nodiscard]] std::vector<Scanned> scan(const CandidateModel& base, const Scales& scales) const;
@@ -87,6 +96,11 @@ class ModelFitter {
   void set_clock(CandidateModel& model, model::Channel channel) const;
 
   [[nodiscard]] bool repeats_regularly(model::Channel channel) const;
+
+  /// A model whose last fault is fitted, with the values and channels that improve the criterion.
+  void simplify_clock(CandidateModel& model) const;
+  void bend_drift(CandidateModel& model) const;
+  void improve_group(CandidateModel& model) const;
 
   IdentificationProblem& problem_;
   std::vector<FreeParameter> common_;

@@ -1,10 +1,13 @@
 #include "host_sim/identification/select/search.hpp"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -47,10 +50,18 @@ class Search {
   void begin(SearchResult& found);
   [[nodiscard]] std::vector<CandidateModel> one_effect_more(const std::vector<CandidateModel>& beam,
                                                             SearchResult& found) const;
+  [[nodiscard]] std::optional<CandidateModel> by_fault(const CandidateModel& base,
+                                                       const std::vector<CandidateModel>& others) const;
+  bool add_last_fault(SearchResult& found) const;
   void update_noise(std::vector<CandidateModel>& beam, SearchResult& found);
 
   // Backward.
+  void compare_in_sample(SearchResult& found);
   bool improve(std::size_t effect, SearchResult& found);
+  bool improve_fault(std::size_t fault, SearchResult& found);
+  bool eliminate_by_held_out(SearchResult& found);
+  void rate_by_held_out(SearchResult& found) const;
+  [[nodiscard]] CandidateModel promoted(const CandidateModel& best, std::size_t effect, const Rival& rival) const;
   [[nodiscard]] CandidateModel without(std::size_t effect, const SearchResult& found) const;
   [[nodiscard]] std::vector<Rival> rivals_of(const CandidateModel& best, const CandidateModel& reduced,
                                              std::size_t effect, const std::vector<CandidateModel>& others) const;
@@ -61,6 +72,10 @@ class Search {
                                                              bool all) const;
   [[nodiscard]] std::size_t most(bool all) const { return all ? criterion_.most_rivals : criterion_.most_candidates; }
   [[nodiscard]] double least_gain(const CandidateModel& base, bool all) const;
+  /// Evidence for a model from all windows: penalised χ² of the fitted, χ² of the held-out ones.
+  [[nodiscard]] double rating(const Hypothesis& hypothesis, double penalised) const {
+    return penalised + held_out_chi_squared(fitter_.problem(), hypothesis);
+  }
   void sort(std::vector<CandidateModel>& models) const {
     std::sort(models.begin(), models.end(),
               [this](const CandidateModel& a, const CandidateModel& b) { return criterion_.prefers(a, b); });
@@ -79,15 +94,27 @@ class Search {
   const SelectionCriterion& criterion_;
   mutable Effort effort_;
   ModelFitter fitter_;
-  double first_share_;  ///< of the windows, where candidates far above noise are told apart
+  std::map<std::size_t, CandidateModel> reduced_;  ///< the compared model without its effect i, fitted
+  double first_share_;                             ///< of the windows, where candidates far above noise are told apart
 };
+
+/// What drifts slowly may be left in no band. true: it was added.
+bool Search::add_last_fault(SearchResult& found) const {
+  auto fault = by_fault(found.best, {});
+  if (!fault || !criterion_.accepts(*fault, found.best, criterion_.share(found.best))) return false;
+  found.best = std::move(*fault);
+  return true;
+}
 
 void Search::forward(SearchResult& found) {
   begin(found);
   std::vector<CandidateModel> beam{found.best};
-  for (std::size_t depth = 0; depth < thresholds::most_effects; ++depth) {
-    if (depth > 0 && fitter_.leaves_noise(found.best)) break;
-    report(0.1 + 0.15 * static_cast<double>(depth), depth == 0 ? "one effect" : "one more effect");
+  for (std::size_t depth = 0; found.best.effects.size() < thresholds::most_effects; ++depth) {
+    if (depth > 0 && fitter_.leaves_noise(found.best)) {
+      if (!add_last_fault(found)) break;
+      continue;
+    }
+    report(std::min(0.1 + 0.15 * static_cast<double>(depth), 0.55), depth == 0 ? "one effect" : "one more effect");
     std::vector<CandidateModel> next = one_effect_more(beam, found);
     if (next.empty() || !criterion_.prefers(next.front(), found.best)) break;
     found.best = next.front();
@@ -124,7 +151,10 @@ std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateM
   std::vector<CandidateModel> next;
   for (const CandidateModel& base : beam) {
     auto list = extended(base, found.scales, false);
-    if (base.effects.empty()) found.alone = list;
+    if (base.effects.empty() && base.faults().empty()) found.alone = list;
+    if (auto fault = by_fault(base, list); fault && criterion_.accepts(*fault, base, criterion_.share(base))) {
+      next.push_back(std::move(*fault));
+    }
     for (std::size_t i = 0; i < std::min(criterion_.beam, list.size()); ++i) {
       if (criterion_.accepts(list[i], base, criterion_.share(base))) next.push_back(std::move(list[i]));
     }
@@ -137,6 +167,21 @@ std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateM
                 [this](const CandidateModel& model) { return !stays_finite(fitter_.problem(), model.fit.hypothesis); });
   sort(next);
   return next;
+}
+
+/// A model with one more fault of the recordings, where that is better than the best of `others`, which have one more
+/// effect.
+std::optional<CandidateModel> Search::by_fault(const CandidateModel& base,
+                                               const std::vector<CandidateModel>& others) const {
+  if (!criterion_.faults || base.faults().size() >= thresholds::most_faults) return std::nullopt;
+  double least = least_gain(base, false);
+  if (!others.empty()) {
+    const double gained = base.fit.chi_squared - others.front().fit.chi_squared;
+    least = std::max(least, thresholds::promising_beside_best * gained);
+  }
+  std::optional<CandidateModel> fault = fitter_.extended_by_fault(base, least);
+  if (fault && !others.empty() && !criterion_.prefers(*fault, others.front())) return std::nullopt;
+  return fault;
 }
 
 /// The noise of the input passes through what was found.
@@ -156,10 +201,26 @@ void Search::update_noise(std::vector<CandidateModel>& beam, SearchResult& found
 void Search::backward(SearchResult& found) {
   effort_.simulations = found.simulations;
   effort_.candidates = found.candidates;
-  for (int round = 0; round < thresholds::most_rounds && !found.best.effects.empty(); ++round) {
+  compare_in_sample(found);
+  if (fitter_.problem().has_held_out()) {
+    for (int round = 0; round < thresholds::most_rounds && eliminate_by_held_out(found); ++round)
+      compare_in_sample(found);
+    rate_by_held_out(found);
+  }
+  found.alone.clear();
+  count(found);
+}
+
+/// Rounds of elimination and swaps on the fitted windows.
+void Search::compare_in_sample(SearchResult& found) {
+  const auto is_bare = [&] { return found.best.effects.empty() && found.best.faults().empty(); };
+  for (int round = 0; round < thresholds::most_rounds && !is_bare(); ++round) {
+    reduced_.clear();
     found.rivals.assign(found.best.effects.size(), {});
     found.gains.assign(found.best.effects.size(), 0.0);
+    found.faults.assign(found.best.faults().size(), {});
     bool changed = false;
+    for (std::size_t i = 0; i < found.best.faults().size() && !changed; ++i) changed = improve_fault(i, found);
     for (std::size_t i = 0; i < found.best.effects.size() && !changed; ++i) changed = improve(i, found);
     if (!changed) break;
     if (fitter_.update_input_noise(found.best.fit.hypothesis)) {
@@ -168,8 +229,62 @@ void Search::backward(SearchResult& found) {
       found.alone.clear();
     }
   }
-  found.alone.clear();
-  count(found);
+}
+
+/// Leaves out the effect without which the held-out windows are predicted better, by more than it gains in the fitted
+/// ones. false: there is none.
+bool Search::eliminate_by_held_out(SearchResult& found) {
+  const double with = rating(found.best.fit.hypothesis, found.best.penalised_chi_squared(criterion_));
+  for (std::size_t i = 0; i < found.best.effects.size(); ++i) {
+    const auto reduced = reduced_.find(i);
+    if (reduced == reduced_.end()) continue;
+    const CandidateModel& other = reduced->second;
+    if (rating(other.fit.hypothesis, other.penalised_chi_squared(criterion_)) >= with) continue;
+    found.best = fitter_.refitted(other.fit.hypothesis, other.effects, 2);
+    found.rivals.clear();
+    found.gains.clear();
+    return true;
+  }
+  return false;
+}
+
+/// Adds to the rivals nearby what they predict worse or better than the model; the one that is better in all takes the
+/// place of the effect, which becomes its rival.
+void Search::rate_by_held_out(SearchResult& found) const {
+  for (std::size_t i = 0; i < found.rivals.size(); ++i) {
+    std::vector<Rival>& rivals = found.rivals[i];
+    double held_out = held_out_chi_squared(fitter_.problem(), found.best.fit.hypothesis);
+    for (std::size_t r = 0; r < std::min(thresholds::near_rivals, rivals.size()); ++r) {
+      Rival& rival = rivals[r];
+      const double now = found.best.penalised_chi_squared(criterion_);
+      if (rival.penalised_chi_squared - now > thresholds::beyond_held_out) continue;
+      rival.penalised_chi_squared += held_out_chi_squared(fitter_.problem(), rival.hypothesis) - held_out;
+      if (rival.penalised_chi_squared >= now - thresholds::replaces) continue;
+      const Rival before{found.best.effects[i], now, found.best.fit.hypothesis};
+      CandidateModel better = promoted(found.best, i, rival);
+      const double held_out_better = held_out_chi_squared(fitter_.problem(), better.fit.hypothesis);
+      const double then = better.penalised_chi_squared(criterion_);
+      if (then + held_out_better >= now + held_out - thresholds::replaces) continue;
+      found.gains[i] += found.best.fit.chi_squared - better.fit.chi_squared;
+      found.best = std::move(better);
+      rival = before;
+      // Relative to the new model: its own held-out windows are what all are compared with.
+      for (std::size_t k = 0; k <= i; ++k) {
+        const std::size_t rated = k < i ? std::min(thresholds::near_rivals, found.rivals[k].size()) : r + 1;
+        for (std::size_t n = 0; n < rated; ++n) found.rivals[k][n].penalised_chi_squared += held_out - held_out_better;
+      }
+      held_out = held_out_better;
+    }
+    std::sort(rivals.begin(), rivals.end(),
+              [](const Rival& a, const Rival& b) { return a.penalised_chi_squared < b.penalised_chi_squared; });
+  }
+}
+
+/// The model with a rival in the place of an effect.
+CandidateModel Search::promoted(const CandidateModel& best, std::size_t effect, const Rival& rival) const {
+  std::vector<firmware::PlacedEffect> effects = best.effects;
+  effects[effect] = rival.effect;
+  return fitter_.refitted(rival.hypothesis, std::move(effects), 6);
 }
 
 /// Tries the model without one effect and with each other in its place. true: it became better; false: the others are
@@ -184,7 +299,7 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     best = std::move(reduced);
     return true;
   }
-  const bool known = best.effects.size() == 1 && !found.alone.empty();
+  const bool known = best.effects.size() == 1 && best.faults().empty() && !found.alone.empty();
   const std::vector<CandidateModel> others = known ? found.alone : extended(reduced, found.scales, true);
   const double to_beat = best.penalised_chi_squared(criterion_) - thresholds::replaces;
   for (const CandidateModel& other : others) {
@@ -198,11 +313,50 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   }
   found.rivals[effect] = rivals_of(best, reduced, effect, others);
   found.gains[effect] = reduced.fit.chi_squared - best.fit.chi_squared;
+  // Refitted beside the other effects as they are now, a rival may be better after all.
+  if (!found.rivals[effect].empty() && found.rivals[effect].front().penalised_chi_squared < to_beat) {
+    CandidateModel better = promoted(best, effect, found.rivals[effect].front());
+    if (better.penalised_chi_squared(criterion_) < to_beat) {
+      best = std::move(better);
+      return true;
+    }
+  }
+  drop_jacobian(reduced.fit);
+  reduced_[effect] = std::move(reduced);
+  return false;
+}
+
+/// The same of a fault of the recordings: without it, another fault in its place, effects in its place.
+bool Search::improve_fault(std::size_t fault, SearchResult& found) {
+  CandidateModel& best = found.best;
+  report(0.58, "faults of the recordings");
+  const CandidateModel reduced = fitter_.without_fault(best, fault);
+  if (!criterion_.prefers(best, reduced)) {
+    best = reduced;
+    return true;
+  }
+  const double value = best.penalised_chi_squared(criterion_), to_beat = value - thresholds::replaces;
+  if (auto other = by_fault(reduced, {}); other && other->penalised_chi_squared(criterion_) < to_beat) {
+    best = std::move(*other);
+    return true;
+  }
+  FaultSupport& support = found.faults[fault];
+  support.gain = reduced.fit.chi_squared - best.fit.chi_squared;
+  for (const CandidateModel& other : fitter_.extended(reduced, found.scales, thresholds::fault_rivals)) {
+    if (other.penalised_chi_squared(criterion_) < to_beat) {
+      CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 6);
+      if (full.penalised_chi_squared(criterion_) < to_beat) {
+        best = std::move(full);
+        return true;
+      }
+    }
+    support.rivals.push_back({other.effects.back(), other.penalised_chi_squared(criterion_), other.fit.hypothesis});
+  }
   return false;
 }
 
 CandidateModel Search::without(std::size_t effect, const SearchResult& found) const {
-  if (found.best.effects.size() == 1) return found.nothing;
+  if (found.best.effects.size() == 1 && found.best.faults().empty()) return found.nothing;
   CandidateModel reduced = fitter_.without(found.best, effect);
   // With corners the fit without may only be in a worse one of many minima.
   if (options_.truncates && has_corners(reduced.fit.hypothesis.rig)) fitter_.refit_by_continuation(reduced);
@@ -297,6 +451,12 @@ void refit_on(IdentificationProblem& problem, const SearchSpace& space, const Se
     }
   }
   for (double& gain : found.gains) gain *= larger;
+  for (FaultSupport& support : found.faults) {
+    support.gain *= larger;
+    for (Rival& rival : support.rivals) {
+      rival.penalised_chi_squared = after + larger * (rival.penalised_chi_squared - before);
+    }
+  }
 }
 
 }  // namespace host_sim::identification

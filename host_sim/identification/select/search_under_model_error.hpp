@@ -14,7 +14,7 @@ namespace host_sim::identification {
 ///
 /// A model that sensors would make and that is better, but not by a quarter, becomes a remark. true: `found` was
 /// replaced. The problem keeps the input noise of what was found, without the model error.
-[[nodiscard]] bool search_under_model_error(IdentificationProblem& problem, const SearchSpace& space,
+[[nodiscard]] bool search_under_model_error(IdentificationProblem& problem, const SearchSpace& whole_space,
                                             const ProgressCallback& progress, SearchResult& found);
 
 }  // namespace host_sim::identification

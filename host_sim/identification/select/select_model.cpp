@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/search_under_model_error.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -34,6 +35,7 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
     if (far && !replaced) compare(problem, space, options, found);
   }
   compare_parameters(problem, space, progress, found);
+  found.constancy = law_constancy(problem, found);
   return found;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host_sim/identification/select/thresholds.hpp"
+
 namespace host_sim::identification {
 
 double CandidateModel::penalised_chi_squared(const SelectionCriterion& criterion) const {
@@ -9,7 +11,16 @@ double CandidateModel::penalised_chi_squared(const SelectionCriterion& criterion
   for (const firmware::PlacedEffect& effect : effects) {
     sum += criterion.effect + criterion.parameter * static_cast<double>(effect.values.size());
   }
+  for (const PlacedFault& fault : faults()) sum += penalty(criterion, fault, channels);
   return sum;
+}
+
+double penalty(const SelectionCriterion& criterion, const PlacedFault& fault, std::size_t channels) {
+  const auto fitted = static_cast<double>(std::count(fault.fitted.begin(), fault.fitted.end(), true));
+  const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
+  return criterion.effect + criterion.parameter * fitted +
+         (of_group ? thresholds::group_choice * static_cast<double>(channels) : 0.0) +
+         (fault.kind == FaultKind::drift ? thresholds::violation : 0.0);
 }
 
 bool SelectionCriterion::accepts(const CandidateModel& longer, const CandidateModel& shorter,

@@ -15,14 +15,20 @@ struct SelectionCriterion;
 struct CandidateModel {
   Fit fit;
   std::vector<firmware::PlacedEffect> effects;  ///< those found, without those of the rig description
+  std::size_t channels = 0;                     ///< of the problem: among them a fault has its group
+
+  [[nodiscard]] const std::vector<PlacedFault>& faults() const { return fit.hypothesis.faults; }
 
   /// (1) of SelectionCriterion; infinite for a simulation that diverged.
   [[nodiscard]] double penalised_chi_squared(const SelectionCriterion& criterion) const;
 };
 
-/// The criterion that a search minimises, over models with E effects and p parameters of them:
+/// The criterion that a search minimises, over models with E effects or faults of the recording and p parameters of
+/// them:
 ///
-///   (1)  χ² + effect · E + parameter · p
+///   (1)  χ² + effect · E + parameter · p + Σ group_choice · channels      the last for each clock and common filter;
+///                                                                          a drift costs `violation` more, as a wrong
+///                                                                          parameter does (suspect_parameters.hpp)
 ///
 /// Relation to the Bayesian information criterion (G. Schwarz, Ann. Statist. 6, 1978), χ² + p ln n: with n = 22 000
 /// residuals (a minute of two channels) ln n = 10 = `parameter`. `effect` is the prior that one effect of some 30
@@ -39,6 +45,7 @@ struct SelectionCriterion {
   /// measured.
   double first_share = 0.03, later_share = 0.30;
   bool sensors = true;              ///< effects of sensors are candidates
+  bool faults = true;               ///< and faults of the recording
   std::size_t beam = 2;             ///< models kept for the next effect
   std::size_t most_candidates = 8;  ///< fitted beside each of them
   std::size_t most_rivals = 8;      ///< fitted in the place of each effect
@@ -53,6 +60,9 @@ struct SelectionCriterion {
   /// Whether a longer model is to be believed: it is preferred, and explains at least `least_share` of what is left.
   [[nodiscard]] bool accepts(const CandidateModel& longer, const CandidateModel& shorter, double least_share) const;
 };
+
+/// What a fault costs in (1), beside `channels` measured ones.
+[[nodiscard]] double penalty(const SelectionCriterion& criterion, const PlacedFault& fault, std::size_t channels);
 
 /// What a model leaves beyond noise: max(χ² − n, 0).
 [[nodiscard]] double beyond_noise(const Fit& fit);

@@ -143,19 +143,28 @@ void compare_parameters(IdentificationProblem& problem, const SearchSpace& space
   const bool clean = search_for.leaves_noise(found.best);
   const double alone = found.best.penalised_chi_squared(criterion);
   // One parameter costs more than nothing, or than a clean effect with one parameter.
-  if (clean && alone - found.best.fit.chi_squared <= search_for.price(1)) return;
+  const bool has_faults = !found.best.faults().empty();
+  if (clean && !has_faults && alone - found.best.fit.chi_squared <= search_for.price(1)) return;
   if (progress) progress(0.92, "parameters off", found.simulations, found.candidates);
 
-  CandidateModel model = search_for.fitted(found.nothing.fit.hypothesis, {}, {});
-  const double tied = model.fit.chi_squared;
+  CandidateModel model;
+  double tied = 0.0;
   std::vector<FreeParameter> freed;
-  // Beside clean effects, parameters must explain as much as these; else as much as an effect must.
-  const double share = clean ? 0.5 * (tied - found.best.fit.chi_squared)
-                             : criterion.first_share * std::max(beyond_noise(model.fit), 0.0);
-  while (freed.size() < thresholds::most_freed && !search_for.leaves_noise(model)) {
-    if (!search_for.free_one_more(model, freed,
-                                  freed.empty() ? share : criterion.later_share * beyond_noise(model.fit)))
-      break;
+  // Without the recordings' faults first: a parameter that is off may look like one.
+  for (const bool with_faults : {false, true}) {
+    if (with_faults && (!has_faults || search_for.leaves_noise(model))) break;
+    Hypothesis start = found.nothing.fit.hypothesis;
+    if (with_faults) start.faults = found.best.faults();
+    freed.clear();
+    model = search_for.fitted(start, {}, {});
+    tied = model.fit.chi_squared;
+    // Beside clean effects, parameters must explain as much as these; else as much as an effect must.
+    const double share = clean ? 0.5 * (tied - found.best.fit.chi_squared)
+                               : criterion.first_share * std::max(beyond_noise(model.fit), 0.0);
+    while (freed.size() < thresholds::most_freed && !search_for.leaves_noise(model)) {
+      const double least = freed.empty() ? share : criterion.later_share * beyond_noise(model.fit);
+      if (!search_for.free_one_more(model, freed, least)) break;
+    }
   }
   found.simulations += search_for.simulations();
   found.candidates += search_for.candidates();
@@ -195,6 +204,8 @@ void compare_parameters(IdentificationProblem& problem, const SearchSpace& space
   }
   other.rivals.resize(other.best.effects.size());
   other.gains.resize(other.best.effects.size());
+  if (other.faults.empty()) other.faults = found.faults;
+  other.faults.resize(other.best.faults().size());
   other.freed = std::move(freed);
   other.nothing = std::move(found.nothing);
   other.remarks = std::move(found.remarks);

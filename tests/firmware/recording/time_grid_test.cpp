@@ -47,6 +47,14 @@ TEST(TimeGrid, IsRecoveredFromRoundedStamps) {
   EXPECT_NE(lost.remark.find("1 row is missing"), std::string::npos) << lost.remark;
 }
 
+// Point. At 333 Hz one step in 333 is another: that is no gap.
+TEST(TimeGrid, IsRecoveredWhereFewStampsShowIt) {
+  const Recording recording = parse_recording_csv(in_milliseconds(333.0, 2000), "REC.csv", {}, 1000.0, Missing::mark);
+  ASSERT_EQ(recording.size(), 2000U);
+  EXPECT_NEAR(recording.sample_period * 333.0, 1.0, 1e-6);
+  EXPECT_TRUE(recording.filled.empty());
+}
+
 // Point. A clock that is off by 50 ppm is the rig's clock; a rate of its own is the recording's rate. Where every
 // sample counts (a replay) the rig's rate is still asked for.
 TEST(TimeGrid, TakesTheRecordingsOwnRate) {

@@ -67,6 +67,26 @@ Recording simulated(const RigDescription& rig, std::size_t samples, bool noise, 
   return host_sim::run_closed_loop(rig, motion, options).recording;
 }
 
+// Law. A recording of every fifth sample is simulated as well as the whole: between its samples the road is what its
+// spectrum makes of them. A cubic between them would leave percents.
+TEST(Comparison, SimulatesSlowRecordingsAtTheModelsStep) {
+  const auto rig = support::rig("paper_rig_fdva");
+  const Recording whole = simulated(rig, 12000, false);
+  Recording slow;
+  slow.source = "REC.csv";
+  slow.sample_period = 5.0 * whole.sample_period;
+  for (std::size_t k = 0; k < whole.size(); k += 5) {
+    slow.time.push_back(whole.time[k]);
+    for (std::size_t c = 0; c < model::channel_count; ++c) {
+      if (!whole.channels[c].empty()) slow.channels[c].push_back(whole.channels[c][k]);
+    }
+  }
+  const RecordingComparison result = compare(rig, slow);
+  for (const Channel channel : {Channel::zdd_w, Channel::zdd_b, Channel::dz_b, Channel::F_w}) {
+    EXPECT_LT(of(result, channel).nrmse, 1e-3) << model::name(channel);
+  }
+}
+
 // Point. Errors ± 2 N. Data 8, 12, −8, −12 N: mean 0, rms √((64 + 144)/2) = √104 N. nrmse = 2/√104 = 0.19612.
 TEST(Comparison, NormalisesErrorsAsTheContractSays) {
   const auto rig = parse_rig(spring_text, "RIG.toml");

@@ -22,8 +22,8 @@ identification::PreparedRecording two_channels(std::uint64_t seed, double correl
   e.recording.sample_period = e.input.period = period;
   e.recording.time = sample_times(n, 1.0 / period);
   e.channels = {Channel::x_act, Channel::F};
-  e.noise[index(Channel::x_act)] = 2e-5;
-  e.noise[index(Channel::F)] = 10.0;
+  e.channel_noise[index(Channel::x_act)].level = 2e-5;
+  e.channel_noise[index(Channel::F)].level = 10.0;
   for (std::size_t k = 0; k < n; ++k) {
     const double common = correlated * noise();
     e.recording[Channel::x_act].push_back(2e-5 * (noise() + common));
@@ -40,7 +40,7 @@ TEST(Whitening, MakesKnownNoiseWhite) {
     Eigen::MatrixXcd common(2, 2);
     const Eigen::Vector2cd source(2e-5 * correlated, -20.0 * correlated);
     common = source * source.adjoint();
-    const identification::Whitening whitening(e, e.fitted, std::vector<Eigen::MatrixXcd>(91, common));
+    const identification::Whitening whitening(e, e.fitted, e.channel_noise, std::vector<Eigen::MatrixXcd>(91, common));
     Response nothing;
     for (const Channel c : e.channels) nothing[index(c)].assign(e.size(), 0.0);
     std::vector<double> r(whitening.count());

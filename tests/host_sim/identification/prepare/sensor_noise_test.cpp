@@ -63,13 +63,20 @@ TEST(NoiseFactor, CorrectsADeclaration) {
   EXPECT_NEAR(identification::sensor_noise(declared(1e-3), noisy(1e-2, 1), Channel::dz_b), 3e-3, 1e-9);
 }
 
-// Behind a filter noise is not white, and says nothing about its level where the rig moves: the declaration stands.
-TEST(NoiseFactor, KnowsNothingOfColouredNoise) {
+// Behind a filter noise is not white: the level below its corner is what the declared rms stands for. The declaration
+// is of the noise before the filter here, so that less of it is found.
+TEST(NoiseFactor, KnowsTheColourOfNoise) {
   Recording recording = noisy(2.1e-3, 3);
   double filtered = 0.0;
   for (double& v : recording[Channel::dz_b]) v = filtered += 0.6 * (v - filtered);  // a corner of about 150 Hz
-  EXPECT_FALSE(identification::noise_factor(declared(1e-3), recording, Channel::dz_b));
-  EXPECT_EQ(identification::sensor_noise(declared(1e-3), recording, Channel::dz_b), 1e-3);
+  const auto found = identification::find_sensor_noise(declared(1e-3), recording, Channel::dz_b);
+  EXPECT_FALSE(found.noise.colour.is_white());
+  EXPECT_NEAR(found.noise.level, 2.1e-3, 0.15e-3) << "seed 3";
+  // Σ h² of that filter is 0.6/1.4.
+  ASSERT_TRUE(found.factor);
+  EXPECT_NEAR(found.factor->value, 2.1 * std::sqrt(0.6 / 1.4), 0.1);
+  // Without a declaration the same.
+  EXPECT_NEAR(identification::sensor_noise({}, recording, Channel::dz_b), found.noise.level, 1e-9);
 }
 
 }  // namespace

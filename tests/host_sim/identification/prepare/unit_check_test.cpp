@@ -27,7 +27,7 @@ void scale(Recording& recording, Channel channel, double factor) {
 
 std::string refusal(const RigDescription& description, const Recording& recording) {
   try {
-    identification::refuse_unit_errors(description, recording);
+    (void)identification::check_units(description, recording);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -85,6 +85,28 @@ TEST(UnitCheck, AreRefusedWithWhatToWrite) {
   EXPECT_NE(line.find("F_w looks like kilonewtons with the sign swapped"), std::string::npos) << line;
   EXPECT_NE(line.find("F_w = { column = \"Load\", scale = -2000 }"), std::string::npos) << line;
   EXPECT_NE(line.find("scale = 9.81"), std::string::npos) << line;
+}
+
+// Point. A scale that somebody wrote is kept: it is a remark. So is a guess: of a bench whose stiffness is described
+// 500 times too small the force may be anything.
+TEST(UnitCheck, CanBeOverruled) {
+  Given rig = given("none:quarter_car");
+  scale(rig.recording, Channel::F_w, 1e-3);
+  EXPECT_NE(refusal(rig.description, rig.recording).find("a scale that is written there is kept"), std::string::npos);
+  rig.description.channels["F_w"] = {"F_w", 1.0, 0.0, true};
+  const auto remarks = identification::check_units(rig.description, rig.recording);
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_EQ(remarks.front(), "rec.csv: F_w looks like kilonewtons; kept as [channels] says");
+  EXPECT_TRUE(firmware::parse_rig("kind = 'component_bench'\nsample_rate = 1000.0\n[suspension]\nstiffness = 1.0\n"
+                                  "damping = 1.0\n[channels]\nF = { column = 'F', scale = 1.0 }\n",
+                                  "rig.toml")
+                  .channels.at("F")
+                  .scale_given);
+
+  Given bench = given("none:component_bench");
+  bench.description.rig.suspension.stiffness /= 750.0;
+  bench.description.rig.suspension.damping /= 750.0;
+  EXPECT_EQ(refusal(bench.description, bench.recording), "");
 }
 
 }  // namespace

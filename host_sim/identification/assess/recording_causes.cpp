@@ -1,0 +1,125 @@
+#include "host_sim/identification/assess/recording_causes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host_sim/identification/assess/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using model::Channel;
+
+Interval times(const Interval& v, double factor) {
+  Interval scaled{factor * v.value, factor * v.lower, factor * v.upper};
+  if (factor < 0.0) std::swap(scaled.lower, scaled.upper);
+  return scaled;
+}
+
+/// Channels that are recorded and keep the time of the input: z_r or x_cmd, and what was fused with it.
+std::vector<Channel> on_the_inputs_clock(const IdentificationProblem& problem, const PlacedFault& clock) {
+  const PreparedRecording& r = problem.samples().front();
+  std::vector<Channel> channels{r.input.channel};
+  if (r.input.channel == Channel::z_r && r.recording.has(Channel::zdd_r) && !r.inputs_disagree) {
+    channels.push_back(Channel::zdd_r);
+  }
+  for (const Channel channel : r.channels) {
+    if (!clock.acts_on(channel)) channels.push_back(channel);
+  }
+  return channels;
+}
+
+Interval known(double value) { return {value, value, value}; }
+
+/// `next`: the intervals of the fault's fitted values.
+std::vector<RecordingFault> described(const IdentificationProblem& problem, const PlacedFault& fault,
+                                      std::vector<Interval>::const_iterator next) {
+  std::vector<RecordingFault> list;
+  const auto add = [&list](const char* name, std::vector<Channel> channels) -> RecordingFault& {
+    list.push_back({name, std::move(channels), {}, 0.0});
+    list.back().is_cause = true;
+    return list.back();
+  };
+  switch (fault.kind) {
+    case FaultKind::clock: {
+      const std::vector<Channel> others = on_the_inputs_clock(problem, fault);
+      const bool input_off = others.size() < fault.channels.size();
+      const double sign = input_off ? -1.0 : 1.0;
+      const std::vector<Channel>& channels = input_off ? others : fault.channels;
+      if (fault.fitted[0]) add("clock_offset", channels).parameters["seconds"] = times(*next++, sign);
+      if (fault.fitted[1]) add("clock_drift", channels).parameters["ppm"] = times(*next++, 1e6 * sign);
+      break;
+    }
+    case FaultKind::common_filter: {
+      RecordingFault& filter = add("common_filter", fault.channels);
+      filter.parameters["corner_hz"] = *next;
+      filter.parameters["order"] = known(fault.order);
+      break;
+    }
+    case FaultKind::mains_hum: {
+      const Interval frequency = *next++;
+      for (const Channel channel : fault.channels) {
+        const Interval a = *next++, b = *next++;
+        const double amplitude = std::hypot(a.value, b.value);
+        const double half = 0.5 * std::max(a.upper - a.lower, b.upper - b.lower);
+        RecordingFault& hum = add("mains_hum", {channel});
+        hum.parameters["hz"] = frequency;
+        hum.parameters["amplitude"] = {amplitude, std::max(amplitude - half, 0.0), amplitude + half};
+      }
+      break;
+    }
+    case FaultKind::drift: {
+      RecordingFault& drift = add("drift", {});
+      drift.path = fault.path;
+      drift.parameters["per_cent_over_record"] = times(*next, 100.0);
+      break;
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<RecordingFault> recording_causes(const IdentificationProblem& problem, const SearchResult& found,
+                                             const SelectionCriterion& criterion,
+                                             const std::vector<Interval>& parameters, const Certainty& certainty) {
+  const CandidateModel& best = found.best;
+  const auto first = std::find_if(best.fit.parameters.begin(), best.fit.parameters.end(),
+                                  [](const FreeParameter& p) { return p.role == FreeParameter::Role::fault; });
+  auto next = parameters.begin() + (first - best.fit.parameters.begin());
+  std::vector<RecordingFault> list;
+  for (std::size_t f = 0; f < best.faults().size(); ++f) {
+    const PlacedFault& fault = best.faults()[f];
+    std::vector<double> odds;
+    std::vector<Alternative> alternatives;
+    const bool rated = f < found.faults.size();
+    for (const Rival& rival : rated ? found.faults[f].rivals : std::vector<Rival>()) {
+      const double apart = rival.penalised_chi_squared - best.penalised_chi_squared(criterion);
+      odds.push_back(std::exp(std::min(apart / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
+      alternatives.push_back({rival.effect, odds.back(), {}});
+    }
+    const double sure = confidence(odds, rated ? found.faults[f].gain : 0.0, certainty);
+    for (RecordingFault& cause : described(problem, fault, next)) {
+      cause.confidence = sure;
+      cause.alternatives = alternatives;
+      list.push_back(std::move(cause));
+    }
+    next += std::count(fault.fitted.begin(), fault.fitted.end(), true);
+  }
+  for (const ExternalEvent& event : found.events) {
+    // An event that costs nothing, in a part that is held out, is believed since the rest went away with it.
+    const double odds = event.gain > 0.0
+                            ? std::exp(std::min(0.5 * event.gain / certainty.temper, thresholds::most_logarithmic_odds))
+                            : thresholds::close_odds;
+    RecordingFault cause{"event", {}, {}, confidence({odds}, INFINITY, certainty)};
+    cause.is_cause = true;
+    const double half = thresholds::event_edge;
+    cause.parameters["from_s"] = {event.from, event.from - half, event.from + half};
+    cause.parameters["to_s"] = {event.to, event.to - half, event.to + half};
+    list.push_back(std::move(cause));
+  }
+  return list;
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,92 @@
+#include "host_sim/identification/parity/disturbed_span.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "host_sim/identification/parity/parity_relation.hpp"
+#include "host_sim/identification/parity/relation_fit.hpp"
+#include "host_sim/identification/parity/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+/// rms of a relation's residual, block by block; negative where samples are missing.
+std::vector<double> block_sizes(const ResidualSeries& series, std::size_t samples) {
+  std::vector<double> sizes;
+  for (std::size_t first = 0; first + samples <= series.values.size(); first += samples) {
+    double sum = 0.0;
+    bool trusted = true;
+    for (std::size_t k = first; k < first + samples; ++k) {
+      sum += series.values[k] * series.values[k];
+      trusted = trusted && (series.trusted.empty() || series.trusted[k]);
+    }
+    sizes.push_back(trusted ? std::sqrt(sum / static_cast<double>(samples)) : -1.0);
+  }
+  return sizes;
+}
+
+double median_size(std::vector<double> sizes) {
+  std::erase_if(sizes, [](double size) { return size < 0.0; });
+  if (sizes.empty()) return 0.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle;
+}
+
+/// Blocks that exceed the usual size so much, up to thresholds::span_gap quieter ones between them.
+struct Run {
+  std::size_t first = 0, last = 0;
+  double sum = 0.0;  ///< of their squares, relative to the usual size
+};
+
+template <class Counts>
+Run loudest_run(const std::vector<double>& sizes, double usual, const Counts& counts) {
+  Run best, run;
+  for (std::size_t b = 0; b < sizes.size(); ++b) {
+    const double ratio = sizes[b] / usual;
+    if (!counts(b) || ratio < thresholds::span_deviations) continue;
+    if (run.sum > 0.0 && b - run.last > thresholds::span_gap + 1) run = {};
+    if (!(run.sum > 0.0)) run.first = b;
+    run.last = b;
+    run.sum += ratio * ratio;
+    if (run.sum > best.sum) best = run;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<TimeSpan> disturbed_span(const firmware::RigDescription& description, const PreparedRecording& recording,
+                                       const TimeSpan& within) {
+  const std::vector<firmware::Recording> recordings{recording.recording};
+  firmware::RigDescription known = description;
+  for (std::size_t c = 0; c < recording.noise.size(); ++c) {
+    if (recording.noise[c] > 0.0) known.noise[c] = recording.noise[c] * std::sqrt(static_cast<double>(recording.step));
+  }
+  const double period = recording.recording.sample_period, begin = recording.recording.time.front();
+  const double highest =
+      std::min(thresholds::parity_band_edges.back(), thresholds::recorded_share_of_rate / recording.compared_period());
+  const auto samples = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(thresholds::span_block / period)));
+  const double block = period * static_cast<double>(samples);
+  const SmoothWindow window(period);
+  std::optional<TimeSpan> span;
+  double strongest = 0.0;
+  for (const ParityRelation& relation : parity_relations(description.rig, recordings.front())) {
+    const RelationFit fit(known, recordings, window, relation, highest);
+    if (!fit.has_data()) continue;
+    const std::vector<double> sizes = block_sizes(fit.residual().front(), samples);
+    const double usual = median_size(sizes);
+    if (!(usual > 0.0)) continue;
+    const Run run = loudest_run(sizes, usual, [&](std::size_t b) {
+      const double from = begin + block * static_cast<double>(b);
+      return from + block >= within.from && from <= within.to;
+    });
+    if (run.sum <= strongest) continue;
+    strongest = run.sum;
+    span = TimeSpan{begin + block * static_cast<double>(run.first), begin + block * static_cast<double>(run.last + 1)};
+  }
+  return span;
+}
+
+}  // namespace host_sim::identification

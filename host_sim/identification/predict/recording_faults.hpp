@@ -1,0 +1,57 @@
+// Faults of a recording as part of a hypothesis: what lies between the rig's channels and the samples in the file.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+
+namespace host_sim::identification {
+
+/// A cause that the catalogue of effects does not hold, since no component of the rig makes it:
+///
+///   clock          (1)  reading(t) = truth(t − offset + rate · t)        t from the first sample of the recording
+///   common_filter  (2)  order 1: T ẏ + y = truth;  order 2: ÿ + √2 ω ẏ + ω² y = ω² truth;  ω = 1/T = 2π · corner
+///   mains_hum      (3)  reading(t) = truth(t) + a_c cos(2π f t) + b_c sin(2π f t)      for each channel c
+///   drift          (4)  parameter(t) = value · (1 + change · g(t/T)),   T: length of the recording
+///                       g(s) = (1 − e^{−κ s})/(1 − e^{−κ})              a first-order warm-up; κ = 0: g = s
+///
+/// (1): offset > 0 is late; with rate > 0 the clock of these channels runs slow. (1) to (3) act on each of `channels`
+/// behind the model's own sensors, in the order (2), (1), (3). In (4) `value` is that of the hypothesis' rig, at the
+/// beginning of the recording.
+enum class FaultKind : unsigned char { clock, common_filter, mains_hum, drift };
+
+struct PlacedFault {
+  FaultKind kind{};
+  std::vector<model::Channel> channels{};  ///< of a drift: none
+  std::string path{};                      ///< of a drift: the parameter
+  int order = 1;                           ///< of a filter
+  std::vector<double> values{};  ///< offset [s], rate [1] | corner [Hz] | f [Hz], a_1, b_1, a_2 … [SI] | change, κ [1]
+  /// Whether each of the values is fitted; a clock may have an offset or a rate alone, a drift no κ.
+  std::vector<bool> fitted{};
+
+  [[nodiscard]] bool acts_on(model::Channel channel) const;
+};
+
+/// Whether one of the faults acts between a channel's sensor and its samples.
+[[nodiscard]] bool alters(const std::vector<PlacedFault>& faults, model::Channel channel);
+
+/// Whether a parameter of the rig changes with time.
+[[nodiscard]] bool drifts(const std::vector<PlacedFault>& faults);
+
+/// Samples of a channel as the faults leave them; `period` [s].
+[[nodiscard]] std::vector<double> with_faults(const std::vector<PlacedFault>& faults, model::Channel channel,
+                                              std::vector<double> values, double period);
+
+/// The rig of (4) at a share of the recording, 0 … 1.
+[[nodiscard]] model::RigParameters<double> drifted(const model::RigParameters<double>& rig,
+                                                   const std::vector<PlacedFault>& faults, double share);
+
+/// The value at `place` [samples] on the polynomial of fifth order through the six samples around it; beyond the ends
+/// the first or last. Of a sine of ω = 0.57 rad per sample (90 Hz at 1 kHz) it is wrong by 2e-4 at most.
+[[nodiscard]] double value_between(const std::vector<double>& values, double place);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,233 @@
+#include "host_sim/identification/prepare/noise_spectrum.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "host_sim/identification/common/golden_section.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
+#include "host_sim/signal/spectrum.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+/// t(f) of (2).
+double filter_coordinate(double f, double period, NoiseColour::Filter filter) {
+  const double angle = std::numbers::pi * std::min(f * period, 0.4999);
+  switch (filter) {
+    case NoiseColour::Filter::analogue:
+      return angle;
+    case NoiseColour::Filter::folded:
+      return std::sin(angle);
+    case NoiseColour::Filter::digital:
+      break;
+  }
+  return std::tan(angle);
+}
+
+/// Power of a channel in a narrow band: the median over its lines.
+struct BandLevel {
+  double frequency, power, freedom, tail;  ///< ν of (5); q(f) of (4)
+};
+
+std::vector<BandLevel> band_levels(const std::vector<double>& samples, double period, bool is_position) {
+  const double rate = 1.0 / period;
+  const double first = std::min(thresholds::noise_begins, thresholds::noise_begins_share * rate);
+  const double last = thresholds::noise_ends_share * rate;
+  const auto segment = static_cast<std::size_t>(rate);
+  if (samples.size() < 8 * segment || segment < 32) return {};
+  const PowerSpectrum spectrum = welch(samples, rate, segment);
+  const double averages = 1.0 / std::pow(spectrum.relative_standard_error, 2);
+  const double width = (last - first) / thresholds::noise_spectrum_bands;
+  std::vector<BandLevel> levels;
+  std::vector<double> lines;
+  std::size_t k = 0;
+  while (k < spectrum.frequency.size() && spectrum.frequency[k] < first) ++k;
+  for (int b = 0; b < static_cast<int>(thresholds::noise_spectrum_bands); ++b) {
+    const double end = first + width * (b + 1);
+    lines.clear();
+    for (; k < spectrum.frequency.size() && spectrum.frequency[k] < end; ++k) lines.push_back(spectrum.density[k]);
+    if (lines.empty()) continue;
+    const auto middle = lines.begin() + static_cast<std::ptrdiff_t>(lines.size() / 2);
+    std::nth_element(lines.begin(), middle, lines.end());
+    // A line is a χ² of 2 · averages degrees of freedom ÷ that number; its median is (1 − 1/(9 averages))³ of its mean.
+    const double median_of_mean = std::pow(1.0 - 1.0 / (9.0 * averages), 3);
+    const double power = *middle * 0.5 * rate / median_of_mean;
+    // Hann: neighbouring lines share 35/18; the median of many scatters as the mean of 1/1.57 as many.
+    const double freedom = averages * std::max(1.0, static_cast<double>(lines.size()) / (35.0 / 18.0 * 1.57));
+    const double f = end - 0.5 * width;
+    const double step = 1.0 / (4.0 * std::pow(std::sin(std::numbers::pi * f * period), 2));
+    levels.push_back({f, power, freedom, is_position ? step * step : step});
+  }
+  // Where a filter leaves next to nothing, rounding is seen.
+  const double least = levels.empty() ? 0.0 : thresholds::least_filtered_power * levels.front().power;
+  const auto nothing =
+      std::find_if(levels.begin(), levels.end(), [&](const BandLevel& l) { return !(l.power > least); });
+  levels.erase(nothing, levels.end());
+  return levels;
+}
+
+struct LevelFit {
+  double square = 0.0, tail = 0.0;  ///< level² and b of (3)
+  double deviance = std::numeric_limits<double>::infinity();
+  double relative_error = 0.0;  ///< of level²
+};
+
+/// level² and b for one h: Fisher scoring, since (3) is linear in both.
+LevelFit fit_level(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, bool has_tail) {
+  LevelFit fit;
+  std::vector<double> h, expected;
+  for (const BandLevel& l : levels) {
+    h.push_back(colour.power(l.frequency, period));
+    expected.push_back(l.power);
+  }
+  for (int round = 0; round < 8; ++round) {
+    double a11 = 0.0, a12 = 0.0, a22 = 0.0, b1 = 0.0, b2 = 0.0;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const BandLevel& l = levels[i];
+      const double weight = l.freedom / std::pow(expected[i], 2), u = h[i], v = h[i] * l.tail;
+      a11 += weight * u * u;
+      a12 += weight * u * v;
+      a22 += weight * v * v;
+      b1 += weight * u * l.power;
+      b2 += weight * v * l.power;
+    }
+    const double determinant = a11 * a22 - a12 * a12;
+    fit.square = b1 / a11;
+    fit.tail = 0.0;
+    double variance = 1.0 / a11;
+    if (has_tail && determinant > 1e-9 * a11 * a22) {
+      const double square = (a22 * b1 - a12 * b2) / determinant, tail = (a11 * b2 - a12 * b1) / determinant;
+      variance = a22 / determinant;
+      if (square >= 0.0 && tail >= 0.0) {
+        fit.square = square;
+        fit.tail = tail;
+      } else if (square < 0.0) {
+        fit.square = 0.0;
+        fit.tail = b2 / a22;
+      }
+    }
+    fit.relative_error = fit.square > 0.0 ? std::sqrt(variance) / fit.square : 1.0;
+    fit.deviance = 0.0;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      expected[i] = std::max(h[i] * (fit.square + fit.tail * levels[i].tail), 1e-300);
+      const double ratio = levels[i].power / expected[i];
+      fit.deviance += 2.0 * levels[i].freedom * (ratio - 1.0 - std::log(ratio));
+    }
+  }
+  return fit;
+}
+
+struct ColourFit {
+  NoiseColour colour;
+  LevelFit level;
+  double price = std::numeric_limits<double>::infinity();  ///< (5)
+  double corner_error = 0.0;                               ///< relative standard error
+};
+
+/// The best corner of one kind of low-pass: a scan, then golden section.
+ColourFit fit_corner(const std::vector<BandLevel>& levels, NoiseColour colour, double period, bool has_tail) {
+  const auto deviance_at = [&](double logarithm) {
+    NoiseColour tried = colour;
+    tried.corner = std::exp(logarithm);
+    return fit_level(levels, tried, period, has_tail).deviance;
+  };
+  const double lowest = std::log(thresholds::lowest_corner_share * levels.front().frequency);
+  const double highest = std::log(0.49 / period);
+  constexpr int scanned = 24;
+  const double step = (highest - lowest) / scanned;
+  double best = lowest, least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= scanned; ++i) {
+    const double deviance = deviance_at(lowest + step * i);
+    if (deviance < least) {
+      least = deviance;
+      best = lowest + step * i;
+    }
+  }
+  const LowestPoint found =
+      golden_section(deviance_at, std::max(lowest, best - step), std::min(highest, best + step), 16);
+  ColourFit fit{colour, {}, 0.0, 0.0};
+  fit.colour.corner = std::exp(found.at);
+  fit.level = fit_level(levels, fit.colour, period, has_tail);
+  // The curvature of the deviance: it rises by 1 at one standard error.
+  constexpr double difference = 0.02;
+  const double curvature =
+      (deviance_at(found.at + difference) + deviance_at(found.at - difference) - 2.0 * found.value) / 2.0;
+  fit.corner_error = curvature > 0.0 ? difference / std::sqrt(curvature) : 1.0;
+  return fit;
+}
+
+}  // namespace
+
+double NoiseColour::power(double f, double period) const {
+  if (is_white()) return 1.0;
+  const double x = filter_coordinate(f, period, filter) / filter_coordinate(corner, period, filter);
+  return 1.0 / (1.0 + std::pow(x * x, order));
+}
+
+double NoiseColour::mean_power(double period) const {
+  if (is_white()) return 1.0;
+  constexpr int lines = 512;
+  double sum = 0.0;
+  for (int i = 0; i < lines; ++i) sum += power((i + 0.5) / (2.0 * lines * period), period);
+  return sum / lines;
+}
+
+double ChannelNoise::rms(double period) const { return level * std::sqrt(colour.mean_power(period)); }
+
+bool ChannelNoise::is_known() const { return relative_error <= thresholds::noise_level_known; }
+
+std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period, bool is_position,
+                                                   const std::optional<NoiseColour>& expected) {
+  const std::vector<BandLevel> levels = band_levels(samples, period, is_position);
+  constexpr std::size_t fewest = 6;
+  if (levels.size() < fewest) return std::nullopt;
+  ColourFit best;
+  const auto consider = [&](ColourFit fit, double parameters) {
+    fit.price = fit.level.deviance + thresholds::colour_price * parameters;
+    if (fit.price < best.price) best = fit;
+  };
+  const double corner_price = expected ? thresholds::other_corner_price / thresholds::colour_price : 1.0;
+  for (const bool has_tail : {false, true}) {
+    const double tail = has_tail ? 1.0 : 0.0;
+    if (expected) consider({*expected, fit_level(levels, *expected, period, has_tail), 0.0, 0.0}, tail);
+    consider({{}, fit_level(levels, {}, period, has_tail), 0.0, 0.0}, tail);
+    for (int order = 1; order <= thresholds::highest_filter_order; ++order) {
+      using enum NoiseColour::Filter;
+      for (const NoiseColour::Filter filter : {digital, analogue, folded}) {
+        consider(fit_corner(levels, {0.0, order, filter}, period, has_tail), tail + corner_price);
+      }
+    }
+  }
+  NoiseSpectrumFit fit;
+  fit.noise.colour = best.colour;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const BandLevel& l : levels) lowest = std::min(lowest, l.power / best.colour.power(l.frequency, period));
+  fit.noise.level = std::sqrt(std::max(best.level.square, thresholds::least_of_tail * lowest));
+  fit.noise.highest_level = std::sqrt(lowest);
+  fit.noise.relative_error = 0.5 * best.level.relative_error;
+  fit.noise.corner_half_width = 1.96 * best.corner_error * best.colour.corner;
+  fit.tail = best.level.tail;
+  const bool is_expected = expected && best.colour.corner == expected->corner;
+  if (fit.tail > 0.0 && !is_expected) fit.noise.corner_half_width = best.colour.corner;
+  return fit;
+}
+
+std::optional<NoiseColour> expected_colour(const ChannelNoises& noises) {
+  std::vector<NoiseColour> colours;
+  std::size_t known = 0;
+  for (std::size_t c = 0; c < noises.size(); ++c) {
+    if (model::unit(model::channel_at(c)) != "m" || !(noises[c].level > 0.0) || !noises[c].is_known()) continue;
+    ++known;
+    if (!noises[c].colour.is_white()) colours.push_back(noises[c].colour);
+  }
+  if (colours.empty() || 2 * colours.size() < known) return std::nullopt;
+  const auto middle = colours.begin() + static_cast<std::ptrdiff_t>(colours.size() / 2);
+  std::nth_element(colours.begin(), middle, colours.end(),
+                   [](const NoiseColour& a, const NoiseColour& b) { return a.corner < b.corner; });
+  return *middle;
+}
+
+}  // namespace host_sim::identification

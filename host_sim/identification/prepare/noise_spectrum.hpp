@@ -1,0 +1,72 @@
+// The spectrum of a sensor's noise: its level and its colour.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "model/channel.hpp"
+
+namespace host_sim::identification {
+
+/// What a low-pass makes of white noise, with T the sample period:
+///
+///   (1)  h(f) = 1 / (1 + (t(f)/t(corner))^{2 order})
+///   (2)  t(f) = tan(πfT)   digital: a Butterworth filter that a computer made
+///             = f          analogue: one before the converter, or computed for more samples than were kept
+///             = sin(πfT)   folded: the noise above the Nyquist frequency came back (order 1: exactly, of one time
+///                          constant)
+struct NoiseColour {
+  enum class Filter : unsigned char { digital, analogue, folded };
+
+  double corner = 0.0;  ///< [Hz]; 0: white
+  int order = 0;
+  Filter filter = Filter::digital;
+
+  [[nodiscard]] bool is_white() const { return order == 0; }
+  [[nodiscard]] double power(double f, double period) const;  ///< (1)
+  [[nodiscard]] double mean_power(double period) const;       ///< of (1), 0 Hz to the Nyquist frequency
+};
+
+/// The noise of one channel. Its power at a frequency, per sample, is level² h(f); its rms is level √(mean of h).
+struct ChannelNoise {
+  double level = 0.0;
+  NoiseColour colour{};
+  double relative_error = 0.0;     ///< standard error of `level` ÷ level; 1: not known, `level` is a guess
+  double corner_half_width = 0.0;  ///< [Hz] of the 95 % interval
+  double highest_level = 0.0;      ///< the channel's own spectrum holds no more; 0: not looked at
+
+  [[nodiscard]] double rms(double period) const;
+  [[nodiscard]] bool is_known() const;  ///< to thresholds::noise_level_known
+};
+using ChannelNoises = std::array<ChannelNoise, model::channel_count>;
+
+/// Noise from the spectrum above the motion, f ≥ thresholds::noise_begins. There a channel holds noise and the tail of
+/// what the corners of the rig leave: a step of a force or acceleration has the power of (4) at every frequency, a
+/// bend of a position the square of that.
+///
+///   (3)  S(f) = h(f) (level² + b q(f)),      level² ≥ 0, b ≥ 0
+///   (4)  q(f) = 1 / (4 sin²(πfT))
+///
+/// (3) is fitted by maximum likelihood to band powers P of ν degrees of freedom, the median over the lines of a band,
+/// which single lines do not move:
+///
+///   (5)  min  Σ 2ν (P/S + ln S) + thresholds::colour_price · parameters
+///
+/// over white noise and low-passes of order 1 … 4. `level` is thresholds::least_of_tail of the lowest power of a band,
+/// ÷ h, at least: below a tail, noise is not seen. `expected`: the colour of other channels, which one recorder has
+/// filtered; it costs nothing, and another corner thresholds::other_corner_price. A corner under a tail that no other
+/// channel has is a guess, and its half width is the corner itself. nullopt: too few samples. Source of (5): P.
+/// Whittle, as in noise/whitening.hpp.
+struct NoiseSpectrumFit {
+  ChannelNoise noise;
+  double tail = 0.0;  ///< b
+};
+[[nodiscard]] std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period,
+                                                                 bool is_position,
+                                                                 const std::optional<NoiseColour>& expected = {});
+
+/// The colour that positions, which have no tails, agree on: the middle corner. nullopt: they are white.
+[[nodiscard]] std::optional<NoiseColour> expected_colour(const ChannelNoises& noises);
+
+}  // namespace host_sim::identification

@@ -1,0 +1,152 @@
+#include "host_sim/identification/select/law_constancy.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/select/linear_refit.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using Weights = std::vector<std::vector<double>>;  // by recording, by sample
+
+/// Readings of the fitted recordings as far as they are fitted.
+std::vector<Response> readings_of(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  std::vector<Response> responses(problem.recordings().size());
+  for (std::size_t i = 0; i < responses.size(); ++i) {
+    const ProblemRecording& r = problem.recordings()[i];
+    if (!r.is_fitted()) continue;
+    responses[i] =
+        read_channels(hypothesis, *r.samples, r.samples->input, hypothesis.starts[i], r.fitted.to, r.resolution());
+  }
+  return responses;
+}
+
+/// Mean 0 and mean square 1 over all fitted samples.
+void standardise(const IdentificationProblem& problem, Weights& weights) {
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const Window window = problem.recordings()[i].fitted;
+    for (std::size_t k = window.from; k < std::min(window.to, weights[i].size()); ++k) {
+      sum += weights[i][k];
+      squares += weights[i][k] * weights[i][k];
+      count += 1.0;
+    }
+  }
+  const double mean = sum / std::max(count, 1.0);
+  const double deviation = std::sqrt(std::max(squares / std::max(count, 1.0) - mean * mean, 1e-30));
+  for (std::vector<double>& of_recording : weights)
+    for (double& weight : of_recording) weight = (weight - mean) / deviation;
+}
+
+/// (1) of the change from one response to another, all channels in units of their noise.
+Weights by_amplitude(const IdentificationProblem& problem, const std::vector<Response>& base,
+                     const std::vector<Response>& moved) {
+  Weights weights(base.size());
+  for (std::size_t i = 0; i < base.size(); ++i) {
+    const ProblemRecording& r = problem.recordings()[i];
+    if (!r.is_fitted()) continue;
+    const PreparedRecording& samples = *r.samples;
+    std::vector<double> power(r.fitted.to, 0.0);
+    for (const model::Channel channel : samples.channels) {
+      const auto c = index(channel);
+      const double noise = std::max(samples.noise[c], 1e-300);
+      for (std::size_t k = 0; k < power.size(); ++k) power[k] += std::pow((moved[i][c][k] - base[i][c][k]) / noise, 2);
+    }
+    const auto half = static_cast<std::size_t>(0.5 * thresholds::constancy_window / samples.input.period) + 1;
+    std::vector<double> sums(power.size() + 1, 0.0);
+    double whole = 0.0;
+    for (std::size_t k = 0; k < power.size(); ++k) whole += power[k], sums[k + 1] = sums[k] + power[k];
+    const double least = 1e-4 * whole / static_cast<double>(power.size());
+    for (std::size_t k = 0; k < power.size(); ++k) {
+      const std::size_t from = k > half ? k - half : 0, to = std::min(k + half, power.size());
+      weights[i].push_back(0.5 * std::log((sums[to] - sums[from]) / static_cast<double>(to - from) + least + 1e-300));
+    }
+  }
+  standardise(problem, weights);
+  return weights;
+}
+
+/// (2)
+Weights by_time(const IdentificationProblem& problem) {
+  Weights weights(problem.recordings().size());
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const Window window = problem.recordings()[i].fitted;
+    for (std::size_t k = 0; k < window.to; ++k) {
+      const double at = static_cast<double>(k) - static_cast<double>(window.from);
+      weights[i].push_back(at / std::max(1.0, static_cast<double>(window.size())));
+    }
+  }
+  standardise(problem, weights);
+  return weights;
+}
+
+/// Change of the whitened residuals where the change from `base` to `moved` acts with a weight.
+Eigen::VectorXd weighted_change(const IdentificationProblem& problem, const Eigen::VectorXd& residual,
+                                const std::vector<Response>& base, const std::vector<Response>& moved,
+                                const Weights& weights) {
+  Eigen::VectorXd values(residual.size());
+  double* out = values.data();
+  for (std::size_t i = 0; i < base.size(); ++i) {
+    const ProblemRecording& r = problem.recordings()[i];
+    if (!r.is_fitted()) continue;
+    Response response = base[i];
+    for (const model::Channel channel : r.samples->channels) {
+      const auto c = index(channel);
+      for (std::size_t k = 0; k < std::min(response[c].size(), weights[i].size()); ++k)
+        response[c][k] += weights[i][k] * (moved[i][c][k] - base[i][c][k]);
+    }
+    r.fit_whitening->whiten(r.fit_whitening->spectra(*r.samples, response), out);
+    out += r.fit_whitening->count();
+  }
+  return values - residual;
+}
+
+}  // namespace
+
+bool LawConstancy::fails(double temper) const {
+  return gain > thresholds::inconstant_gain * temper && share > thresholds::inconstant_share;
+}
+
+std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, const SearchResult& found) {
+  const Fit& fit = found.best.fit;
+  std::vector<LawConstancy> list(found.best.effects.size());
+  if (list.empty() || fit.jacobian.cols() == 0) return list;
+  const LinearRefit others(fit);
+  const std::vector<Response> base = readings_of(problem, fit.hypothesis);
+  const Weights time = by_time(problem);
+  for_all(list.size(), [&](std::size_t e) {
+    for (const FreeParameter& parameter : effect_parameters(found.best.effects[e])) {
+      Hypothesis moved = fit.hypothesis;
+      parameter.put(moved, parameter.get(moved) + parameter.difference);
+      const std::vector<Response> other = readings_of(problem, moved);
+      const std::array<Weights, 2> gates{by_amplitude(problem, base, other), time};
+      for (const Weights& weights : gates) {
+        const Eigen::VectorXd change = weighted_change(problem, fit.residual, base, other, weights);
+        if (!change.allFinite()) continue;
+        const double gain = others.free_gain(change);
+        if (gain <= list[e].gain) continue;
+        list[e].gain = gain;
+        list[e].with_time = &weights == &gates[1];
+      }
+    }
+    if (e < found.gains.size() && found.gains[e] > 0.0) list[e].share = std::sqrt(list[e].gain / found.gains[e]);
+  });
+  return list;
+}
+
+bool law_in_doubt(const SearchResult& found, std::size_t effect, double temper) {
+  const firmware::PlacedEffect& own = found.best.effects[effect];
+  for (std::size_t i = 0; i < std::min(found.constancy.size(), found.best.effects.size()); ++i) {
+    const firmware::PlacedEffect& other = found.best.effects[i];
+    const bool same_place = !own.channel && !other.channel && own.entry->subsystem == other.entry->subsystem;
+    if ((i == effect || same_place) && found.constancy[i].fails(temper)) return true;
+  }
+  return false;
+}
+
+}  // namespace host_sim::identification

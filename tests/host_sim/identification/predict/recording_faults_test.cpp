@@ -1,0 +1,130 @@
+// Faults of a recording as they act on samples, against closed forms.
+#include "host_sim/identification/predict/recording_faults.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "host_sim/comparison/simulation.hpp"
+#include "tests/host_sim/identification/sample_problem.hpp"
+
+namespace {
+
+using host_sim::identification::drifted;
+using host_sim::identification::FaultKind;
+using host_sim::identification::PlacedFault;
+using host_sim::identification::with_faults;
+using model::Channel;
+
+constexpr double period = 1e-3, two_pi = 2.0 * std::numbers::pi;
+
+std::vector<double> cosine(double frequency, std::size_t count, double late = 0.0, double stretch = 0.0) {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = period * static_cast<double>(k);
+    values.push_back(std::cos(two_pi * frequency * (t + stretch * t - late)));
+  }
+  return values;
+}
+
+PlacedFault fault(FaultKind kind, std::vector<double> values, int order = 1) {
+  PlacedFault placed;
+  placed.kind = kind;
+  placed.channels = {Channel::F};
+  placed.order = order;
+  placed.fitted.assign(values.size(), true);
+  placed.values = std::move(values);
+  return placed;
+}
+
+// (1): a clock that is late by 2.3 ms and slow by 300 ppm shows the signal then. 90 Hz is the fastest that is fitted;
+// the bound is what the header of value_between() says.
+TEST(RecordingFaults, AClockShowsAnotherInstant) {
+  for (const double frequency : {1.0, 12.0, 90.0}) {
+    const auto seen =
+        with_faults({fault(FaultKind::clock, {2.3e-3, 3e-4})}, Channel::F, cosine(frequency, 5000), period);
+    const auto expected = cosine(frequency, 5000, 2.3e-3, 3e-4);
+    const double bound = frequency < 50.0 ? 1e-6 : 2e-4;
+    for (std::size_t k = 10; k < 4900; ++k) ASSERT_NEAR(seen[k], expected[k], bound) << frequency << " Hz, " << k;
+  }
+  // Another channel keeps its time.
+  EXPECT_EQ(with_faults({fault(FaultKind::clock, {2.3e-3, 3e-4})}, Channel::x_act, cosine(5.0, 100), period),
+            cosine(5.0, 100));
+}
+
+// (2): gain and phase of both orders at 12, 60 and 90 Hz, after 1 s; corners from 20 to 390 Hz.
+TEST(RecordingFaults, AFilterHasItsGainAndPhase) {
+  using Complex = std::complex<double>;
+  for (const int order : {1, 2}) {
+    for (const double corner : {20.0, 150.0, 390.0}) {
+      for (const double frequency : {12.0, 60.0, 90.0}) {
+        const auto seen = with_faults({fault(FaultKind::common_filter, {corner}, order)}, Channel::F,
+                                      cosine(frequency, 3000), period);
+        const Complex s(0.0, frequency / corner);
+        const Complex gain = 1.0 / (order == 1 ? 1.0 + s : 1.0 + std::numbers::sqrt2 * s + s * s);
+        for (std::size_t k = 1000; k < 2900; ++k) {
+          const double phase = two_pi * frequency * period * static_cast<double>(k) + std::arg(gain);
+          ASSERT_NEAR(seen[k], std::abs(gain) * std::cos(phase), 1e-3) << order << ' ' << corner << ' ' << frequency;
+        }
+      }
+    }
+  }
+}
+
+// (3)
+TEST(RecordingFaults, HumIsAddedToItsChannels) {
+  const std::vector<double> silence(100, 0.0);
+  const auto seen = with_faults({fault(FaultKind::mains_hum, {50.0, 0.3, -0.4})}, Channel::F, silence, period);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const double phase = two_pi * 50.0 * period * static_cast<double>(k);
+    ASSERT_NEAR(seen[k], 0.3 * std::cos(phase) - 0.4 * std::sin(phase), 1e-12);
+  }
+}
+
+// (4): value at both ends and in the middle; with κ the middle is reached early.
+TEST(RecordingFaults, AParameterDrifts) {
+  const model::RigParameters<double> rig = sample::bench().rig;
+  PlacedFault drift = fault(FaultKind::drift, {-0.2, 0.0});
+  drift.channels.clear();
+  drift.path = "suspension.damping";
+  const auto at = [&](double share) {
+    return drifted(rig, {drift}, share).suspension.damping / rig.suspension.damping;
+  };
+  EXPECT_NEAR(at(0.0), 1.0, 1e-12);
+  EXPECT_NEAR(at(0.5), 0.9, 1e-12);
+  EXPECT_NEAR(at(1.0), 0.8, 1e-12);
+  drift.values[1] = 3.0;
+  EXPECT_NEAR(at(0.0), 1.0, 1e-12);
+  EXPECT_NEAR(at(0.5), 1.0 - 0.2 * (1.0 - std::exp(-1.5)) / (1.0 - std::exp(-3.0)), 1e-12);
+  EXPECT_NEAR(at(1.0), 0.8, 1e-12);
+}
+
+// A drift of 50 % over 8 s in steps of 0.05 s, against steps of one sample: the force differs by less than 1e-4 of its
+// rms.
+TEST(RecordingFaults, StepsOfADriftAreSmallEnough) {
+  const firmware::RigDescription d = sample::bench();
+  const firmware::Recording recording = sample::recorded(d);
+  const host_sim::SimulationInput input = host_sim::simulation_input(d.rig, recording);
+  PlacedFault drift = fault(FaultKind::drift, {-0.5, 0.0});
+  drift.path = "suspension.damping";
+  const auto force = [&](std::size_t every) {
+    const auto rig_at = [&](std::size_t sample) {
+      return drifted(d.rig, {drift}, static_cast<double>(sample) / static_cast<double>(input.size()));
+    };
+    const host_sim::RigVariation variation{every, rig_at};
+    return host_sim::simulate(d.rig, input, host_sim::resting(d.rig, input), 0, 1, variation)[index(Channel::F)];
+  };
+  const auto coarse = force(50), fine = force(1);
+  double error = 0.0, size = 0.0;
+  for (std::size_t k = 0; k < fine.size(); ++k) {
+    error += std::pow(coarse[k] - fine[k], 2);
+    size += fine[k] * fine[k];
+  }
+  EXPECT_LT(std::sqrt(error / size), 1e-3);
+}
+
+}  // namespace

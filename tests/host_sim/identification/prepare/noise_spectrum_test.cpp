@@ -1,0 +1,110 @@
+// The colour of noise above the motion.
+#include "host_sim/identification/prepare/noise_spectrum.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "host_sim/identification/prepare/sensor_noise.hpp"
+#include "tests/host_sim/identification/test_signals.hpp"
+#include "tests/support/reference_road.hpp"
+
+namespace {
+
+using namespace host_sim;
+using identification::ChannelNoise;
+using identification::NoiseColour;
+using identification::NoiseSpectrumFit;
+
+constexpr double period = 1e-3;
+
+std::vector<double> normal(double rms, std::size_t count, std::uint64_t seed) {
+  support::NormalNoise noise(seed);
+  std::vector<double> samples(count);
+  for (double& v : samples) v = rms * noise();
+  return samples;
+}
+
+/// Through a digital low-pass of first order: bilinear, T = 1/(2π corner).
+std::vector<double> low_passed(const std::vector<double>& samples, double corner) {
+  const double k = std::tan(std::numbers::pi * corner * period);
+  std::vector<double> out;
+  double before = 0.0, last = 0.0;
+  for (const double v : samples) {
+    last = (k * (v + before) + (1.0 - k) * last) / (1.0 + k);
+    before = v;
+    out.push_back(last);
+  }
+  return out;
+}
+
+// Point. At its corner a low-pass of any order leaves half of the power; white noise has no corner. The mean of (1)
+// with order 1 and the digital filter is t/(1 + t), t = tan(π corner T).
+TEST(NoiseColour, HasHalfOfThePowerAtItsCorner) {
+  using enum NoiseColour::Filter;
+  for (const NoiseColour::Filter filter : {digital, analogue, folded}) {
+    for (const int order : {1, 2, 4}) {
+      const NoiseColour colour{150.0, order, filter};
+      EXPECT_NEAR(colour.power(150.0, period), 0.5, 1e-12);
+      EXPECT_NEAR(colour.power(0.0, period), 1.0, 1e-12);
+    }
+  }
+  EXPECT_EQ(NoiseColour{}.power(400.0, period), 1.0);
+  const double t = std::tan(std::numbers::pi * 150.0 * period);
+  EXPECT_NEAR((NoiseColour{150.0, 1, digital}.mean_power(period)), t / (1.0 + t), 1e-5);
+}
+
+// Law. Level and corner of filtered noise under a motion of 20 Hz, for several corners. The level's standard error is
+// that of the fit; five of them, and 5 % for what the median of a band misses.
+TEST(NoiseSpectrum, FindsLevelAndCornerUnderAMotion) {
+  for (const double corner : {90.0, 150.0, 250.0}) {
+    std::vector<double> samples = low_passed(normal(1e-3, 40'000, 3), corner);
+    const std::vector<double> motion = sample::sine(1.0, 20.0, samples.size());
+    for (std::size_t k = 0; k < samples.size(); ++k) samples[k] += motion[k];
+    const auto fit = identification::fit_noise_spectrum(samples, period, true);
+    ASSERT_TRUE(fit);
+    EXPECT_FALSE(fit->noise.colour.is_white());
+    EXPECT_NEAR(fit->noise.level, 1e-3, 1e-3 * (5.0 * fit->noise.relative_error + 0.05)) << corner << ", seed 3";
+    EXPECT_NEAR(fit->noise.colour.corner, corner, 2.0 * fit->noise.corner_half_width + 0.05 * corner) << "seed 3";
+  }
+}
+
+// Law. Steps of a force at every reversal are a tail, no colour and no noise: the level of the white noise below them
+// is found, while sixth differences take the tail for noise.
+TEST(NoiseSpectrum, TellsTheTailOfStepsFromNoise) {
+  std::vector<double> samples = normal(1.0, 60'000, 4);
+  support::NormalNoise noise(5);
+  double force = 40.0;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (k == next) {
+      force = -force;
+      next += static_cast<std::size_t>(30.0 + 10.0 * std::abs(noise()));
+    }
+    samples[k] += force;
+  }
+  const auto fit = identification::fit_noise_spectrum(samples, period, false);
+  ASSERT_TRUE(fit);
+  EXPECT_GT(fit->tail, 0.0);
+  EXPECT_NEAR(fit->noise.level, 1.0, 5.0 * fit->noise.relative_error + 0.1) << "seeds 4, 5";
+  EXPECT_GT(identification::estimated_noise(samples), 1.5);
+}
+
+// Of what declared channels say, a low-pass that most positions have is the recorder's.
+TEST(ExpectedColour, IsWhatMostPositionsHave) {
+  identification::ChannelNoises noises;
+  const ChannelNoise filtered{1e-5, {200.0, 2, NoiseColour::Filter::digital}, 0.01, 5.0, 0.0};
+  const ChannelNoise white{1e-5, {}, 0.01, 0.0, 0.0};
+  EXPECT_FALSE(identification::expected_colour(noises));
+  noises[index(model::Channel::z_r)] = noises[index(model::Channel::dz_b)] = filtered;
+  noises[index(model::Channel::dz_w)] = white;
+  ASSERT_TRUE(identification::expected_colour(noises));
+  EXPECT_EQ(identification::expected_colour(noises)->corner, 200.0);
+  noises[index(model::Channel::z_r)] = white;
+  EXPECT_FALSE(identification::expected_colour(noises));
+}
+
+}  // namespace

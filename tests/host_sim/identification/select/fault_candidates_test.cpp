@@ -1,0 +1,214 @@
+// Faults of the recorder are named as what they are: one cause, not several effects of sensors. The rigs come from
+// tests/truth, which shares no code with the model.
+#include "host_sim/identification/select/fault_candidates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host_sim/comparison/simulation.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/identification/report/verdict_json.hpp"
+#include "tests/host_sim/identification/faulty_recording.hpp"
+#include "tests/support/report_page.hpp"
+
+namespace {
+
+using host_sim::identification::Diagnosis;
+using host_sim::identification::RecordingFault;
+using host_sim::identification::Verdict;
+using model::Channel;
+using sample::Columns;
+
+const RecordingFault* fault_of(const Diagnosis& found, const std::string& name) {
+  const auto at = std::find_if(found.recording_faults.begin(), found.recording_faults.end(),
+                               [&](const RecordingFault& fault) { return fault.name == name; });
+  return at != found.recording_faults.end() ? &*at : nullptr;
+}
+
+/// Within twice its own interval.
+void expect_near(const host_sim::identification::Interval& found, double truth) {
+  EXPECT_NEAR(found.value, truth, 1.0 * (found.upper - found.lower));
+}
+
+std::vector<Channel> sorted(std::vector<Channel> channels) {
+  std::sort(channels.begin(), channels.end());
+  return channels;
+}
+
+// Three channels late by 2.3 ms and slow by 66 ppm, beside an effect of the rig.
+TEST(RecordingFaults, ASecondClockIsOneCauseBesideAnEffect) {
+  const truth::Truth truth = sample::quarter_car(3, "single:quarter_car:body_guide_damping");
+  const Diagnosis found = sample::diagnosis_of(truth, [](Columns& columns) {
+    sample::put_on_clock(columns, {"zdd_w", "zdd_b", "dz_b"}, 2.3e-3, 66e-6);
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_FALSE(found.unexplained) << said;
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects[0].effect.entry->name, "body_guide_damping");
+  const RecordingFault* const offset = fault_of(found, "clock_offset");
+  const RecordingFault* const drift = fault_of(found, "clock_drift");
+  ASSERT_TRUE(offset != nullptr && drift != nullptr) << said;
+  EXPECT_EQ(sorted(offset->channels), sorted({Channel::zdd_w, Channel::zdd_b, Channel::dz_b})) << said;
+  EXPECT_EQ(drift->channels, offset->channels);
+  expect_near(offset->parameters.at("seconds"), 2.3e-3);
+  expect_near(drift->parameters.at("ppm"), 66.0);
+  EXPECT_GT(offset->confidence, 0.9);
+
+  const auto json = host_sim::identification::to_json(found);
+  ASSERT_EQ(json["recording"].size(), 2U);
+  EXPECT_EQ(json["recording"][0]["name"], "clock_offset");
+  EXPECT_EQ(json["recording"][0]["channels"].size(), 3U);
+  EXPECT_EQ(json["recording"][1]["parameters"]["ppm"]["ci95"].size(), 2U);
+  const std::string page =
+      host_sim::identification::report_html(found, firmware::parse_rig(truth::rig_toml(truth), "rig.toml"));
+  EXPECT_NE(page.find("clock_drift of"), std::string::npos);
+}
+
+// The input's own clock: everything else seems to be off, and the smaller group is named.
+TEST(RecordingFaults, TheInputsClockIsTheOneThatIsOff) {
+  const Diagnosis found = sample::diagnosis_of(sample::quarter_car(4), [](Columns& columns) {
+    sample::put_on_clock(columns, {"z_r", "zdd_r"}, 1.5e-3, 0.0);
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_TRUE(found.effects.empty()) << said;
+  const RecordingFault* const offset = fault_of(found, "clock_offset");
+  ASSERT_NE(offset, nullptr) << said;
+  EXPECT_EQ(sorted(offset->channels), sorted({Channel::z_r, Channel::zdd_r})) << said;
+  expect_near(offset->parameters.at("seconds"), 1.5e-3);
+}
+
+// 50 ppm in one channel: no effect of a sensor grows with time.
+TEST(RecordingFaults, OneChannelWhoseClockDrifts) {
+  const Diagnosis found = sample::diagnosis_of(
+      sample::quarter_car(5), [](Columns& columns) { sample::put_on_clock(columns, {"F_w"}, 0.0, 50e-6); });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_TRUE(found.effects.empty()) << said;
+  const RecordingFault* const drift = fault_of(found, "clock_drift");
+  ASSERT_NE(drift, nullptr) << said;
+  EXPECT_EQ(drift->channels, std::vector<Channel>{Channel::F_w});
+  expect_near(drift->parameters.at("ppm"), 50.0);
+}
+
+// One filter of 150 Hz on the accelerometers of wheel and body is no lag of two sensors.
+TEST(RecordingFaults, ACommonFilterIsOneCause) {
+  const Diagnosis found = sample::diagnosis_of(sample::quarter_car(6), [](Columns& columns) {
+    sample::put_through_filter(columns, {"zdd_w", "zdd_b"}, 150.0);
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_TRUE(found.effects.empty()) << said;
+  const RecordingFault* const filter = fault_of(found, "common_filter");
+  ASSERT_NE(filter, nullptr) << said;
+  EXPECT_EQ(sorted(filter->channels), sorted({Channel::zdd_w, Channel::zdd_b})) << said;
+  expect_near(filter->parameters.at("corner_hz"), 150.0);
+  EXPECT_EQ(filter->parameters.at("order").value, 2.0);
+}
+
+// The same with the accelerometer of the foot point, which drives the simulation together with z_r.
+TEST(RecordingFaults, ACommonFilterOfAllAccelerometers) {
+  const Diagnosis found = sample::diagnosis_of(sample::quarter_car(6), [](Columns& columns) {
+    sample::put_through_filter(columns, {"zdd_r", "zdd_w", "zdd_b"}, 150.0);
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_TRUE(found.effects.empty()) << said;
+  const RecordingFault* const filter = fault_of(found, "common_filter");
+  ASSERT_NE(filter, nullptr) << said;
+  EXPECT_EQ(sorted(filter->channels), sorted({Channel::zdd_r, Channel::zdd_w, Channel::zdd_b})) << said;
+  expect_near(filter->parameters.at("corner_hz"), 150.0);
+}
+
+// Hum of 50.1 Hz in two channels, below and above their noise.
+TEST(RecordingFaults, MainsHumIsNamedByChannel) {
+  const truth::Truth truth = sample::quarter_car(7);
+  const double force = truth.noise.at("F_w"), acceleration = truth.noise.at("zdd_b");
+  const Diagnosis found = sample::diagnosis_of(truth, [&](Columns& columns) {
+    for (std::size_t k = 0; k < columns.at("F_w").size(); ++k) {
+      const double phase = 2.0 * std::numbers::pi * 50.1 * 1e-3 * static_cast<double>(k);
+      columns.at("F_w")[k] += 2.0 * force * std::sin(phase);
+      columns.at("zdd_b")[k] += 0.5 * acceleration * std::cos(phase + 0.7);
+    }
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_TRUE(found.effects.empty()) << said;
+  std::map<Channel, const RecordingFault*> hums;
+  for (const RecordingFault& fault : found.recording_faults) {
+    if (fault.name == "mains_hum") hums[fault.channels.front()] = &fault;
+  }
+  ASSERT_EQ(hums.size(), 2U) << said;
+  ASSERT_TRUE(hums.contains(Channel::F_w) && hums.contains(Channel::zdd_b)) << said;
+  expect_near(hums.at(Channel::F_w)->parameters.at("hz"), 50.1);
+  expect_near(hums.at(Channel::F_w)->parameters.at("amplitude"), 2.0 * force);
+  expect_near(hums.at(Channel::zdd_b)->parameters.at("amplitude"), 0.5 * acceleration);
+}
+
+// Damping that fades by 15 %, in the model's own simulation: tests/truth has no parameter that changes.
+TEST(RecordingFaults, DampingThatFadesIsADrift) {
+  const truth::Truth truth = sample::quarter_car(10);
+  const Diagnosis found = sample::diagnosis_of(truth, [&](Columns& columns) {
+    const firmware::RigDescription description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
+    firmware::Recording recording;
+    recording.sample_period = 1e-3;
+    recording.time = firmware::sample_times(columns.at("z_r").size(), 1000.0);
+    recording[Channel::z_r] = columns.at("z_r");
+    const host_sim::SimulationInput input = host_sim::simulation_input(description.rig, recording);
+    host_sim::RigVariation variation;
+    variation.every = 1;
+    variation.at = [&](std::size_t k) {
+      auto rig = description.rig;
+      rig.suspension.damping *= 1.0 - 0.15 * static_cast<double>(k) / static_cast<double>(input.size());
+      return rig;
+    };
+    const auto response =
+        host_sim::simulate(description.rig, input, host_sim::resting(description.rig, input), 0, 1, variation);
+    for (const Channel channel : host_sim::response_channels(description.rig.kind, input)) {
+      const auto column = columns.find(std::string(model::name(channel)));
+      if (column != columns.end()) column->second = response[index(channel)];
+    }
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_TRUE(found.effects.empty()) << said;
+  const RecordingFault* const drift = fault_of(found, "drift");
+  ASSERT_NE(drift, nullptr) << said;
+  EXPECT_EQ(drift->path, "suspension.damping");
+  expect_near(drift->parameters.at("per_cent_over_record"), -15.0);
+}
+
+// A push of 0.4 s on the force of a bench.
+TEST(RecordingFaults, APushIsAnEvent) {
+  truth::Wanted wanted;
+  wanted.duration = 16.0;
+  truth::Truth truth = truth::draw("single:component_bench:quadratic_damping", 11, wanted);
+  truth.records.resize(1);
+  const double size = 20.0 * truth.noise.at("F"), begin = truth.records[0].start;
+  const Diagnosis found = sample::diagnosis_of(truth, [&](Columns& columns) {
+    for (std::size_t k = 6200; k < 6600; ++k) columns.at("F")[k] += size;
+  });
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects[0].effect.entry->name, "quadratic_damping");
+  const RecordingFault* const event = fault_of(found, "event");
+  ASSERT_NE(event, nullptr) << said;
+  EXPECT_NEAR(event->parameters.at("from_s").value, begin + 6.2, 0.05);
+  EXPECT_NEAR(event->parameters.at("to_s").value, begin + 6.6, 0.05);
+}
+
+// Nothing wrong: no fault is named.
+TEST(RecordingFaults, ACleanRecordingHasNone) {
+  for (const std::uint64_t seed : {8U, 9U}) {
+    const Diagnosis found = sample::diagnosis_of(sample::quarter_car(seed), [](Columns&) {});
+    EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << host_sim::identification::sentence(found);
+    EXPECT_FALSE(found.has_cause_in_recording());
+  }
+}
+
+}  // namespace
