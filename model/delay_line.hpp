@@ -16,6 +16,15 @@ struct SampleDelay {
   S fraction{};
 };
 
+/// A delay [samples] that is a whole number but for the rounding of delay / period is that whole number.
+template <class S>
+[[nodiscard]] constexpr SampleDelay<S> split(S delay) {
+  const S rounding = S(1e-9);
+  const auto whole = static_cast<std::size_t>(delay + rounding);
+  const S fraction = delay - S(whole);
+  return {whole, fraction < rounding ? S(0) : fraction};
+}
+
 /// Ring buffer that gives the value a signal had a whole or fractional number of samples ago.
 ///
 ///   (1)  y(k) = u(k − d)                               d whole: exact
@@ -92,14 +101,9 @@ class DelayLine {
     split();
   }
 
-  /// A delay that is a whole number but for the rounding of delay / period is that whole number.
   void split() {
-    const S rounding = S(1e-9);
-    auto whole = static_cast<std::size_t>(delay_ + rounding);
-    S fraction = delay_ - S(whole);
-    if (fraction < rounding) fraction = S(0);
-    at_ = {whole, fraction};
-    between_samples_ = fraction != S(0);
+    at_ = model::split(delay_);
+    between_samples_ = at_.fraction != S(0);
   }
 
   template <class V>

@@ -7,6 +7,7 @@
 #include "model/exact_discretisation.hpp"
 #include "model/fdva.hpp"
 #include "model/pair.hpp"
+#include "model/select.hpp"
 
 namespace model {
 
@@ -144,7 +145,7 @@ class DuctFlows {
   /// Sets deviations below `least` [m³/s] to zero, losses below its square.
   void flush(S least) {
     const auto flush_one = [](S& value, S threshold) {
-      if (value < threshold && value > -threshold) value = S(0);
+      value = select(value < threshold && value > -threshold, S(0), value);
     };
     const auto flush_each = [&](PerDuct& values, S threshold) {
       for (std::size_t j = 0; j < duct_capacity; ++j) {

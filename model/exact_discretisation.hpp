@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "model/require.hpp"
+#include "model/select.hpp"
 
 namespace model {
 
@@ -47,19 +48,22 @@ class ExactDiscretisation {
 
   /// A [1/s …], period h [s] > 0.
   ExactDiscretisation(const Matrix& a, S h) : period_(h) {
-    require(h > S(0), "period > 0");
+    require(all_lanes(h > S(0)), "period > 0");
     S size = S(0);
     for (int i = 0; i < N; ++i) {
       S row = S(0);
-      for (int j = 0; j < N; ++j) row += a(i, j) < S(0) ? -a(i, j) : a(i, j);
-      require(row - row == S(0), "A finite");
-      if (row > size) size = row;
+      for (int j = 0; j < N; ++j) row += select(a(i, j) < S(0), S(-a(i, j)), a(i, j));
+      require(all_lanes(row - row == S(0)), "A finite");
+      size = select(row > size, row, size);
     }
     size *= h;
-    require(size < S(1e12), "A h finite");
-    int doublings = 0;
-    S scale = h;
-    for (; size > S(0.5); size *= S(0.5), ++doublings) scale *= S(0.5);
+    require(all_lanes(size < S(1e12)), "A h finite");
+    S doublings = S(0), scale = h;
+    for (; any_lane(size > S(0.5)); size *= S(0.5)) {
+      const auto large = size > S(0.5);
+      doublings = select(large, S(doublings + S(1)), doublings);
+      scale = select(large, S(scale * S(0.5)), scale);
+    }
 
     const Matrix z = a * scale;
     constexpr int last = 16;  // powers up to 12 in φ₄: 0.5^13 · 4!/17! < 1e-17
@@ -77,7 +81,13 @@ class ExactDiscretisation {
       phi_[k] = product(z, phi_[k + 1]);
       for (int i = 0; i < N; ++i) phi_[k](i, i) += S(inverse_factorial[k]);
     }
-    for (; doublings > 0; --doublings) twice();
+    for (; any_lane(doublings > S(0)); doublings -= S(1)) {
+      if constexpr (lane_count<S> == 1) {
+        twice();
+      } else {
+        twice_where(doublings > S(0));
+      }
+    }
   }
 
   /// φ₀(hA), the transition matrix of one period.
@@ -158,6 +168,16 @@ class ExactDiscretisation {
     phi_[2] = (product(one, p2) + p2 + p1) * S(1.0 / 4.0);
     phi_[1] = (product(one, p1) + p1) * S(1.0 / 2.0);
     phi_[0] = product(one, one);
+  }
+
+  /// In some lanes.
+  template <class Condition>
+  void twice_where(const Condition& wanted) {
+    const std::array<Matrix, orders> before = phi_;
+    twice();
+    for (std::size_t k = 0; k < orders; ++k) {
+      for (int i = 0; i < N * N; ++i) phi_[k](i) = select(wanted, phi_[k](i), before[k](i));
+    }
   }
 
   S period_;

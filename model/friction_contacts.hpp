@@ -4,6 +4,7 @@
 #include <array>
 
 #include "model/exact_discretisation.hpp"
+#include "model/select.hpp"
 
 namespace model {
 
@@ -33,7 +34,7 @@ class FrictionContacts {
   FrictionContacts() = default;
   explicit FrictionContacts(const Forces& limits) : limits_(limits) {
     for (int p = 0; p < contacts; ++p) {
-      if (at(limits_, p) > S(0)) list_[static_cast<std::size_t>(count_++)] = p;
+      if (same(at(limits_, p) > S(0))) list_[static_cast<std::size_t>(count_++)] = p;
     }
   }
 
@@ -56,10 +57,14 @@ class FrictionContacts {
         const int p = list(i);
         const Column<S, N> column = columns.col(p);
         const S slowing = -velocity(p, column);
-        if (!(slowing > S(0))) continue;  // a locked piston cannot be slowed
+        const auto yields = slowing > S(0);
+        if (!any_lane(yields)) continue;  // a locked piston cannot be slowed
         const S free = velocity(p, x) + slowing * at(mean, p);
-        const Friction friction = friction_of(velocity(p, start), free, slowing, at(limits, p));
-        moved = moved || friction.mean != at(mean, p);
+        Friction friction = friction_of(velocity(p, start), free, slowing, at(limits, p));
+        if (!all_lanes(yields)) {
+          friction = {select(yields, friction.mean, at(mean, p)), select(yields, friction.last, at(forces, p))};
+        }
+        moved = moved || any_lane(friction.mean != at(mean, p));
         x += column * (friction.mean - at(mean, p));
         at(mean, p) = friction.mean;
         at(forces, p) = friction.last;
@@ -74,13 +79,15 @@ class FrictionContacts {
 
   /// One contact whose velocity goes from `before` to `free` without friction; `slowing`: |G|.
   [[nodiscard]] static Friction friction_of(S before, S free, S slowing, S limit) {
-    const S slipping = before > S(0) ? limit : (before < S(0) ? -limit : S(0));
+    const S slipping = select(before > S(0), limit, select(before < S(0), S(-limit), S(0)));
     const S arriving = free - slowing * slipping;
-    if (before * arriving > S(0)) return {slipping, slipping};
-    const S stop = before == arriving ? S(0) : before / (before - arriving);  // share of the step until it is at rest
+    const auto slips_on = before * arriving > S(0);
+    if (all_lanes(slips_on)) return {slipping, slipping};
+    // share of the step until it is at rest
+    const S stop = select(before == arriving, S(0), S(before / (before - arriving)));
     const S holding = (free - before) / slowing;
-    const S after = holding > limit ? limit : (holding < -limit ? -limit : holding);
-    return {stop * slipping + (S(1) - stop) * after, after};
+    const S after = select(holding > limit, limit, select(holding < -limit, S(-limit), holding));
+    return {select(slips_on, slipping, S(stop * slipping + (S(1) - stop) * after)), select(slips_on, slipping, after)};
   }
 
   template <class Array>

@@ -3,6 +3,7 @@
 
 #include "model/exact_discretisation.hpp"
 #include "model/motion.hpp"
+#include "model/select.hpp"
 #include "model/subsystems.hpp"
 
 namespace model {
@@ -40,9 +41,9 @@ class Machine {
   }
 
   /// Whether the machine is more than a delay.
-  [[nodiscard]] bool any() const { return linear() || path_.rate_limit > S(0); }
-  [[nodiscard]] bool has_lag() const { return path_.lag > S(0); }
-  [[nodiscard]] bool has_resonance() const { return omega_ > S(0); }
+  [[nodiscard]] bool any() const { return linear() || same(path_.rate_limit > S(0)); }
+  [[nodiscard]] bool has_lag() const { return same(path_.lag > S(0)); }
+  [[nodiscard]] bool has_resonance() const { return same(omega_ > S(0)); }
   [[nodiscard]] bool linear() const { return has_lag() || has_resonance(); }
 
   /// (1), (2)
@@ -85,21 +86,21 @@ class Machine {
       x = next;
     }
     Stroke<S> out = output(x, now);
-    if (path_.rate_limit > S(0)) {
+    if (same(path_.rate_limit > S(0))) {
       const S distance = out.position - reached.position;
-      if (const S turn = turning(reached.velocity, out.velocity, distance); turn > S(0)) {
-        return {reached.position + path_.rate_limit * (S(2) * turn - period_), -path_.rate_limit};
-      }
-      if (const S turn = turning(-reached.velocity, -out.velocity, -distance); turn > S(0)) {
-        return {reached.position - path_.rate_limit * (S(2) * turn - period_), path_.rate_limit};
-      }
       const S up = longest_distance(reached.velocity, out.velocity);
       const S down = longest_distance(-reached.velocity, -out.velocity);
-      if (distance > up) {
-        out = {reached.position + up, path_.rate_limit};
-      } else if (distance < -down) {
-        out = {reached.position - down, -path_.rate_limit};
-      }
+      const S turn_down = turning(reached.velocity, out.velocity, distance);
+      const S turn_up = turning(-reached.velocity, -out.velocity, -distance);
+      const Stroke<S> downwards{reached.position - down, -path_.rate_limit};
+      const Stroke<S> upwards{reached.position + up, path_.rate_limit};
+      const Stroke<S> turned_up{reached.position - path_.rate_limit * (S(2) * turn_up - period_), path_.rate_limit};
+      const Stroke<S> turned_down{reached.position + path_.rate_limit * (S(2) * turn_down - period_),
+                                  -path_.rate_limit};
+      out = select(distance < -down, downwards, out);
+      out = select(distance > up, upwards, out);
+      out = select(turn_up > S(0), turned_up, out);
+      out = select(turn_down > S(0), turned_down, out);
     }
     return out;
   }
@@ -109,15 +110,18 @@ class Machine {
   /// at its limit. The time of the meeting from the start of the step [s]; 0: they do not meet.
   [[nodiscard]] S turning(S before, S after, S distance) const {
     const S v = path_.rate_limit;
-    if (!(before == v && after < -v)) return S(0);
+    const auto towards = before == v && after < -v;
+    if (!any_lane(towards)) return S(0);
     const S met = (distance - after * period_) / (v - after);
-    return met > S(0) && met < period_ ? met : S(0);
+    return select(towards && met > S(0) && met < period_, met, S(0));
   }
 
   /// v h − d
   [[nodiscard]] S longest_distance(S before, S after) const {
     const S v = path_.rate_limit, most = v * period_;
-    return before < v && after > v ? most - (v - before) * (v - before) * period_ / (S(2) * (after - before)) : most;
+    const auto passes = before < v && after > v;
+    if (!any_lane(passes)) return most;
+    return select(passes, S(most - (v - before) * (v - before) * period_ / (S(2) * (after - before))), most);
   }
 
   MachinePath<S> path_{};

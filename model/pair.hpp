@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "model/inline.hpp"
+#include "model/select.hpp"
 
 namespace model {
 
@@ -30,9 +31,7 @@ class Pair {
   [[nodiscard]] RIGTWIN_INLINE friend Pair operator*(const Pair& a, const Pair& b) {
     return {a[0] * b[0], a[1] * b[1]};
   }
-  [[nodiscard]] RIGTWIN_INLINE friend Pair abs(const Pair& a) {
-    return {a[0] < S(0) ? -a[0] : a[0], a[1] < S(0) ? -a[1] : a[1]};
-  }
+  [[nodiscard]] RIGTWIN_INLINE friend Pair abs(const Pair& a) { return {absolute(a[0]), absolute(a[1])}; }
 
  private:
   std::array<S, 2> halves_;

@@ -6,6 +6,7 @@
 #include "model/inline.hpp"
 #include "model/quarter_car.hpp"
 #include "model/rig_parameters.hpp"
+#include "model/select.hpp"
 #include "model/state_index.hpp"
 #include "model/subsystems.hpp"
 
@@ -76,7 +77,7 @@ class RigEquations {
       const S stiffness = suspension_.mount_stiffness + suspension_.stiffness + suspension_.relaxing_stiffness +
                           (has_fdva_ ? fdva_.coupling_stiffness : S(0));
       const S least = stiffness * S(settling);
-      inner_damping_ = suspension_.damping > least ? suspension_.damping : least;
+      inner_damping_ = select(suspension_.damping > least, suspension_.damping, least);
     }
     car_.body_guide_damping = guides_.body_damping;
     car_.wheel_guide_damping = guides_.wheel_damping;
@@ -167,8 +168,8 @@ class RigEquations {
             .v_b = x(CoreIndex::body_velocity)};
   }
 
-  [[nodiscard]] bool has_mount() const { return suspension_.mount_stiffness > S(0); }
-  [[nodiscard]] bool has_relaxation() const { return suspension_.relaxing_stiffness > S(0); }
+  [[nodiscard]] bool has_mount() const { return same(suspension_.mount_stiffness > S(0)); }
+  [[nodiscard]] bool has_relaxation() const { return same(suspension_.relaxing_stiffness > S(0)); }
   /// No relaxation, no top mount: two states.
   [[nodiscard]] bool plain() const { return !has_mount() && !has_relaxation(); }
 

@@ -18,6 +18,7 @@
 #include "model/require.hpp"
 #include "model/rig_equations.hpp"
 #include "model/rig_parameters.hpp"
+#include "model/select.hpp"
 #include "model/sensors.hpp"
 #include "model/state_index.hpp"
 #include "model/stroke_acceleration.hpp"
@@ -87,6 +88,10 @@ class RigModel {
   static constexpr bool car_alone = variant == ModelVariant::virtual_car;
   template <class Part>
   using UnlessCarAlone = std::conditional_t<car_alone, Without<Part>, Part>;
+  static constexpr bool has_sensors = !car_alone && lane_count<S> == 1;
+  /// Rigs side by side are simulated without the effects of sensors: these act on a channel afterwards.
+  template <class Part>
+  using IfSensors = std::conditional_t<has_sensors, Part, Without<Part>>;
 
   /// Inputs at the end of a step.
   struct Input {
@@ -114,7 +119,7 @@ class RigModel {
     typename Machine<S>::State machine = Machine<S>::State::Zero();
     Recent<S> free_play{}, free_play_rate{};                                     ///< δ [m], δ̇ [m/s]
     [[no_unique_address]] UnlessCarAlone<StrokeAcceleration<S>> acceleration{};  ///< ẍ_act, with a moving mass only
-    [[no_unique_address]] UnlessCarAlone<typename Sensors<S>::State> sensors{};
+    [[no_unique_address]] IfSensors<typename Sensors<S>::State> sensors{};
     std::uint32_t steps = 0;
   };
 
@@ -200,6 +205,13 @@ class RigModel {
   [[nodiscard]] bool has_car() const {
     return car_alone || (rig_.kind == RigKind::hil && part_ != ModelledPart::test_machine);
   }
+  [[nodiscard]] bool any_sensor() const {
+    if constexpr (has_sensors) {
+      return sensors_.any();
+    } else {
+      return false;
+    }
+  }
   [[nodiscard]] bool has_machine() const { return !car_alone && !joined() && part_ != ModelledPart::virtual_car; }
 
   [[nodiscard]] CarStep car_step() const;
@@ -238,7 +250,7 @@ class RigModel {
   [[nodiscard]] Stroke<S> inner_stroke(const State& x) const;
   [[nodiscard]] typename Equations::ComponentInput component_input(const State& x) const;
   /// Free play takes the whole deflection: the component is not deflected.
-  [[nodiscard]] bool inside_free_play(const State& x) const {
+  [[nodiscard]] auto inside_free_play(const State& x) const {
     const S half = S(0.5) * equations_.suspension().free_play;
     const S taken = x.free_play.now;
     return taken < half && taken > -half;
@@ -269,9 +281,10 @@ class RigModel {
   bool needs_general_step_ = false;  ///< laws, friction, free play, relaxation, top mount, machine or sensor effects
   bool has_delay_ = false;
   bool has_free_play_ = false;
+  bool has_moving_mass_ = false;
   Friction contacts_;
   [[no_unique_address]] UnlessCarAlone<Machine<S>> machine_{};
-  [[no_unique_address]] UnlessCarAlone<Sensors<S>> sensors_{};
+  [[no_unique_address]] IfSensors<Sensors<S>> sensors_{};
   typename DuctFlows<S>::Step duct_step_{};
   CarStep car_{};
   [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<plain_component_states>, counts>> component_{};

@@ -12,7 +12,9 @@ RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, Modelle
       period_(period),
       part_(part),
       static_load_(QuarterCar<S>::static_wheel_load(equations_.car())) {
-  require(!find_fault(rig, period, Line::longest), "a rig that passes find_fault");
+  if constexpr (lane_count<S> == 1) {
+    require(!find_fault(rig, period, Line::longest), "a rig that passes find_fault");
+  }
   require(part == ModelledPart::whole_rig || rig.kind == RigKind::hil, "only a hil rig is modelled in parts");
   require(!car_alone || part == ModelledPart::virtual_car, "a part that this variant of the model has");
 
@@ -23,14 +25,17 @@ RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, Modelle
   rig.effects.act_on(wheel_load);
   rig.effects.act_on(load_cell);
   delay_ = machine.delay / period;
-  has_delay_ = delay_ > S(0);
+  has_delay_ = same(delay_ > S(0));
   mass_beyond_sensor_ = wheel_load.mass_beyond;
   moving_mass_ = load_cell.moving_mass;
   if constexpr (!car_alone) {
     machine_ = Machine<S>(machine, period);
+  }
+  if constexpr (has_sensors) {
     if (part != ModelledPart::virtual_car) sensors_ = Sensors<S>(rig.effects.sensor_paths(), period);
   }
-  has_free_play_ = equations_.suspension().free_play > S(0);
+  has_free_play_ = same(equations_.suspension().free_play > S(0));
+  has_moving_mass_ = same(moving_mass_ > S(0));
   rig.effects.for_each([&](const auto& slot) {
     if constexpr (requires { slot.effect.tyre_force(S{}, S{}, S{}); }) has_tyre_law_ = has_tyre_law_ || slot.active;
     if constexpr (requires { slot.effect.suspension_force(S{}, S{}); }) {
@@ -45,7 +50,7 @@ RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, Modelle
     needs_general_step_ = has_tyre_law_;
   } else {
     needs_general_step_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
-                          sensors_.any() || !equations_.plain() || moving_mass_ > S(0);
+                          any_sensor() || !equations_.plain() || has_moving_mass_;
     if (equations_.has_fdva()) {
       duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
     }
@@ -180,7 +185,8 @@ void RigModel<S, D, variant>::start_machine(State& x, const Stroke<S>& reached) 
     }
     start_laws(x);
     x.received_force = has_machine() ? component_force<true>(x) : S(0);
-    if (sensors_.any()) {
+    if constexpr (has_sensors) {
+      if (!sensors_.any()) return;
       sensors_.start(x.sensors, channels(x, x.received_force, mass_beyond_sensor_), nullptr);
       if (has_machine()) x.received_force = sensors_.reading(x.sensors, Channel::F, x.received_force);
     }
@@ -231,16 +237,16 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_rig(State& x, const Input& 
       advance_machine<General>(x, command);
       x.received_force = component_force<General>(x);
       if (General) x.received_force += inertia_force(x);
-      if (in.noise != nullptr && !(General && sensors_.any())) x.received_force += (*in.noise)[index(Channel::F)];
+      if (in.noise != nullptr && !(General && any_sensor())) x.received_force += (*in.noise)[index(Channel::F)];
     }
   }
-  if (General && sensors_.any()) sense(x, in.noise);
+  if (General && any_sensor()) sense(x, in.noise);
 }
 
 /// The readings of this instant; the reading of F goes around the loop.
 template <class S, std::size_t D, ModelVariant variant>
 RIGTWIN_NOINLINE void RigModel<S, D, variant>::sense(State& x, const Signals<S>* noise) const {
-  if constexpr (!car_alone) {
+  if constexpr (has_sensors) {
     const S force = x.received_force;
     sensors_.step(x.sensors, channels(x, force, mass_beyond_sensor_), noise);
     if (!has_machine()) return;
@@ -294,8 +300,8 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant>::apply_friction(const Block<S, N, 
     start(inner_deflection) = S(0);
   }
   typename Friction::Forces limits = contacts_.limits();
-  if (has_free_play_ && inside_free_play(x)) {
-    limits[Friction::suspension] = S(0);  // no contact inside the free play
+  if (has_free_play_) {
+    limits[Friction::suspension] = select(inside_free_play(x), S(0), limits[Friction::suspension]);  // no contact
   }
   contacts_.solve(all, start, columns, limits, x.friction, [&](int contact, const Column<S, N>& v) {
     if (contact == Friction::piston) return v(piston_velocity);
@@ -342,7 +348,7 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_machine(State& x, const Str
     advance_component<General>(component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
   }
   if constexpr (General && !car_alone) {
-    if (moving_mass_ > S(0)) x.acceleration.step(x.reached, reached, period_);
+    if (has_moving_mass_) x.acceleration.step(x.reached, reached, period_);
   }
   x.reached = reached;
   if constexpr (General) refresh_laws(x);
@@ -416,9 +422,9 @@ S RigModel<S, D, variant>::suspension_law(const Stroke<S>& seen) const {
 template <class S, std::size_t D, ModelVariant variant>
 Stroke<S> RigModel<S, D, variant>::offset(const Stroke<S>& inner) const {
   const S half = S(0.5) * equations_.suspension().free_play;
-  if (inner.position > half) return {-half, S(0)};
-  if (inner.position < -half) return {half, S(0)};
-  return {-inner.position, -inner.velocity};
+  const auto above = inner.position > half, below = inner.position < -half;
+  return {select(above, S(-half), select(below, half, S(-inner.position))),
+          select(above || below, S(0), S(-inner.velocity))};
 }
 
 /// e and ė: behind the top mount, before the free play.
@@ -485,10 +491,9 @@ RIGTWIN_NOINLINE S RigModel<S, D, variant>::prescribed_force(const State& x) con
   S force = equations_.component_force(x.core.template tail<component_states>(), component_input(x));
   if (equations_.has_mount()) return force;
   const S friction = contacts_.limits()[Friction::suspension];
-  if (friction > S(0)) {
+  if (same(friction > S(0))) {
     const S velocity = x.reached.velocity + x.free_play_rate.now;
-    if (velocity > S(0)) force += friction;
-    if (velocity < S(0)) force -= friction;
+    force = select(velocity > S(0), S(force + friction), select(velocity < S(0), S(force - friction), force));
   }
   return force;
 }
@@ -499,7 +504,7 @@ RIGTWIN_INLINE S RigModel<S, D, variant>::inertia_force(const State& x) const {
   if constexpr (car_alone) {
     return S(0);
   } else {
-    return moving_mass_ > S(0) ? moving_mass_ * x.acceleration.value() : S(0);
+    return has_moving_mass_ ? moving_mass_ * x.acceleration.value() : S(0);
   }
 }
 
@@ -525,7 +530,7 @@ Signals<S> RigModel<S, D, variant>::measured(const State& x, const Signals<S>* n
     for (std::size_t c = 0; c < channel_count; ++c) s[c] += (*noise)[c];
     if (!joined() && has_machine()) s[index(Channel::F)] = x.received_force;  // got its noise in the step
   }
-  if constexpr (!car_alone) {
+  if constexpr (has_sensors) {
     if (sensors_.any()) sensors_.read(x.sensors, s);
   }
   return s;
@@ -595,9 +600,7 @@ S RigModel<S, D, variant>::energy(const State& x) const {
 template <class S, std::size_t D, ModelVariant variant>
 RIGTWIN_NOINLINE void RigModel<S, D, variant>::flush(State& x) const {
   const S least = S(1e-100);
-  const auto flush_one = [least](S& value) {
-    if (value < least && value > -least) value = S(0);
-  };
+  const auto flush_one = [least](S& value) { value = select(value < least && value > -least, S(0), value); };
   for (int i = 0; i < core_states; ++i) flush_one(x.core(i));
   for (int i = 0; i < Machine<S>::states; ++i) flush_one(x.machine(i));
   flush_one(x.received_force);
@@ -609,12 +612,15 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant>::flush(State& x) const {
   flush_one(x.foot_point.velocity);
   if constexpr (!car_alone) {
     x.ducts.flush(least);
-    if (sensors_.any()) sensors_.flush(x.sensors, least);
-    if (has_delay_ && x.core(CoreIndex::wheel_position) == S(0) &&
-        x.core(CoreIndex::body_position) == S(0)) {  // the line would move the rig again
+    if constexpr (has_sensors) {
+      if (sensors_.any()) sensors_.flush(x.sensors, least);
+    }
+    const auto at_rest = x.core(CoreIndex::wheel_position) == S(0) && x.core(CoreIndex::body_position) == S(0);
+    if (has_delay_ && any_lane(at_rest)) {  // the line would move the rig again
       for (std::size_t i = 0; i < Line::longest && i < 64; ++i) {
-        flush_one(x.line.ago(i).position);
-        flush_one(x.line.ago(i).velocity);
+        for (S* value : {&x.line.ago(i).position, &x.line.ago(i).velocity}) {
+          *value = select(at_rest && *value<least&& * value> - least, S(0), *value);
+        }
       }
     }
   }

@@ -1,6 +1,8 @@
 // The parameters of a rig.
 #pragma once
 
+#include <type_traits>
+
 #include "model/channel.hpp"
 #include "model/effects/catalogue.hpp"
 #include "model/fdva.hpp"
@@ -32,5 +34,27 @@ struct RigParameters {
   typename Fdva<S>::Parameters fdva{};
   Effects<S> effects;
 };
+
+/// visit(number) for every number of a rig but those of sensor effects, of effects that are not active, too.
+template <class Rig, class Visit>
+constexpr void for_each_number(Rig& rig, const Visit& visit) {
+  visit(rig.body.mass);
+  visit(rig.wheel.mass);
+  visit(rig.tyre.stiffness);
+  visit(rig.tyre.damping);
+  visit(rig.suspension.stiffness);
+  visit(rig.suspension.damping);
+  visit(rig.machine.virtual_damping);
+  visit(rig.fdva.piston_area);
+  visit(rig.fdva.duct_diameter);
+  visit(rig.fdva.duct_length);
+  visit(rig.fdva.oil_density);
+  visit(rig.fdva.oil_viscosity);
+  visit(rig.fdva.minor_loss);
+  visit(rig.fdva.coupling_stiffness);
+  rig.effects.for_each([&visit](auto& slot) {
+    for (const auto value : std::remove_cvref_t<decltype(slot.effect)>::values) visit(slot.effect.*value);
+  });
+}
 
 }  // namespace model

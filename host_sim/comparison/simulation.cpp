@@ -34,21 +34,12 @@ Rig on_prescribed_wheel(Rig rig) {
   return rig;
 }
 
-/// The rig that answers to an input.
+}  // namespace
+
 Rig answering(const Rig& rig, const SimulationInput& input) {
   if (input.deflection_reached) return without_machine(rig);
   return input.wheel_prescribed ? on_prescribed_wheel(rig) : rig;
 }
-
-/// Between two samples, where the model has it (model::hermite); its z̈ is the measured one, straight between.
-model::Motion<double> between(const model::Motion<double>& from, const model::Motion<double>& to, double share,
-                              double period) {
-  const auto [position, velocity] =
-      model::hermite<double>({from.position, from.velocity}, {to.position, to.velocity}, share, period);
-  return {position, velocity, from.acceleration + share * (to.acceleration - from.acceleration)};
-}
-
-}  // namespace
 
 SimulationInput simulation_input(const Rig& rig, const firmware::Recording& recording) {
   SimulationInput input;
@@ -116,12 +107,16 @@ InitialState resting(const Rig& rig, const SimulationInput& input) {
 
 Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
                   int substeps, const RigVariation& variation) {
+  return simulate(rig, input, start, samples, substeps, response_channels(rig.kind, input), variation);
+}
+
+Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
+                  int substeps, const std::vector<Channel>& channels, const RigVariation& variation) {
   const bool bench = rig.kind == RigKind::component_bench;
   std::optional<model::RigModel<>> model;
   const auto become = [&](const Rig& present) { model.emplace(answering(present, input), input.period / substeps); };
   become(variation.every > 0 ? variation.at(0) : rig);
   const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
-  const std::vector<Channel> channels = response_channels(rig.kind, input);
   Response response;
   for (const Channel channel : channels) response[index(channel)].resize(count);
   if (count == 0) return response;
@@ -145,7 +140,7 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
     const double actuator_force = input.actuator_force.empty() ? 0.0 : input.actuator_force[k + 1];
     for (int substep = 1; substep < substeps; ++substep) {
       const double share = static_cast<double>(substep) / substeps;
-      const model::Motion<double> inside = between(input.motion[k], next, share, input.period);
+      const model::Motion<double> inside = between_samples(input.motion[k], next, share, input.period);
       model->step(
           x, {.foot_point = inside,
               .command = {inside.position, inside.velocity},

@@ -62,5 +62,23 @@ struct RigVariation {
 [[nodiscard]] Response simulate(const model::RigParameters<double>& rig, const SimulationInput& input,
                                 const InitialState& start, std::size_t samples = 0, int substeps = 1,
                                 const RigVariation& variation = {});
+/// The same of a choice of response_channels().
+[[nodiscard]] Response simulate(const model::RigParameters<double>& rig, const SimulationInput& input,
+                                const InitialState& start, std::size_t samples, int substeps,
+                                const std::vector<model::Channel>& channels, const RigVariation& variation = {});
+
+/// The rig that answers to an input: without its machine where the deflection is known, with a wheel that follows where
+/// its motion is prescribed.
+[[nodiscard]] model::RigParameters<double> answering(const model::RigParameters<double>& rig,
+                                                     const SimulationInput& input);
+
+/// Between two samples, where the model has it (model::hermite); its z̈ is the measured one, straight between.
+[[nodiscard]] inline model::Motion<double> between_samples(const model::Motion<double>& from,
+                                                           const model::Motion<double>& to, double share,
+                                                           double period) {
+  const auto [position, velocity] =
+      model::hermite<double>({from.position, from.velocity}, {to.position, to.velocity}, share, period);
+  return {position, velocity, from.acceleration + share * (to.acceleration - from.acceleration)};
+}
 
 }  // namespace host_sim

@@ -35,9 +35,8 @@ struct BumpStop {
   static constexpr auto values = std::array{&BumpStop::clearance, &BumpStop::stiffness};
 
   [[nodiscard]] constexpr S suspension_force(S deflection, S /*velocity*/) const {
-    if (deflection > clearance) return stiffness * (deflection - clearance);
-    if (deflection < -clearance) return stiffness * (deflection + clearance);
-    return S(0);
+    return select(deflection > clearance, stiffness * (deflection - clearance),
+                  select(deflection < -clearance, stiffness * (deflection + clearance), S(0)));
   }
 };
 

@@ -10,6 +10,7 @@
 
 #include "model/channel.hpp"
 #include "model/require.hpp"
+#include "model/select.hpp"
 
 namespace model {
 

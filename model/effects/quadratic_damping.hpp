@@ -36,7 +36,7 @@ struct QuadraticDamping {
   static constexpr auto values = std::array{&QuadraticDamping::coefficient};
 
   [[nodiscard]] constexpr S suspension_force(S /*deflection*/, S velocity) const {
-    return coefficient * velocity * (velocity < S(0) ? -velocity : velocity);
+    return coefficient * velocity * select(velocity < S(0), -velocity, velocity);
   }
 };
 

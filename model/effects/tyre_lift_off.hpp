@@ -26,7 +26,7 @@ struct TyreLiftOff {
 
   /// What the tyre gives once this law is added to `force`, the force of all laws before it [N].
   [[nodiscard]] constexpr S tyre_force(S force, S /*deflection*/, S static_load) const {
-    return force < -static_load ? -static_load : force;
+    return select(force < -static_load, -static_load, force);
   }
 };
 

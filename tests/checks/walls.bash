@@ -54,6 +54,9 @@ forbid 'the control loop meets the world through the roles of hal' '"hal/[a-z_0-
 forbid 'tests are not part of the product' '"tests/' $(in_room host_sim/)
 forbid 'the truth generator shares nothing with what it judges' '"(model|hal|firmware|host_sim)/' $(in_room tests/truth/)
 
+forbid 'what is compiled for one kind of processor shares no inline code with other sources (host_sim/comparison/README.md)' \
+  '(<(algorithm|functional|map|memory|optional|set|string|vector)>|"(firmware|hal)/)' $(in_room 'host_sim/comparison/lane')
+
 order firmware loop description recording simulation controller
 order host_sim signal least_squares report recording_files closed_loop comparison stability frf paper identification plan commands
 order host_sim/stability roots margins map report

@@ -17,6 +17,9 @@ inline bool& inside_work() {
   return inside;
 }
 
+/// How many processors for_all() would use here.
+inline std::size_t free_processors() { return inside_work() ? 1 : std::max(1U, std::thread::hardware_concurrency()); }
+
 /// work(i) for i = 0 … count − 1 on all processors; inside such work, one after the other. The first exception is
 /// passed on when all have ended.
 template <class Work>
@@ -40,7 +43,7 @@ void for_all(std::size_t count, const Work& work) {
   };
   {
     std::vector<std::jthread> threads;
-    const std::size_t helpers = std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
+    const std::size_t helpers = std::min<std::size_t>(count, free_processors());
     for (std::size_t t = 1; t < helpers; ++t) threads.emplace_back(run);
     run();
   }

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/least_squares/gauss_newton.hpp"
+#include "host_sim/least_squares/gram.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -22,57 +24,64 @@ bool is_rig(const IdentificationProblem& problem, const Hypothesis& hypothesis) 
   return !firmware::find_rig_fault(hypothesis.rig, problem.sample_period());
 }
 
-/// What the differences of a Jacobian start from: with corners a prediction with half of the steps.
-struct Base {
-  const Prediction& prediction;
-  const Eigen::VectorXd& residual;
+/// The other end of a one-sided difference, towards the inside of the bounds.
+struct Difference {
+  Hypothesis other;
+  double step;  ///< of u
 };
-
-/// Column of J by a one-sided difference, towards the inside of the bounds.
-Eigen::VectorXd jacobian_column(const IdentificationProblem& problem, const Fit& at, const Base& base,
-                                const FreeParameter& parameter) {
+Difference difference_of(const IdentificationProblem& problem, const Fit& at, const FreeParameter& parameter) {
   const double u = parameter.get(at.hypothesis);
-  double step = u + parameter.difference > parameter.upper ? -parameter.difference : parameter.difference;
+  const double step = u + parameter.difference > parameter.upper ? -parameter.difference : parameter.difference;
   Hypothesis other = moved(at.hypothesis, parameter, u + step);
-  if (!is_rig(problem, other)) {  // a delay as long as its line
-    step = -step;
-    other = moved(at.hypothesis, parameter, u + step);
+  if (is_rig(problem, other)) return {std::move(other), step};
+  return {moved(at.hypothesis, parameter, u - step), -step};  // a delay as long as its line
+}
+
+/// Columns of J of sensors' parameters: without a simulation.
+void find_sensor_columns(const IdentificationProblem& problem, Fit& at, const std::vector<std::size_t>& columns) {
+  for_all(columns.size(), [&](std::size_t i) {
+    const FreeParameter& parameter = at.parameters[columns[i]];
+    const auto [other, step] = difference_of(problem, at, parameter);
+    at.jacobian.col(static_cast<Eigen::Index>(columns[i])) =
+        (residuals(problem, predict_readings(problem, other, at.prediction, parameter.readings)) - at.residual) / step;
+  });
+}
+
+/// The other columns, with their simulations side by side. With corners both ends of the differences are predicted with
+/// half of the steps.
+void find_simulated_columns(const IdentificationProblem& problem, Fit& at, const std::vector<std::size_t>& columns) {
+  if (columns.empty()) return;
+  const bool halved = has_corners(at.hypothesis.rig);
+  std::vector<Variation> variations;
+  std::vector<double> steps;
+  for (const std::size_t column : columns) {
+    const FreeParameter& parameter = at.parameters[column];
+    auto [other, step] = difference_of(problem, at, parameter);
+    variations.push_back({std::move(other), std::nullopt});
+    if (parameter.role == FreeParameter::Role::start) variations.back().recording = parameter.recording;
+    steps.push_back(step);
   }
-  if (parameter.sensor) {
-    return (residuals(problem, predict_sensor(problem, other, at.prediction, *parameter.sensor)) - at.residual) / step;
+  at.simulations += columns.size();
+  if (halved) {
+    variations.push_back({at.hypothesis, std::nullopt});
+    ++at.simulations;
   }
-  if (!parameter.readings.empty()) {
-    return (residuals(problem, predict_readings(problem, other, at.prediction, parameter.readings)) - at.residual) /
-           step;
+  const std::vector<Eigen::VectorXd> values =
+      residuals_of_each(problem, variations, true, halved ? nullptr : &at.prediction);
+  const Eigen::VectorXd& base = halved ? values.back() : at.residual;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    at.jacobian.col(static_cast<Eigen::Index>(columns[i])) = (values[i] - base) / steps[i];
   }
-  if (parameter.role == FreeParameter::Role::start) {  // moves its own recording only
-    Prediction prediction = base.prediction;
-    predict_recording(problem, other, parameter.recording, true, prediction);
-    return (residuals(problem, prediction) - base.residual) / step;
-  }
-  return (residuals(problem, predict(problem, other, true)) - base.residual) / step;
 }
 
 /// Columns of J from `first` on.
 void find_columns(const IdentificationProblem& problem, Fit& at, Eigen::Index first) {
-  const bool simulates = std::any_of(at.parameters.begin() + first, at.parameters.end(),
-                                     [](const FreeParameter& parameter) { return parameter.simulates(); });
-  const bool halved = simulates && has_corners(at.hypothesis.rig);
-  Prediction half_prediction;
-  Eigen::VectorXd half_residual;
-  if (halved) {
-    half_prediction = predict(problem, at.hypothesis, true);
-    half_residual = residuals(problem, half_prediction);
-    ++at.simulations;
-  }
-  const Base base{halved ? half_prediction : at.prediction, halved ? half_residual : at.residual};
-  for_all(at.parameters.size() - static_cast<std::size_t>(first), [&](std::size_t i) {
-    const std::size_t column = i + static_cast<std::size_t>(first);
-    at.jacobian.col(static_cast<Eigen::Index>(column)) = jacobian_column(problem, at, base, at.parameters[column]);
-  });
+  std::vector<std::size_t> of_sensors, simulated;
   for (auto i = static_cast<std::size_t>(first); i < at.parameters.size(); ++i) {
-    at.simulations += at.parameters[i].simulates() ? 1 : 0;
+    (at.parameters[i].readings.empty() ? simulated : of_sensors).push_back(i);
   }
+  find_sensor_columns(problem, at, of_sensors);
+  find_simulated_columns(problem, at, simulated);
 }
 
 /// A fit as gauss_newton() sees it.
@@ -83,10 +92,11 @@ class FitProblem {
 
   bool find_jacobian() {
     find_columns(problem_, fit_, known_columns_);
+    hessian_ = gram(fit_.jacobian);
     return fit_.jacobian.allFinite();
   }
   [[nodiscard]] NormalEquations normal_equations() const {
-    return {fit_.jacobian.transpose() * fit_.jacobian, fit_.jacobian.transpose() * fit_.residual};
+    return {hessian_, transposed_product(fit_.jacobian, fit_.residual)};
   }
   [[nodiscard]] StepBox box(double trust) const { return step_box(fit_.parameters, fit_.hypothesis, trust); }
   [[nodiscard]] double chi_squared() const { return fit_.chi_squared; }
@@ -114,6 +124,7 @@ class FitProblem {
   const IdentificationProblem& problem_;
   Fit& fit_;
   Eigen::Index known_columns_;
+  Eigen::MatrixXd hessian_;  ///< of the Jacobian, which is kept over several steps
   Hypothesis tried_;
   Prediction tried_prediction_;
   Eigen::VectorXd tried_residual_;
@@ -139,7 +150,7 @@ void refresh_jacobian(const IdentificationProblem& problem, Fit& fit) {
 }
 
 Eigen::MatrixXd Fit::covariance() const {
-  Eigen::MatrixXd h = jacobian.transpose() * jacobian;
+  Eigen::MatrixXd h = gram(jacobian);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     h(k, k) += 1e-12 * h(k, k) + 1e-30;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host_sim/identification/noise/identification_problem.hpp"
@@ -25,6 +26,18 @@ void predict_recording(const IdentificationProblem& problem, const Hypothesis& h
 [[nodiscard]] Prediction predict_sensor(const IdentificationProblem& problem, const Hypothesis& hypothesis,
                                         const Prediction& base, model::Channel channel);
 
+/// One of several hypotheses that are predicted together.
+struct Variation {
+  Hypothesis hypothesis;
+  std::optional<std::size_t> recording{};  ///< the only one in which it differs from a base; none: in all of them
+};
+
+/// residuals(problem, predict(problem, hypothesis, half_substeps)) of each variation, bit for bit, with simulations
+/// side by side (comparison/side_by_side.hpp). Recordings in which a variation does not differ are those of `base`;
+/// nullptr: those of the last variation, which then is the base.
+[[nodiscard]] std::vector<Eigen::VectorXd> residuals_of_each(const IdentificationProblem& problem,
+                                                             const std::vector<Variation>& variations,
+                                                             bool half_substeps, const Prediction* base);
 /// The same of several channels: also where the hypotheses differ in faults of the recording that act on them.
 [[nodiscard]] Prediction predict_readings(const IdentificationProblem& problem, const Hypothesis& hypothesis,
                                           const Prediction& base, const std::vector<model::Channel>& channels);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
+#include "host_sim/comparison/side_by_side.hpp"
 #include "model/sensors.hpp"
 
 namespace host_sim::identification {
@@ -29,12 +31,36 @@ bool has_corners(const Rig& rig) {
   return corners;
 }
 
+namespace {
+
+Rig without_sensors(const Rig& rig) {
+  Rig bare = rig;
+  bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
+  return bare;
+}
+
+/// Model steps per sample.
+int steps_of(const Rig& bare, double period, Resolution resolution) {
+  const bool finely = has_corners(bare) && !firmware::find_rig_fault(bare, period / resolution.substeps);
+  const int wanted = resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps;
+  return finely ? wanted : 1;
+}
+
+/// z̈_r is no channel of a simulation: its input holds it.
+void add_acceleration(const PreparedRecording& recording, const SimulationInput& input, std::size_t samples,
+                      Response& response) {
+  if (!recording.explains(Channel::zdd_r)) return;
+  auto& acceleration = response[index(Channel::zdd_r)];
+  const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
+  acceleration.resize(count);
+  for (std::size_t k = 0; k < count; ++k) acceleration[k] = input.motion[k].acceleration;
+}
+
+}  // namespace
+
 Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,
                        const InitialState& start, std::size_t samples, Resolution resolution) {
-  Rig bare = hypothesis.rig;
-  bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
-  const bool finely = has_corners(bare) && !firmware::find_rig_fault(bare, input.period / resolution.substeps);
-  const int wanted = resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps;
+  const Rig bare = without_sensors(hypothesis.rig);
   RigVariation variation;
   if (drifts(hypothesis.faults)) {
     variation = {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(drift_refresh / input.period))),
@@ -43,14 +69,43 @@ Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& re
                    return drifted(bare, hypothesis.faults, std::min(static_cast<double>(sample) / length, 1.0));
                  }};
   }
-  Response response = simulate(bare, input, start, samples, finely ? wanted : 1, variation);
-  if (recording.explains(Channel::zdd_r)) {
-    auto& acceleration = response[index(Channel::zdd_r)];
-    const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
-    acceleration.resize(count);
-    for (std::size_t k = 0; k < count; ++k) acceleration[k] = input.motion[k].acceleration;
-  }
+  Response response = simulate(bare, input, start, samples, steps_of(bare, input.period, resolution), variation);
+  add_acceleration(recording, input, samples, response);
   return response;
+}
+
+std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rigs, const PreparedRecording& recording,
+                                            std::size_t samples, Resolution resolution) {
+  std::vector<Response> responses(rigs.size());
+  if (rigs.empty()) return responses;
+  if (std::any_of(rigs.begin(), rigs.end(), [](const SimulatedRig& one) { return drifts(one.hypothesis->faults); })) {
+    for (std::size_t i = 0; i < rigs.size(); ++i) {  // a rig that changes while it moves has no lane
+      const SimulatedRig& one = rigs[i];
+      responses[i] = true_channels(*one.hypothesis, recording, *one.input, *one.start, samples, resolution);
+    }
+    return responses;
+  }
+  std::vector<Channel> channels = response_channels(rigs.front().hypothesis->rig.kind, *rigs.front().input);
+  std::erase_if(channels, [&](Channel channel) { return !recording.explains(channel); });
+  std::vector<Rig> bare;
+  std::vector<int> steps;
+  for (const SimulatedRig& one : rigs) {
+    bare.push_back(without_sensors(one.hypothesis->rig));
+    steps.push_back(steps_of(bare.back(), one.input->period, resolution));
+  }
+  for (const int count : std::set<int>(steps.begin(), steps.end())) {
+    std::vector<std::size_t> chosen;
+    std::vector<SideBySideRig> group;
+    for (std::size_t i = 0; i < rigs.size(); ++i) {
+      if (steps[i] != count) continue;
+      chosen.push_back(i);
+      group.push_back({&bare[i], rigs[i].start, rigs[i].input});
+    }
+    auto simulated = simulate_side_by_side(group, samples, count, channels);
+    for (std::size_t i = 0; i < chosen.size(); ++i) responses[chosen[i]] = std::move(simulated[i]);
+  }
+  for (std::size_t i = 0; i < rigs.size(); ++i) add_acceleration(recording, *rigs[i].input, samples, responses[i]);
+  return responses;
 }
 
 bool is_altered(const Hypothesis& hypothesis, Channel channel) {

@@ -24,6 +24,18 @@ struct Resolution {
                                      const SimulationInput& input, const InitialState& start, std::size_t samples,
                                      Resolution resolution);
 
+/// A hypothesis with the state and the input that a simulation of a recording begins with.
+struct SimulatedRig {
+  const Hypothesis* hypothesis;
+  const InitialState* start;
+  const SimulationInput* input;
+};
+/// true_channels() of several rigs, side by side where the processor can (comparison/side_by_side.hpp); of each the
+/// channels that the recording explains. Bit for bit the same.
+[[nodiscard]] std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rigs,
+                                                          const PreparedRecording& recording, std::size_t samples,
+                                                          Resolution resolution);
+
 /// Whether a sensor effect acts between a channel and its readings.
 [[nodiscard]] bool has_sensor_effect(const model::RigParameters<double>& rig, model::Channel channel);
 

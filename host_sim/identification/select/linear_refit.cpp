@@ -2,22 +2,24 @@
 
 #include <algorithm>
 
+#include "host_sim/least_squares/gram.hpp"
+
 namespace host_sim::identification {
 
 LinearRefit::LinearRefit(const Fit& base) : base_(base) {
-  Eigen::MatrixXd h = base.jacobian.transpose() * base.jacobian;
+  Eigen::MatrixXd h = gram(base.jacobian);
   for (Eigen::Index i = 0; i < h.rows(); ++i) {
     const bool free = !base.parameters[static_cast<std::size_t>(i)].at_bound(base.hypothesis);
     h(i, i) += (free ? 1e-10 : 1e12) * h(i, i) + 1e-30;
   }
   factor_.compute(h);
-  residual_ = base.jacobian.transpose() * base.residual;
+  residual_ = transposed_product(base.jacobian, base.residual);
 }
 
 LinearRefit::Left LinearRefit::left(const Eigen::VectorXd& d) const {
   Left left{d.squaredNorm(), base_.residual.dot(d)};
   if (base_.jacobian.cols() > 0) {
-    const Eigen::VectorXd projection = base_.jacobian.transpose() * d;
+    const Eigen::VectorXd projection = transposed_product(base_.jacobian, d);
     const Eigen::VectorXd solved = factor_.solve(projection);
     left.square -= projection.dot(solved);
     left.along -= residual_.dot(solved);

@@ -99,17 +99,25 @@ std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, 
   const LinearRefit others(base.fit);
   for_all(list.size(), [&](std::size_t i) {
     scanned[i].candidate = list[i];
-    for (const Start& start : list[i].starts) {
-      const Hypothesis other = with(base.fit.hypothesis, placed(list[i], start), start.clock);
-      if (firmware::find_rig_fault(other.rig, problem_.sample_period())) continue;
-      const bool sensor_alone = list[i].channel.has_value();
-      const Prediction prediction = sensor_alone
-                                        ? predict_sensor(problem_, other, base.fit.prediction, *list[i].channel)
-                                        : predict(problem_, other);
-      const Eigen::VectorXd change = residuals(problem_, prediction) - base.fit.residual;
-      effort_.simulations += sensor_alone ? 0 : 1;
+    const auto keep = [&](const Start& start, const Eigen::VectorXd& residual) {
+      const Eigen::VectorXd change = residual - base.fit.residual;
       if (change.allFinite()) scanned[i].starts.emplace_back(others.gain(change), start);
+    };
+    std::vector<Start> tried;
+    std::vector<Variation> variations;
+    for (const Start& start : list[i].starts) {
+      Hypothesis other = with(base.fit.hypothesis, placed(list[i], start), start.clock);
+      if (firmware::find_rig_fault(other.rig, problem_.sample_period())) continue;
+      if (list[i].channel) {
+        keep(start, residuals(problem_, predict_sensor(problem_, other, base.fit.prediction, *list[i].channel)));
+        continue;
+      }
+      tried.push_back(start);
+      variations.push_back({std::move(other), std::nullopt});
     }
+    const auto values = residuals_of_each(problem_, variations, false, &base.fit.prediction);
+    for (std::size_t s = 0; s < tried.size(); ++s) keep(tried[s], values[s]);
+    effort_.simulations += tried.size();
     std::sort(scanned[i].starts.begin(), scanned[i].starts.end(),
               [](const auto& a, const auto& b) { return a.first > b.first; });
   });

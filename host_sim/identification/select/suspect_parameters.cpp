@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
@@ -12,13 +13,21 @@
 namespace host_sim::identification {
 namespace {
 
-/// What freeing a parameter promises beside a fitted model.
-double promise(const IdentificationProblem& problem, const Fit& base, const LinearRefit& others,
-               const FreeParameter& parameter) {
-  Hypothesis moved = base.hypothesis;
-  parameter.put(moved, parameter.get(moved) + parameter.difference);
-  const Eigen::VectorXd d = (residuals(problem, predict(problem, moved)) - base.residual) / parameter.difference;
-  return d.allFinite() ? others.free_gain(d) : 0.0;
+/// What freeing each of some parameters promises beside a fitted model.
+void find_promises(const IdentificationProblem& problem, const Fit& base,
+                   std::vector<std::pair<double, FreeParameter>>& suspects) {
+  const LinearRefit others(base);
+  std::vector<Variation> variations;
+  for (const auto& [promise, parameter] : suspects) {
+    variations.push_back({base.hypothesis, std::nullopt});
+    Hypothesis& moved = variations.back().hypothesis;
+    parameter.put(moved, parameter.get(moved) + parameter.difference);
+  }
+  const std::vector<Eigen::VectorXd> values = residuals_of_each(problem, variations, false, &base.prediction);
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    const Eigen::VectorXd d = (values[i] - base.residual) / suspects[i].second.difference;
+    suspects[i].first = d.allFinite() ? others.free_gain(d) : 0.0;
+  }
 }
 
 bool is_same(const FreeParameter& a, const FreeParameter& b) { return a.path == b.path; }
@@ -40,13 +49,11 @@ class ParameterSearch {
 
   /// The model with one more freed parameter; its list of parameters grows. false: none is worth it.
   bool free_one_more(CandidateModel& model, std::vector<FreeParameter>& freed, double least_gain) {
-    const LinearRefit others(model.fit);
     std::vector<std::pair<double, FreeParameter>> suspects;
     for (const FreeParameter& parameter : space_.suspects) {
       if (!holds(freed, parameter)) suspects.emplace_back(0.0, parameter);
     }
-    for_all(suspects.size(),
-            [&](std::size_t i) { suspects[i].first = promise(problem_, model.fit, others, suspects[i].second); });
+    find_promises(problem_, model.fit, suspects);
     effort_.simulations += suspects.size();
     effort_.candidates += suspects.size();
     std::sort(suspects.begin(), suspects.end(), [](const auto& a, const auto& b) { return a.first > b.first; });

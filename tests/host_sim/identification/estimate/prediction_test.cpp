@@ -60,6 +60,28 @@ TEST(Prediction, OfASensorNeedsNoSimulation) {
   EXPECT_EQ(residuals(bench.problem, sensor), residuals(bench.problem, predict(bench.problem, gain)));
 }
 
+// Law. Several hypotheses that are predicted together leave what each leaves alone, to the bit. A variation of one
+// recording takes the others from the base.
+TEST(Prediction, OfSeveralHypothesesIsThatOfEach) {
+  const Bench bench(sample::bench());
+  std::vector<Variation> variations;
+  for (const double stiffness : {29000.0, 29500.0, 30000.0, 30500.0, 31000.0}) {
+    variations.push_back({bench.given, std::nullopt});
+    variations.back().hypothesis.rig.suspension.stiffness = stiffness;
+  }
+  firmware::put_effect(variations[1].hypothesis.rig, {firmware::find_effect("sensor_gain"), Channel::F, {1.05}});
+  firmware::put_effect(variations[2].hypothesis.rig, {firmware::find_effect("coulomb_friction"), std::nullopt, {20.0}});
+  variations[3].recording = 0;
+  const auto together = residuals_of_each(bench.problem, variations, false, nullptr);
+  ASSERT_EQ(together.size(), variations.size());
+  for (std::size_t i = 0; i < variations.size(); ++i) {
+    EXPECT_EQ(together[i], residuals(bench.problem, predict(bench.problem, variations[i].hypothesis))) << i;
+  }
+  variations[3].recording = 7;  // of which there is none: all recordings are those of the base
+  const Prediction base = predict(bench.problem, bench.given);
+  EXPECT_EQ(residuals_of_each(bench.problem, variations, false, &base)[3], residuals(bench.problem, base));
+}
+
 // Statistics. A stiffness of 30 900 N/m within 5 % of 30 000 is found within four of its standard errors, and the error
 // says so: σ_F/√Σx² of the fitted samples.
 TEST(Fit, KnowsHowWellItKnowsAStiffness) {

@@ -1,0 +1,140 @@
+// The loop of simulate() with several rigs side by side; compiled once for each kind of processor.
+//
+// No function of the standard library or of another room that other sources use, too, may be called out of line here:
+// the linker keeps one copy of an inline function, and that would be the one for this processor. So nothing here holds
+// a container, and every type depends on the number of lanes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <new>
+
+#include "host_sim/comparison/lane_simulation.hpp"
+#include "model/lane_delay_line.hpp"
+#include "model/lanes.hpp"
+#include "model/rig_model.hpp"
+
+namespace host_sim {
+
+template <std::size_t N>
+class LaneLoop {
+ public:
+  using S = model::Lanes<N>;
+  using Rig = model::RigModel<S>;
+
+  explicit LaneLoop(const LaneSimulation& simulation)
+      : job_(simulation), model_(parameters(), S(simulation.period / simulation.substeps)) {}
+
+  void run() {
+    typename Rig::State x = start();
+    typename Rig::Input in;
+    for (std::size_t k = 0;; ++k) {
+      keep(k, model_.measured(x));
+      if (k + 1 == job_.samples) return;
+      if (job_.opened != nullptr && job_.opened[k] != x.ducts.open()) model_.open_ducts(x, job_.opened[k]);
+      const S force = job_.actuator_force == nullptr ? S(0.0) : S(job_.actuator_force[k + 1]);
+      for (int substep = 1; substep < job_.substeps; ++substep) {
+        const double share = static_cast<double>(substep) / job_.substeps;
+        take(in, motion(k, share));
+        in.actuator_force = x.actuator_force + (force - x.actuator_force) / S(job_.substeps - substep + 1);
+        model_.step(x, in);
+      }
+      take(in, motion(k + 1));
+      in.actuator_force = force;
+      model_.step(x, in);
+    }
+  }
+
+ private:
+  using Motion = model::Motion<S>;
+
+  [[nodiscard]] model::RigParameters<S> parameters() const {
+    model::RigParameters<S> rig;
+    rig.kind = job_.kind;
+    rig.has_fdva = job_.has_fdva;
+    rig.fdva.ducts = job_.ducts;
+    rig.fdva.open_ducts = job_.open_ducts;
+    unsigned bit = 0;
+    rig.effects.for_each([&](auto& slot) { slot.active = ((job_.active >> bit++) & 1U) != 0U; });
+    std::size_t i = 0;
+    model::for_each_number(rig, [&](S& number) {
+      number = S::each([&](std::size_t lane) { return job_.numbers[lane][i]; });
+      ++i;
+    });
+    return rig;
+  }
+
+  [[nodiscard]] typename Rig::State start() const {
+    model::Column<S, model::plain_core_states> core;
+    for (int i = 0; i < model::plain_core_states; ++i) {
+      core(i) = S::each([&](std::size_t lane) { return job_.start[lane][i]; });
+    }
+    const Motion first = motion(0);
+    model::MachinePath<S> machine{};
+    model_.parameters().effects.act_on(machine);
+    model::Stroke<S> reached{core(0) - core(2), core(1) - core(3)};
+    if (job_.kind == model::RigKind::component_bench) reached = {first.position, first.velocity};
+    reached.position -= reached.velocity * machine.delay;
+    typename Rig::State x = model_.start(core, first, reached);
+    if (job_.actuator_force != nullptr) x.actuator_force = S(job_.actuator_force[0]);
+    return x;
+  }
+
+  [[nodiscard]] Motion motion(std::size_t k) const {
+    if (job_.one_motion) {
+      const auto& m = job_.motion[0][k];
+      return {S(m.position), S(m.velocity), S(m.acceleration)};
+    }
+    return {S::each([&](std::size_t lane) { return job_.motion[lane][k].position; }),
+            S::each([&](std::size_t lane) { return job_.motion[lane][k].velocity; }),
+            S::each([&](std::size_t lane) { return job_.motion[lane][k].acceleration; })};
+  }
+
+  /// As between_samples().
+  [[nodiscard]] Motion motion(std::size_t k, double share) const {
+    const Motion from = motion(k), to = motion(k + 1);
+    const auto inside =
+        model::hermite<S>({from.position, from.velocity}, {to.position, to.velocity}, S(share), S(job_.period));
+    return {inside.position, inside.velocity, from.acceleration + S(share) * (to.acceleration - from.acceleration)};
+  }
+
+  static void take(typename Rig::Input& in, const Motion& motion) {
+    in.foot_point = motion;
+    in.command = {motion.position, motion.velocity};
+  }
+
+  /// N samples are turned together into pieces of channels: number by number would cost as much as the step.
+  void keep(std::size_t k, const model::Signals<S>& measured) {
+    const std::size_t row = k % N;
+    for (std::size_t c = 0; c < job_.channel_count; ++c) {
+      kept_[c][row] = measured[static_cast<std::size_t>(job_.channels[c])];
+    }
+    if (row + 1 != N && k + 1 != job_.samples) return;
+    const std::size_t first = k - row;
+    for (std::size_t c = 0; c < job_.channel_count; ++c) {
+      model::transpose(kept_[c]);
+      for (std::size_t lane = 0; lane < N; ++lane) {
+        double* const out = job_.out[lane * job_.channel_count + c];
+        if (out == nullptr) continue;
+        if (row + 1 == N) {
+          __builtin_memcpy(out + first, &kept_[c][lane], sizeof(S));
+        } else {
+          for (std::size_t i = 0; i <= row; ++i) out[first + i] = kept_[c][lane][i];
+        }
+      }
+    }
+  }
+
+  const LaneSimulation& job_;
+  Rig model_;
+  std::array<std::array<S, N>, model::channel_count> kept_{};
+};
+
+template <std::size_t N>
+void run_lanes(const LaneSimulation& simulation) {
+  auto* const loop = new LaneLoop<N>(simulation);  // half a megabyte: too much for a stack
+  loop->run();
+  delete loop;
+}
+
+}  // namespace host_sim

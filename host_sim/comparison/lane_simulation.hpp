@@ -1,0 +1,37 @@
+// What a source for one kind of processor is given: nothing but plain memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "model/channel.hpp"
+#include "model/fdva.hpp"
+#include "model/motion.hpp"
+
+namespace host_sim {
+
+/// Some rigs that are alike(), one a lane; fewer rigs than lanes: the last ones repeat.
+struct LaneSimulation {
+  model::RigKind kind;
+  bool has_fdva;
+  int ducts, open_ducts;
+  std::uint64_t active;                        ///< bit i: effect i of model::RigEffects
+  double period;                               ///< of the samples [s]
+  int substeps;                                ///< model steps per sample
+  std::size_t samples;                         ///< ≥ 1
+  const double* const* numbers;                ///< of each lane: those of model::for_each_number
+  const double* const* start;                  ///< of each lane: InitialState
+  const model::Motion<double>* const* motion;  ///< of each lane
+  bool one_motion;                             ///< the same for all lanes
+  const double* actuator_force;                ///< [N]; nullptr: none
+  const model::OpenDucts* opened;              ///< in force from each sample on; nullptr: as in the rig
+  std::size_t channel_count;
+  const model::Channel* channels;
+  double* const* out;  ///< of lane l and channel c: out[l · channel_count + c], nullptr where the lane repeats another
+};
+
+/// AVX2, four rigs; AVX-512, eight. Only where has_lanes() says so.
+void simulate_four(const LaneSimulation& simulation);
+void simulate_eight(const LaneSimulation& simulation);
+
+}  // namespace host_sim
