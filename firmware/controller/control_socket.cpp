@@ -15,6 +15,8 @@
 #include <cstring>
 
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/number_text.hpp"
+#include "firmware/loop/reference_player.hpp"
 
 namespace firmware::controller {
 namespace {
@@ -167,6 +169,9 @@ std::string ControlSocket::ask(const std::string& word, const std::string& rest)
   if (!command->states.empty() && mode != command->states) {
     return word + " needs state " + std::string(command->states) + ", the rig is " + std::string(mode);
   }
+  if (word == "rest" && (loses_power(progress_.reason.load()) || loses_power(progress_.second.load()))) {
+    return "rest needs a rig that has kept its power; acknowledge and arm it anew";
+  }
   if (word == "arm") loop_.arm();
   if (word == "disarm") loop_.disarm();
   if (word == "start") loop_.start();
@@ -179,8 +184,11 @@ std::string ControlSocket::ask(const std::string& word, const std::string& rest)
   if (word == "level") {
     double level = -1.0;
     const auto read = std::from_chars(rest.data(), rest.data() + rest.size(), level);
-    if (read.ec != std::errc() || read.ptr != rest.data() + rest.size() || !loop_.level(level)) {
-      return "level " + in_quotes(rest) + " does not fit, expected 0 to 1.5";
+    const bool whole = read.ec == std::errc() && read.ptr == rest.data() + rest.size();
+    if (!whole || level > highest_level_ || !loop_.level(level)) {
+      const bool limited = highest_level_ < ReferencePlayer::highest_level;
+      return "level " + in_quotes(rest) + " does not fit, expected 0 to " + shortest(highest_level_) +
+             (limited ? ": beyond it this run does not fit the limits" : "");
     }
   }
   if (word != "state" && word != "mark") recording_.mark("operator: " + word + (rest.empty() ? "" : " " + rest));

@@ -33,8 +33,9 @@ inline constexpr std::string_view usual_socket = "/run/rigtwin/control.sock";
 /// answer comes two periods later, or after half a second without a period.
 class ControlSocket {
  public:
-  ControlSocket(ControlLoop& loop, RecordingThread& recording, const LoopProgress& progress)
-      : loop_(loop), recording_(recording), progress_(progress) {}
+  /// `highest_level`: of the command `level`, so that the run stays within the limits.
+  ControlSocket(ControlLoop& loop, RecordingThread& recording, const LoopProgress& progress, double highest_level)
+      : loop_(loop), recording_(recording), progress_(progress), highest_level_(highest_level) {}
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
   ~ControlSocket();
@@ -62,6 +63,7 @@ class ControlSocket {
   ControlLoop& loop_;
   RecordingThread& recording_;
   const LoopProgress& progress_;
+  double highest_level_;
   int socket_ = -1;
   std::string path_;
   std::vector<Client> clients_;

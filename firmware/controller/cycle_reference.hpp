@@ -10,6 +10,12 @@
 
 namespace firmware::controller {
 
+/// Sample i of a joint of B samples from motion a to motion b: (1) to (3) of CycleReference.
+[[nodiscard]] Motion joint(const Motion& a, const Motion& b, std::uint64_t i, std::uint64_t samples, double period);
+
+/// B of a road of n samples.
+[[nodiscard]] std::uint64_t joint_samples(std::uint64_t n, double period);
+
 /// The same motion over and over, with a joint without a jump.
 ///
 /// A table of n samples repeats every P = n − B samples: the last B samples of a cycle are faded into the first B of
@@ -23,8 +29,6 @@ namespace firmware::controller {
 /// (ẇ ≤ 1.875/T, ẅ ≤ 5.774/T²). The first cycle begins and the last one ends as the table does.
 class CycleReference final : public Reference {
  public:
-  static constexpr double blend_time = 2.0;  ///< [s]
-
   /// `cycles` ≥ 1; 0: without end. One cycle is the table itself.
   CycleReference(std::span<const Motion> table, std::uint64_t cycles, double period);
 

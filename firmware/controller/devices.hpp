@@ -14,6 +14,16 @@
 
 namespace firmware::controller {
 
+/// A level that was asked for, and the row in whose period it was taken up.
+struct LevelChange {
+  std::size_t row = 0;
+  double level = 1.0;
+};
+
+/// The changes that column `level` of a recording shows, to the millionth that a request has (ControlLoop::level);
+/// `period` in s.
+[[nodiscard]] std::vector<LevelChange> level_changes(const std::vector<double>& level, double period);
+
 /// Requests and states of the recorded run, for its replay.
 struct ReplayedRun {
   std::size_t rows = 0;      ///< of the recording
@@ -22,6 +32,7 @@ struct ReplayedRun {
   bool with_the_way = true;  ///< the recording begins before the run
   /// Of each row; empty: the recording is the run alone.
   std::vector<Mode> modes;
+  std::vector<LevelChange> levels;        ///< in order
   std::size_t stop_requested = SIZE_MAX;  ///< the row in whose period the run was asked to stop
 };
 

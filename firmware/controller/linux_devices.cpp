@@ -213,9 +213,12 @@ class LinuxDevices final : public Devices {
           Rf60xLaser::open({laser.port, static_cast<unsigned>(laser.baud), static_cast<unsigned>(laser.address),
                             laser.channel, laser.range, laser.scale, laser.offset});
       if (!opened) return opened.trouble;
+      text_ +=
+          "laser: " + std::string(model::name(model::channel_at(laser.channel))) + " at " + laser.port +
+          (opened.device->low_latency() ? ", low latency\n"
+                                        : ", its driver grants NO LOW LATENCY: samples may be up to 16 ms older\n");
       lasers_.push_back(opened.device.get());
       parts.push_back(std::move(opened.device));
-      text_ += "laser: " + std::string(model::name(model::channel_at(laser.channel))) + " at " + laser.port + "\n";
     }
     if (parts.empty()) return rig.source + ": no sensors, expected [converters.F] and the like, or [lasers.dz_b]";
     sensors_ = std::make_unique<Sensors>(setup, clock_, std::move(parts));

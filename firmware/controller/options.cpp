@@ -13,6 +13,7 @@ const char* const usage =
                  [--duration 60] [--seed 1] [--bandwidth HZ] [--cut-off HZ]
   rig_controller --rig RIG.toml --check     lines, converters, rights, limits: everything but motion
   rig_controller COMMAND                    to the program that drives the rig, see below
+  rig_controller --rig RIG.toml --unit-times  a drop-in for the systemd unit: its times for this rig
   rig_controller --list                     GPIO chips and lines, converters and triggers that are there
 
   --start           arm and start at once: I stand beside the rig. Without it the program waits for arm and start
@@ -21,6 +22,7 @@ const char* const usage =
   --overwrite       an earlier recording of that name; without it the run is refused
   --part-minutes M  a new file every M minutes: RUN.csv, RUN-0002.csv, …
   --cycles N        the road N times, with a joint without a jump; 0: until it is stopped
+  --programme FILE.toml  in place of a road: [[blocks]], each with road, speed, duration, seed, level, repetitions, pause
   --histogram FILE  wake-up latency, step time and sample age as `cyclictest -h` writes them
   --no-realtime     run without real-time rights; the recording says so
   --simulated       the rig's model in place of its devices, in real time
@@ -51,6 +53,7 @@ bool read(std::string_view text, Number& number) {
 
 Options read_options(int argc, char** argv, std::string& trouble) {
   Options options;
+  std::string road_option;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (!word.starts_with('-')) {
@@ -58,6 +61,8 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       options.request += (options.request.empty() ? "" : " ") + std::string(word);
     } else if (word == "--check") {
       options.task = Options::Task::check;
+    } else if (word == "--unit-times") {
+      options.task = Options::Task::unit_times;
     } else if (word == "--list") {
       options.task = Options::Task::list;
     } else if (word == "--help" || word == "-h") {
@@ -80,7 +85,7 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       const bool known = word == "--rig" || word == "--out" || word == "--road" || word == "--speed" ||
                          word == "--duration" || word == "--histogram" || word == "--seed" || word == "--replay" ||
                          word == "--bandwidth" || word == "--cut-off" || word == "--part-minutes" ||
-                         word == "--cycles" || word == "--socket";
+                         word == "--cycles" || word == "--socket" || word == "--programme";
       if (!known) {
         trouble = "unknown option " + std::string(word) + ", see rig_controller --help";
         return options;
@@ -107,17 +112,25 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       }
       if (word == "--part-minutes") fits = read(value, options.part_minutes) && options.part_minutes > 0.0;
       if (word == "--socket") options.socket = value;
+      if (word == "--programme") options.programme = value;
+      const bool of_a_road = word == "--road" || word == "--speed" || word == "--duration" || word == "--cycles" ||
+                             word == "--bandwidth" || word == "--cut-off";
+      if (of_a_road) road_option = word;
       if (word == "--cycles") fits = read(value, options.cycles);
       if (word == "--seed") fits = read(value, options.seed);
       if (!fits) trouble = std::string(word) + " " + std::string(value) + " does not fit, expected a number above 0";
     }
   }
   using Task = Options::Task;
-  if (!trouble.empty() || (options.task != Task::run && options.task != Task::check)) return options;
+  const bool of_a_rig = options.task == Task::run || options.task == Task::check || options.task == Task::unit_times;
+  if (!trouble.empty() || !of_a_rig) return options;
   if (options.rig.empty()) trouble = "--rig is missing, expected a rig description";
   if (options.task == Task::run && options.out.empty()) trouble = "--out is missing, expected the recording's name";
   if (!options.histogram.empty() && options.histogram == options.out) {
     trouble = "--histogram and --out name one file, expected two";
+  }
+  if (!options.programme.empty() && !road_option.empty()) {
+    trouble = "--programme and " + road_option + ": expected one of them, the blocks of a programme say their roads";
   }
   if (options.wait && options.start) trouble = "--wait and --start: expected one of them";
   if (options.wait && (options.virtual_time || !options.replay.empty())) {

@@ -8,7 +8,7 @@
 namespace firmware::controller {
 
 struct Options {
-  enum class Task : unsigned char { run, check, list, ask, help, version };
+  enum class Task : unsigned char { run, check, list, ask, help, version, unit_times };
   Task task = Task::run;
   std::string rig;
   std::string out;
@@ -27,6 +27,7 @@ struct Options {
   bool overwrite = false;           ///< an earlier recording
   double part_minutes = 0.0;        ///< length of a part of the recording [min]; 0: one part
   std::uint64_t cycles = 1;         ///< of the road; 0: without end
+  std::string programme;            ///< file of blocks in place of one road; empty: none
   std::string replay;               ///< the recording in place of devices; empty: none
   std::optional<double> bandwidth;  ///< of an ISO 8608 road [Hz]
   std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]

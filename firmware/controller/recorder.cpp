@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 
 #include "firmware/description/input_error.hpp"
 #include "firmware/description/sha256.hpp"
@@ -23,13 +24,13 @@ namespace {
 constexpr double standing_rows = 1.0;  // [s] of standing still in safe that are recorded; waiting may take hours
 
 /// The file's text as comments, with its hash. Empty if it is gone.
-std::string as_comments(const std::string& file) {
+std::string as_comments(std::string_view what, const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();
   if (!stream) return {};
-  std::string comments =
-      "# description: " + one_line(file) + ", SHA-256 " + sha256(text.str()) + "; its text, behind '|':\n";
+  std::string comments = "# " + std::string(what) + ": " + one_line(file) + ", SHA-256 " + sha256(text.str()) +
+                         "; its text, behind '|':\n";
   std::istringstream lines(text.str());
   for (std::string line; std::getline(lines, line);) comments += "# | " + line + "\n";
   return comments;
@@ -66,7 +67,8 @@ std::string part_name(const std::string& file, std::uint64_t part) {
 }
 
 Recorder::Recorder(const Setup& setup, const RigDescription& rig, const hal::SensorSetup& sensors, std::string& trouble)
-    : setup_(setup), columns_(rig, sensors), description_(as_comments(rig.source)) {
+    : setup_(setup), columns_(rig, sensors), description_(as_comments("description", rig.source)) {
+  if (!setup.programme.empty()) description_ += as_comments("programme", setup.programme);
   if (open_part() && flush()) return;
   trouble = setup_.file + ": " + std::strerror(error()) +
             (error() == EEXIST ? ", expected a new name or --overwrite" : ", expected a file that can be written");
@@ -102,7 +104,8 @@ bool Recorder::open_part() {
     buffer_ += "," + column.name;
     if (!column.unit.empty()) buffer_ += " [" + column.unit + "]";
   }
-  if (setup_.cycle_samples > 0) buffer_ += ",cycle";
+  if (setup_.place) buffer_ += ",block";
+  if (setup_.place || setup_.cycle_samples > 0) buffer_ += ",cycle";
   buffer_ += '\n';
   return true;
 }
@@ -111,6 +114,24 @@ void Recorder::number(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value);
   buffer_.append(text, end.ptr);
+}
+
+/// Columns block and cycle, where the run has them.
+void Recorder::place(const Record& record) {
+  if (!setup_.place && setup_.cycle_samples == 0) return;
+  if (record.sample == 0) run_samples_ = 0;
+  ProgrammeReference::Place there{0, 0};
+  if (in_run(record.mode)) {
+    there = setup_.place ? setup_.place(run_samples_)
+                         : ProgrammeReference::Place{1, 1 + run_samples_ / setup_.cycle_samples};
+  }
+  if (setup_.place) {
+    buffer_ += ',';
+    number(static_cast<double>(there.block));
+  }
+  buffer_ += ',';
+  number(static_cast<double>(there.cycle));
+  if (record.mode == Mode::running) ++run_samples_;
 }
 
 bool Recorder::worth_a_row(const Record& record) {
@@ -142,13 +163,7 @@ void Recorder::take(const Record& record) {
     buffer_ += ',';
     number(RunColumns::value(column, record));
   }
-  if (setup_.cycle_samples > 0) {
-    buffer_ += ',';
-    const std::uint64_t cycle = 1 + run_samples_ / setup_.cycle_samples;
-    number(in_run(record.mode) ? static_cast<double>(cycle) : 0.0);
-    if (record.sample == 0) run_samples_ = 0;
-    if (record.mode == Mode::running) ++run_samples_;
-  }
+  place(record);
   buffer_ += '\n';
   ++collected_;
   ++part_rows_;

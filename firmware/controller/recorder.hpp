@@ -4,9 +4,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "firmware/controller/programme_reference.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "firmware/loop/journal.hpp"
 #include "firmware/recording/run_columns.hpp"
@@ -20,8 +22,9 @@ namespace firmware::controller {
 ///
 ///   comments   program, road, rights, UTC of the beginning, legend of mode and reason, the rig description with its
 ///              SHA-256
-///   rows       t, the columns of RunColumns, and for a road that repeats `cycle` (from 1, 0 outside of
-///              the run; a hold moves its border by up to a second)
+///   rows       t, the columns of RunColumns; for a road that repeats `cycle`, for a programme `block` and `cycle`
+///   (from
+///              1, 0 outside of the run; a hold moves their borders by up to a second)
 ///   comments   marks of the operator between rows; at the end why and when (UTC) the recording ended
 ///
 /// t is the loop's own grid since the first row: a step is one period, and after a late period, which moves the grid,
@@ -37,6 +40,9 @@ class Recorder {
     bool overwrite = false;           ///< an earlier recording; else it is refused
     std::uint64_t rows_per_part = 0;  ///< 0: one part
     std::uint64_t cycle_samples = 0;  ///< of a road that repeats; 0: it does not
+    std::string programme;            ///< its file, whose text goes into the comments; empty: none
+    /// Block and cycle of a sample of the programme; empty: none.
+    std::function<ProgrammeReference::Place(std::uint64_t)> place;
   };
 
   /// Opens the file and writes comments and header. `trouble`: why not.
@@ -65,6 +71,7 @@ class Recorder {
  private:
   bool open_part();
   void number(double value);
+  void place(const Record& record);
   [[nodiscard]] bool worth_a_row(const Record& record);
 
   Setup setup_;

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "firmware/description/control_settings.hpp"
 #include "firmware/description/input_error.hpp"
+#include "firmware/loop/reference_player.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/simulation/simulated_setup.hpp"
@@ -13,11 +18,49 @@
 namespace firmware::controller {
 namespace {
 
+/// Which interlock a recording was ended by, as its last line names it. Nothing recorded says more.
+std::size_t interlock_of(const std::string& file, const RigDescription& rig) {
+  constexpr std::string_view words = "# ended by interlock ";
+  std::ifstream stream(file);
+  std::string line, last;
+  while (std::getline(stream, line)) {
+    if (line.starts_with(words)) last = line.substr(words.size());
+  }
+  const std::string name = last.substr(0, last.rfind(", "));
+  if (!rig.hardware.gpio) return 0;
+  const auto& interlocks = rig.hardware.gpio->interlocks;
+  const auto found = std::find_if(interlocks.begin(), interlocks.end(),
+                                  [&](const auto& interlock) { return one_line(interlock.name) == name; });
+  return found == interlocks.end() ? 0 : static_cast<std::size_t>(found - interlocks.begin());
+}
+
+/// A first row that began late belongs to a session that had been idle before: with an idle period before it the loop
+/// has the grid of that session. A late period moved it: its time is when it began.
+AsRecorded with_the_period_before(AsRecorded recorded, const RigDescription& rig) {
+  if (recorded.late.empty() || recorded.mode.empty() || recorded.late.front() == 0.0) return recorded;
+  const auto prepend = [](std::vector<double>& column, double value) {
+    if (!column.empty()) column.insert(column.begin(), value);
+  };
+  const auto repeat = [&](std::vector<double>& column) {
+    if (!column.empty()) prepend(column, column.front());
+  };
+  const double period = rig.period(), late = recorded.late.front();
+  const bool moved = late > control_settings(rig).limits.late_after * period;
+  prepend(recorded.recording.time, recorded.recording.time.front() - period - (moved ? late : 0.0));
+  prepend(recorded.late, 0.0);
+  prepend(recorded.mode, static_cast<double>(Mode::idle));
+  prepend(recorded.reason, 0.0);
+  repeat(recorded.level);
+  for (auto& age : recorded.age) repeat(age);
+  for (auto& channel : recorded.recording.channels) repeat(channel);
+  return recorded;
+}
+
 class ReplayDevices final : public Devices {
  public:
   ReplayDevices(const RigDescription& rig, const Options& options)
       : file_(options.replay),
-        recorded_(read_csv_as_recorded(options.replay, rig.channels)),
+        recorded_(with_the_period_before(read_csv_as_recorded(options.replay, rig.channels), rig)),
         rig_(played(rig), simulated_sensors(rig), rig.rig.has_fdva ? static_cast<std::size_t>(rig.rig.fdva.ducts) : 0,
              hal::Openings::from_bits(rig.controller.safe_ducts), {}) {}
 
@@ -40,6 +83,11 @@ class ReplayDevices final : public Devices {
     hal::replay::Recording played;
     played.time = times_;
     played.stop_pressed = find_the_run();
+    if (interlock_.time != hal::never) {
+      interlock_.interlock = interlock_of(file_, rig);
+      played.interlocks_opened = {&interlock_, 1};
+    }
+    run_.levels = level_changes(recorded_.level, rig.period());
     const hal::SensorSetup setup = simulated_sensors(rig);
     for (std::size_t i = 0; i < model::channel_count; ++i) {
       const std::vector<double>& values = recorded.channels[i];
@@ -73,6 +121,7 @@ class ReplayDevices final : public Devices {
       if (!first) continue;
       const auto is = [reason](Reason wanted) { return reason == static_cast<double>(wanted); };
       if (is(Reason::stop_button) && pressed == hal::never) pressed = times_[k];
+      if (is(Reason::interlock) && interlock_.time == hal::never) interlock_.time = times_[k];
       if (is(Reason::stop_requested)) run_.stop_requested = k;
       if (reason != 0.0) run_.to_its_end = is(Reason::reference_ended);
     }
@@ -82,12 +131,48 @@ class ReplayDevices final : public Devices {
   std::string file_;
   AsRecorded recorded_;
   ReplayedRun run_;
+  hal::replay::Opened interlock_{};
   std::vector<hal::Time> times_;
   std::array<std::vector<hal::Time>, model::channel_count> taken_;
   hal::replay::Rig rig_;
 };
 
 }  // namespace
+
+std::vector<LevelChange> level_changes(const std::vector<double>& level, double period) {
+  constexpr double time = ReferencePlayer::change_time, widest = ReferencePlayer::highest_level;
+  const auto periods_of = [period](double change) {
+    return static_cast<std::size_t>(std::ceil(time * std::max(1.0, change) / period));
+  };
+  std::vector<LevelChange> changes;
+  double before = 1.0;
+  for (std::size_t k = 0; k < level.size(); ++k) {
+    if (level[k] == before) continue;
+    std::size_t moving = 1;  // rows that change; a run that ends leaves a change unfinished
+    while (k + moving < level.size() && level[k + moving] != level[k + moving - 1]) ++moving;
+    // Over n periods, s = j/n: L = L₀ + Δ(3s² − 2s³), n = T/h · max(1, |Δ|) rounded up (ReferencePlayer). Any row of it
+    // gives Δ; the first one checks n.
+    const auto smooth = [](std::size_t j, std::size_t n) {
+      const double s = static_cast<double>(j) / static_cast<double>(n);
+      return s * s * (3.0 - 2.0 * s);
+    };
+    LevelChange change{k, std::round(1e6 * level[k]) / 1e6};  // before a run: at once
+    std::size_t rows = 1;
+    for (std::size_t n = periods_of(1.0); n <= periods_of(widest); ++n) {
+      const std::size_t j = std::min(n, moving);
+      const double wanted = std::round(1e6 * (before + (level[k + j - 1] - before) / smooth(j, n))) / 1e6;
+      const double way = wanted - before;
+      if (n != periods_of(std::abs(way)) || std::abs(before + way * smooth(1, n) - level[k]) > 1e-9) continue;
+      change.level = wanted;
+      rows = j;
+      break;
+    }
+    changes.push_back(change);
+    k += rows - 1;
+    before = level[k];
+  }
+  return changes;
+}
 
 std::unique_ptr<Devices> replay_devices(const RigDescription& rig, const Options& options) {
   return std::make_unique<ReplayDevices>(rig, options);

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -118,6 +120,18 @@ Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
   return ready ? Status::done : Status::refused;
 }
 
+/// A drop-in for rig_controller@.service. WatchdogSec is not below 2 s: the supervisor tells systemd 100 times a second
+/// that the loop makes periods, so twenty periods and 2 s are a hang, no slow disk.
+void print_unit_times(const RigDescription& rig) {
+  const auto whole_seconds = [](double time) { return static_cast<unsigned long>(std::ceil(time)); };
+  const unsigned long stop = whole_seconds(longest_stop(rig));
+  std::printf(
+      "# Written by rig_controller --unit-times for %s: stroke %.4g m, ramp %.4g m/s, %.4g Hz.\n[Service]\n"
+      "WatchdogSec=%lu\nTimeoutStopSec=%lu\nTimeoutAbortSec=%lu\n",
+      one_line(rig.source).c_str(), rig.controller.stroke, rig.controller.ramp, rig.sample_rate,
+      whole_seconds(std::max(2.0, 20.0 * rig.period())), stop, stop);
+}
+
 /// The objection to motion that follows from the description alone, before any device is opened. A description without
 /// lines is no one for devices: open_devices() says so.
 void refuse_unfit(const RigDescription& rig, bool devices) {
@@ -136,6 +150,10 @@ Status run(const Options& options) {
     return Status::done;
   }
   const RigDescription rig = read_rig(options.rig);
+  if (options.task == Options::Task::unit_times) {
+    print_unit_times(rig);
+    return Status::done;
+  }
   if (options.replay.empty()) refuse_unfit(rig, !options.simulated && rig.hardware.gpio);
   std::string trouble;
   if (!options.histogram.empty()) {  // that it cannot be written is to be known before anything moves

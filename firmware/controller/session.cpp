@@ -17,9 +17,6 @@
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
-#include "firmware/recording/recording_csv.hpp"
-#include "firmware/simulation/road_choice.hpp"
-#include "firmware/simulation/run_objection.hpp"
 
 namespace firmware::controller {
 namespace {
@@ -41,33 +38,6 @@ std::string words(const Trip& trip, const RigDescription& rig) {
   char numbers[96];
   std::snprintf(numbers, sizeof numbers, " (%.4g, limit %.4g)", trip.value, trip.limit);
   return text + numbers;
-}
-
-FootPointMotion motion_of(const Options& options, const RigDescription& rig, const ReplayedRun* replayed) {
-  const bool as_long = replayed != nullptr && replayed->to_its_end && options.cycles == 1;
-  const std::size_t samples = as_long ? replayed->samples : samples_of(options.duration, rig.sample_rate);
-  const RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
-  auto motion = excitation(rig.rig, motion_over(road, rig, samples, read_csv_recording), rig.sample_rate);
-  const bool lacks_the_way = replayed != nullptr && !replayed->with_the_way && rig.rig.kind != model::RigKind::hil;
-  if (lacks_the_way && !motion.empty() && motion.front().position != 0.0) {
-    throw UsageError("--replay of a road that begins elsewhere than at 0: its recording lacks the way there");
-  }
-  return motion;
-}
-
-/// Looked at as a whole before anything moves. A replay shows what was, and is not looked at.
-FootPointMotion fitting_motion(const Options& options, const RigDescription& rig, const ReplayedRun* replayed) {
-  FootPointMotion motion = motion_of(options, rig, replayed);
-  if (replayed != nullptr) return motion;
-  FootPointMotion joined;  // with the joint between two cycles
-  if (options.cycles != 1) {
-    CycleReference twice(motion, 2, rig.period());
-    for (std::uint64_t k = 0; const auto there = twice.at(k); ++k) joined.push_back(*there);
-  }
-  if (const std::string objection = run_objection(rig, joined.empty() ? motion : joined); !objection.empty()) {
-    throw InputError(options.road, 0, objection, "a run within the limits of " + rig.source);
-  }
-  return motion;
 }
 
 /// The roles with a command output that remembers.
@@ -94,6 +64,10 @@ void drain(const hal::Rig& roles, hal::Time period) {
   }
 }
 
+double longest_return(const RigDescription& rig) { return 3.0 * rig.controller.stroke / rig.controller.ramp + 2.0; }
+
+double longest_stop(const RigDescription& rig) { return longest_return(rig) + 2.0 * disk_patience.seconds(); }
+
 Session::Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict)
     : options_(options),
       rig_(rig),
@@ -106,15 +80,14 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       command_(opened_.command),
       roles_(remembering(opened_, command_)),
       valves_(valve_plan(rig)),
-      motion_(fitting_motion(options, rig, devices.replayed())),
-      reference_(motion_, options.cycles, rig.period()),
+      road_(options, rig, devices.replayed(), operated_ || !options.socket.empty()),
       storage_(journal_records),
       journal_(storage_),
-      loop_(settings_, rig.rig, roles_, reference_, valves_, journal_),
+      loop_(settings_, rig.rig, roles_, road_.reference(), valves_, journal_),
       spans_(std::make_unique<Spans>()),
       wake_(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period()))),
       emergency_return_(roles_, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke, rig.period()),
-      longest_return_(3.0 * rig.controller.stroke / rig.controller.ramp + 2.0) {
+      longest_return_(longest_return(rig)) {
   if (realtime_ && wake_.early() > hal::Time{}) {
     warmup_ = std::make_unique<CacheWarmup>(loop_, journal_, settings_, rig.rig, roles_.sensors.setup());
   }
@@ -132,13 +105,16 @@ Status Session::run() {
   if (!open_recording()) return Status::cannot_write;
   recording_ =
       std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay);
-  socket_ = std::make_unique<ControlSocket>(loop_, *recording_, progress_);
+  socket_ = std::make_unique<ControlSocket>(loop_, *recording_, progress_, road_.highest_level());
   if (!open_socket()) {
     static_cast<void>(recording_->finish(disk_patience));
     return Status::refused;
   }
   supervisor_ = std::make_unique<Supervisor>(
       others, Supervisor::Parts{loop_, journal_, *recording_, progress_, *socket_, longest_return_});
+  if (road_.highest_level() < ReferencePlayer::highest_level) {
+    std::printf("level: at most %.4g, beyond it the run does not fit the limits\n", road_.highest_level());
+  }
   notify("READY=1");
   std::printf(operated_ ? "waiting for the operator; recording: %s\n" : "running: %s\n", options_.out.c_str());
   std::fflush(stdout);
@@ -181,14 +157,17 @@ bool Session::open_recording() {
   Recorder::Setup setup;
   setup.file = options_.out;
   setup.comments = {"rig_controller " + std::string(version) + ": " + std::string(model::name(rig_.rig.kind)) + ", " +
-                        options_.road + ", seed " + std::to_string(options_.seed) +
-                        (options_.simulated ? ", SIMULATED RIG" : "") +
+                        road_.text() + (options_.simulated ? ", SIMULATED RIG" : "") +
                         (options_.replay.empty() ? "" : ", REPLAY of " + one_line(options_.replay)),
                     rights_};
   for (const auto& [name, sentence] : rig_.waivers) setup.comments.push_back("WAIVER " + name + ": " + sentence);
   setup.overwrite = options_.overwrite;
   setup.rows_per_part = static_cast<std::uint64_t>(options_.part_minutes * 60.0 * rig_.sample_rate);
-  if (options_.cycles != 1) setup.cycle_samples = reference_.cycle_samples();
+  setup.cycle_samples = road_.cycle_samples();
+  setup.programme = options_.programme;
+  if (const ProgrammeReference* programme = road_.programme(); programme != nullptr) {
+    setup.place = [programme](std::uint64_t sample) { return programme->place(sample); };
+  }
   recorder_ = std::make_unique<Recorder>(setup, rig_, roles_.sensors.setup(), trouble);
   if (trouble.empty()) return true;
   std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
@@ -239,7 +218,7 @@ bool Session::is_over(hal::Time seen) {
   }
   const ReplayedRun* replayed = devices_.replayed();
   const std::uint64_t periods = progress_.periods.load(std::memory_order_relaxed);
-  if (replayed != nullptr && periods >= replayed->rows) return true;  // nothing more was recorded
+  if (replayed != nullptr) return periods >= replayed->rows;  // what was recorded, and no more
   if (safe_since_ == hal::never) safe_since_ = seen;
   if (operated_ && supervisor_->cause() == Cause::none && !trapped()) return false;
   return loop_.at_rest() || (seen - safe_since_).seconds() > longest_return_;
@@ -257,6 +236,9 @@ void Session::lead() {
     return;
   }
   if (row == replayed->stop_requested) loop_.stop();
+  for (const LevelChange& change : replayed->levels) {
+    if (change.row == row) static_cast<void>(loop_.level(change.level));
+  }
   if (row >= replayed->modes.size()) return;
   const Mode next = replayed->modes[row];
   const bool goes = next == Mode::ready || next == Mode::running;

@@ -10,7 +10,6 @@
 #include "firmware/controller/auxiliary_thread.hpp"
 #include "firmware/controller/cache_warmup.hpp"
 #include "firmware/controller/control_socket.hpp"
-#include "firmware/controller/cycle_reference.hpp"
 #include "firmware/controller/devices.hpp"
 #include "firmware/controller/emergency.hpp"
 #include "firmware/controller/options.hpp"
@@ -18,6 +17,7 @@
 #include "firmware/controller/recorder.hpp"
 #include "firmware/controller/recording_thread.hpp"
 #include "firmware/controller/run.hpp"
+#include "firmware/controller/run_road.hpp"
 #include "firmware/controller/spans.hpp"
 #include "firmware/controller/supervisor.hpp"
 #include "firmware/controller/wake_lead.hpp"
@@ -29,6 +29,12 @@ namespace firmware::controller {
 /// Converters have been filling their queues since they were opened: takes the old samples out, so that the next read
 /// gets new ones.
 void drain(const hal::Rig& roles, hal::Time period);
+
+/// The longest way back to rest that a session waits for [s].
+[[nodiscard]] double longest_return(const RigDescription& rig);
+
+/// From a request to stop to the end of the process at most [s]: that way, and the disk's patience, twice.
+[[nodiscard]] double longest_stop(const RigDescription& rig);
 
 /// One session with opened devices. Three threads:
 ///
@@ -72,8 +78,7 @@ class Session {
   RememberedCommand command_;
   const hal::Rig roles_;
   const ValvePlan valves_;
-  const std::vector<Motion> motion_;
-  CycleReference reference_;
+  RunRoad road_;
   std::vector<Record> storage_;
   Journal journal_;
   ControlLoop loop_;

@@ -109,7 +109,8 @@ class CsvReader {
   AsRecorded finish_as_recorded() {
     take_last_row();
     check_time_rises(recording_, {recording_.source, first_row_});
-    return {std::move(recording_), std::move(late_), std::move(age_), std::move(mode_), std::move(reason_)};
+    return {std::move(recording_), std::move(late_),   std::move(age_),
+            std::move(mode_),      std::move(reason_), std::move(level_)};
   }
 
  private:
@@ -210,6 +211,7 @@ class CsvReader {
         }
         if (own_ && headings[c].name == "mode") columns_.back() = {&mode_, Target{time_quantity}};
         if (own_ && ages_ && headings[c].name == "reason") columns_.back() = {&reason_, Target{time_quantity}};
+        if (own_ && ages_ && headings[c].name == "level") columns_.back() = {&level_, Target{time_quantity}};
         for (std::size_t i = 0; own_ && ages_ && i < age_.size(); ++i) {
           if (headings[c].name == age_name(model::channel_at(i))) columns_.back() = {&age_[i], Target{1 + i}};
         }
@@ -335,6 +337,7 @@ class CsvReader {
   Missing missing_;             // what becomes of gaps
   std::vector<double> mode_;    // of each row; empty: all rows are the run
   std::vector<double> reason_;  // of each row
+  std::vector<double> level_;   // of each row
   bool ages_;                   // are read as well
   std::array<std::vector<double>, model::channel_count> age_;
 };

@@ -42,6 +42,7 @@ struct AsRecorded {
   /// Of each row, as numbers (run_columns); empty: the recording holds nothing but the run.
   std::vector<double> mode;
   std::vector<double> reason;
+  std::vector<double> level;
 };
 [[nodiscard]] AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map);
 

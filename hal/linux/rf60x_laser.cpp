@@ -1,6 +1,8 @@
 #include "hal/linux/rf60x_laser.hpp"
 
 #include <fcntl.h>
+#include <linux/serial.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -53,6 +55,14 @@ bool set_up(int port, speed_t speed) {
   return ::tcsetattr(port, TCSANOW, &line) == 0;
 }
 
+/// False: the driver knows no such thing, or does not grant it.
+bool ask_low_latency(int port) {
+  serial_struct serial{};
+  if (::ioctl(port, TIOCGSERIAL, &serial) != 0) return false;
+  serial.flags |= ASYNC_LOW_LATENCY;
+  return ::ioctl(port, TIOCSSERIAL, &serial) == 0;
+}
+
 }  // namespace
 
 Rf60xLaser::Rf60xLaser(const Wanted& wanted, int port)
@@ -82,7 +92,9 @@ Opened<Rf60xLaser> Rf60xLaser::open(const Wanted& wanted) {
   if (!set_up(port, speed) || ::write(port, request, sizeof request) != static_cast<ssize_t>(sizeof request)) {
     opened.trouble = "laser at " + wanted.port + ": " + words_of(errno) + "; expected a serial port";
     opened.device.reset();
+    return opened;
   }
+  opened.device->low_latency_ = ask_low_latency(port);
   return opened;
 }
 

@@ -42,6 +42,10 @@ class Rf60xLaser final : public SensorPart {
   /// channel that is five loop periods old.
   [[nodiscard]] Time interval() const;
 
+  /// The driver hands over bytes at once. Without it some collect them for up to 16 ms (USB converters), and samples
+  /// are that old.
+  [[nodiscard]] bool low_latency() const { return low_latency_; }
+
   /// What a user should know about the stream when the loop's period is `period`, or an empty text.
   [[nodiscard]] std::string warning(Time period) const;
 
@@ -51,6 +55,7 @@ class Rf60xLaser final : public SensorPart {
 
   Wanted wanted_;
   int port_;
+  bool low_latency_ = false;
   Time byte_time_;
   Rf60xParser parser_;
   Reading newest_{};

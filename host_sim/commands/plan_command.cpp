@@ -73,7 +73,10 @@ void print_plan(const plan::Plan& made) {
   std::printf("parameters, half width of the 95 %% interval: nothing else known, beside tolerances\n");
   for (const plan::PlannedParameter& p : made.parameters) {
     std::printf("  %-28s %10.4g  ±%8.3g %%  ±%8.3g %%  %s\n", p.path.c_str(), p.described, 100.0 * p.determined_to,
-                100.0 * p.beside_tolerances, !p.why.empty() ? p.why.c_str() : p.open() ? "open" : "");
+                100.0 * p.beside_tolerances,
+                !p.why.empty() ? p.why.c_str()
+                : p.open()     ? "open"
+                               : "");
   }
   for (const plan::OpenCombination& open : made.open) {
     std::printf("undetermined: %s (%s)\n", open.combination.c_str(), open.why.c_str());
@@ -100,8 +103,8 @@ void run_plan(const PlanOptions& options) {
   setting.without = without;
   setting.seed = options.seed;
   std::optional<Progress> progress(std::in_place, "plan");
-  const plan::Plan made = plan::make_plan(
-      rig, std::move(setting), [&](double share, const std::string& what) { progress->show(share, what); });
+  const plan::Plan made = plan::make_plan(rig, std::move(setting),
+                                          [&](double share, const std::string& what) { progress->show(share, what); });
   progress.reset();
 
   std::optional<firmware::OutputFile> json, report;

@@ -43,21 +43,14 @@ std::string reason_of(std::string refusal, const std::string& source) {
   return refusal.substr(0, refusal.find(", expected"));
 }
 
-/// Sines over an octave that fade in within a second, with the velocity of the road.
+/// Sines over an octave with the velocity of the road.
 firmware::FootPointMotion octave(identification::Band band, const firmware::FootPointMotion& road, double rate) {
   firmware::FootPointMotion motion = identification::multisine(band, 1.0 / rate, road.size());
   const identification::MotionSize before = identification::size_of(road), after = identification::size_of(motion);
-  const double factor =
-      after.velocity > 0.0 && after.travel > 0.0
-          ? std::min(before.velocity / after.velocity,
-                     identification::thresholds::most_travel * before.travel / after.travel)
-          : 0.0;
-  std::vector<double> positions;
-  for (std::size_t k = 0; k < motion.size(); ++k) {
-    const double t = std::min(1.0, static_cast<double>(k) / rate);
-    positions.push_back(road.front().position + factor * motion[k].position * t * t * t * (10.0 - t * (15.0 - 6.0 * t)));
-  }
-  return firmware::through_samples(positions, rate);
+  if (!(after.velocity > 0.0) || !(after.travel > 0.0)) return motion;
+  identification::scale(motion, std::min(before.velocity / after.velocity,
+                                         identification::thresholds::most_travel * before.travel / after.travel));
+  return motion;
 }
 
 std::vector<Variant> variants(const firmware::RigDescription& description, const Setting& setting,
@@ -138,7 +131,7 @@ Outcome rehearsed(Variant& variant, const std::vector<Rival>& rivals) {
   return outcome;
 }
 
-double half_width(const Information& information, std::size_t parameter) {
+double known_alone(const Information& information, std::size_t parameter) {
   OpenCombination alone;
   alone.parts.push_back({information.parameters[parameter].path, 1.0});
   return known_to(information, alone);
@@ -164,7 +157,8 @@ Advice compared(const Variant& variant, const Outcome& with, const Outcome& with
     const std::string& path = without.information.parameters[i].path;
     for (std::size_t k = 0; k < with.information.parameters.size(); ++k) {
       if (with.information.parameters[k].path != path) continue;
-      if (half_width(without.information, i) > thresholds::open && half_width(with.information, k) < thresholds::open) {
+      if (known_alone(without.information, i) > thresholds::open &&
+          known_alone(with.information, k) < thresholds::open) {
         advice.determines.push_back(path);
       }
     }
@@ -207,8 +201,8 @@ AdviceResult advice_for(const firmware::RigDescription& description, const Setti
                         const std::vector<Rival>& rivals, std::vector<OpenCombination>& open,
                         const std::function<void(double)>& progress) {
   Setting shorter = setting;
-  shorter.motion.resize(std::min(
-      shorter.motion.size(), static_cast<std::size_t>(thresholds::advice_duration * description.sample_rate)));
+  shorter.motion.resize(
+      std::min(shorter.motion.size(), static_cast<std::size_t>(thresholds::advice_duration * description.sample_rate)));
   const Rehearsal now(description, shorter);
   const Outcome without = outcome_of(now, rivals);
   std::vector<Variant> tried = variants(description, shorter, now);
@@ -226,7 +220,8 @@ AdviceResult advice_for(const firmware::RigDescription& description, const Setti
       result.remarks.push_back(tried[v].words + " could not be tried: " + outcomes[v].refused);
     }
   }
-  std::stable_sort(result.advice.begin(), result.advice.end(), [](const Advice& a, const Advice& b) { return a.gain > b.gain; });
+  std::stable_sort(result.advice.begin(), result.advice.end(),
+                   [](const Advice& a, const Advice& b) { return a.gain > b.gain; });
   explain(open, tried, outcomes, now);
   return result;
 }

@@ -11,16 +11,16 @@
 namespace host_sim::plan {
 
 struct Advice {
-  std::string what;   ///< "a sensor of F_w"
-  double gain;        ///< how many times smaller effects may be
-  std::string helps;  ///< the effect that gains most, in words
-  double most;        ///< its gain
+  std::string what;                       ///< "a sensor of F_w"
+  double gain;                            ///< how many times smaller effects may be
+  std::string helps;                      ///< the effect that gains most, in words
+  double most;                            ///< its gain
   std::vector<std::string> determines{};  ///< parameters that are open without it
 };
 
 struct AdviceResult {
-  std::vector<Advice> advice;         ///< best first
-  std::vector<std::string> remarks;   ///< what could not be tried
+  std::vector<Advice> advice;        ///< best first
+  std::vector<std::string> remarks;  ///< what could not be tried
 };
 
 /// Tried by rehearsing each over the same seconds of the road:
@@ -32,8 +32,8 @@ struct AdviceResult {
 ///
 ///   (1)  gain = geometric mean over the effects of  (what is left beside the nearest rival with) ÷ (without)
 ///
-/// of effects in the size in which they show on the road with ten standard deviations. Reasons of open combinations: the
-/// sensor that would close them.
+/// of effects in the size in which they show on the road with ten standard deviations. Reasons of open combinations:
+/// the sensor that would close them.
 [[nodiscard]] AdviceResult advice_for(const firmware::RigDescription& description, const Setting& setting,
                                       const std::vector<Rival>& rivals, std::vector<OpenCombination>& open,
                                       const std::function<void(double)>& progress);

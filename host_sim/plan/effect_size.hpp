@@ -19,9 +19,9 @@ struct Size {
 struct Subject {
   const firmware::CatalogueEntry* entry;
   std::optional<model::Channel> channel;
-  std::vector<double> values;                  ///< in the middle of the card's starts
-  std::vector<std::vector<double>> starts{};   ///< all combinations of starts
-  bool seen_by_itself = false;                 ///< held values repeat: they show without any comparison
+  std::vector<double> values;                 ///< in the middle of the card's starts
+  std::vector<std::vector<double>> starts{};  ///< all combinations of starts
+  bool seen_by_itself = false;                ///< held values repeat: they show without any comparison
 
   [[nodiscard]] firmware::PlacedEffect placed() const { return {entry, channel, values}; }
 };
@@ -70,9 +70,9 @@ class SizeSearch {
   const Rehearsal& rehearsal_;
   const Subject& subject_;
   std::size_t parameter_;
-  double neutral_ = 0.0;     ///< value without effect, of a parameter of either sign
-  double sign_ = 1.0;        ///< of the difference to it
-  double direction_ = 1.0;   ///< −1: a smaller value is more of the effect
+  double neutral_ = 0.0;                 ///< value without effect, of a parameter of either sign
+  double sign_ = 1.0;                    ///< of the difference to it
+  double direction_ = 1.0;               ///< −1: a smaller value is more of the effect
   double lowest_ = 0.0, highest_ = 0.0;  ///< places
   std::optional<firmware::PlacedEffect> absent_effect_{};
   std::optional<Eigen::VectorXf> absent_{};  ///< residuals with it

@@ -19,16 +19,22 @@ namespace {
 
 constexpr double deviations = 1.96;  ///< of a 95 % interval
 
-/// 12/width² of a factor of parameter_range either way.
-double prior() {
-  const double width = 2.0 * std::log(identification::thresholds::parameter_range);
-  return 12.0 / (width * width);
+/// ln of a factor of parameter_range: as much as a prior leaves of a 95 % interval.
+double prior_half_width() {
+  return deviations * std::log(identification::thresholds::parameter_range) / std::sqrt(3.0);
 }
+
+/// 1/variance of the prior of each of n parameters. All together in one ratio are known as well as one alone.
+double prior(Eigen::Index n) { return std::pow(deviations / prior_half_width(), 2) / static_cast<double>(n); }
 
 double variance(Eigen::MatrixXd h, Eigen::Index i) {
   Eigen::VectorXd unit = Eigen::VectorXd::Zero(h.rows());
   unit(i) = 1.0;
   return h.ldlt().solve(unit)(i);
+}
+
+double half_width(double variance) {
+  return std::min(prior_half_width(), deviations * std::sqrt(std::max(variance, 0.0)));
 }
 
 /// Why nothing changes with a parameter of a described effect.
@@ -56,7 +62,8 @@ std::string words_of(const std::vector<OpenCombination::Part>& parts) {
     least = std::min(least, std::abs(part.change));
   }
   if (parts.size() == 1) return parts.front().path;
-  if (!down.empty() && !up.empty()) return identification::joined(up) + " up, " + identification::joined(down) + " down";
+  if (!down.empty() && !up.empty())
+    return identification::joined(up) + " up, " + identification::joined(down) + " down";
   return identification::joined(up.empty() ? down : up) + (least > 0.8 ? " in one ratio" : " together");
 }
 
@@ -80,7 +87,7 @@ std::vector<PlannedParameter> planned_parameters(const Rehearsal& rehearsal,
                                                  const firmware::RigDescription& description,
                                                  const Information& information) {
   const auto n = static_cast<Eigen::Index>(information.parameters.size());
-  const Eigen::MatrixXd all = information.matrix + prior() * Eigen::MatrixXd::Identity(n, n);
+  const Eigen::MatrixXd all = information.matrix + prior(n) * Eigen::MatrixXd::Identity(n, n);
   std::vector<PlannedParameter> list;
   for (Eigen::Index i = 0; i < n; ++i) {
     const FreeParameter& parameter = information.parameters[static_cast<std::size_t>(i)];
@@ -89,11 +96,10 @@ std::vector<PlannedParameter> planned_parameters(const Rehearsal& rehearsal,
     for (Eigen::Index k = 0; k < n; ++k) {
       const auto bound = description.tolerance.find(information.parameters[static_cast<std::size_t>(k)].path);
       const bool known = bound == description.tolerance.end() || !(bound->second > 0.0);
-      beside(k, k) += k == i ? prior() : known ? 1e12 : 3.0 / (bound->second * bound->second);
+      beside(k, k) += k == i ? prior(1) : known ? 1e12 : 3.0 / (bound->second * bound->second);
     }
     PlannedParameter planned{parameter.path, parameter.value(parameter.get(rehearsal.given())),
-                             deviations * std::sqrt(std::max(variance(all, i), 0.0)),
-                             deviations * std::sqrt(std::max(variance(beside, i), 0.0))};
+                             half_width(variance(all, i)), half_width(variance(beside, i))};
     if (tolerated != description.tolerance.end()) planned.tolerance = tolerated->second;
     if (!(information.matrix(i, i) > 1e-6)) {
       planned.why = "this excitation does not move it";
@@ -154,8 +160,8 @@ double known_to(const Information& information, const OpenCombination& combinati
   }
   if (v.isZero()) return 0.0;
   v.normalize();
-  const Eigen::MatrixXd h = information.matrix + prior() * Eigen::MatrixXd::Identity(n, n);
-  return deviations * std::sqrt(std::max(v.dot(h.ldlt().solve(v)), 0.0));
+  const Eigen::MatrixXd h = information.matrix + prior(n) * Eigen::MatrixXd::Identity(n, n);
+  return half_width(v.dot(h.ldlt().solve(v)));
 }
 
 }  // namespace host_sim::plan

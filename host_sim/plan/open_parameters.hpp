@@ -12,11 +12,11 @@ namespace host_sim::plan {
 /// Half widths of relative 95 % intervals.
 struct PlannedParameter {
   std::string path;
-  double described;            ///< [SI]
-  double determined_to;        ///< nothing else known of the rig; at most that of its prior
-  double beside_tolerances;    ///< the others as described, within their tolerances
-  double tolerance = 0.0;      ///< relative; 0: none
-  std::string why{};           ///< this excitation does not reach it; empty where it does
+  double described;          ///< [SI]
+  double determined_to;      ///< nothing else known of the rig; at most that of its prior
+  double beside_tolerances;  ///< the others as described, within their tolerances
+  double tolerance = 0.0;    ///< relative; 0: none
+  std::string why{};         ///< this excitation does not reach it; empty where it does
   [[nodiscard]] bool open() const;
 };
 
@@ -34,7 +34,8 @@ struct OpenCombination {
 ///
 ///   (1)  H = JᵀJ                      Fisher's information, J over all parameters of the explained part and of the
 ///                                     effects that are described
-///   (2)  C = (H + 12/width²)⁻¹        width: of the prior, a factor of thresholds::parameter_range either way
+///   (2)  C = (H + 12/(n width²))⁻¹    width: of the prior, a factor of thresholds::parameter_range either way; n
+///                                     parameters, so that all in one ratio are known no better than one
 ///   (3)  open: eigenvectors of H with 1.96/√λ > thresholds::open, as sparse a basis of them as elimination finds
 struct Information {
   std::vector<identification::FreeParameter> parameters;

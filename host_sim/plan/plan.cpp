@@ -24,9 +24,9 @@ constexpr double after_sizes = 0.5, after_separations = 0.6;
 
 /// A subject while its sizes are found.
 struct Sized {
-  std::vector<PlannedEffect> rows;   ///< one for each of its parameters that has a size
+  std::vector<PlannedEffect> rows;       ///< one for each of its parameters that has a size
   std::optional<std::size_t> leading{};  ///< of `rows`
-  double growth = 1.0;  ///< what stands for the road that was cut: √(whole ÷ rehearsed)
+  double growth = 1.0;                   ///< what stands for the road that was cut: √(whole ÷ rehearsed)
   Rival rival;
 };
 
@@ -72,10 +72,13 @@ Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double g
     PlannedEffect row{subject, 0, {0.0, 0.0}, std::nullopt};
     if (const auto change = rehearsal.change(subject.placed())) {
       row.at_default.significance = growth * rehearsal.significance(*change);
+    }
+    if (row.at_default.significance < thresholds::shows) {
+      row.why = not_reached(rehearsal, subject);
+    } else {
       sized.rival.strong = subject.placed();
       sized.leading = 0;
     }
-    if (row.at_default.significance < thresholds::shows) row.why = not_reached(rehearsal, subject);
     sized.rows.push_back(std::move(row));
     sized.rival.directions = directions_of(rehearsal, sized.rival);
     return sized;

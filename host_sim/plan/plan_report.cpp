@@ -13,7 +13,6 @@ namespace {
 
 using report::figure_text;
 
-
 /// The effects whose leading parameter decides, once each.
 struct Count {
   std::size_t all = 0, show = 0, named = 0;
@@ -45,9 +44,9 @@ void add_advice(report::Report& page, const Plan& plan) {
   panel.y.quantity = "change";
   panel.y.of_names = true;
   report::Bars bars{"gain", {}, {}, 0};
-  for (auto advice = plan.advice.rbegin(); advice != plan.advice.rend(); ++advice) {
-    bars.names.push_back(advice->what);
-    bars.values.push_back(advice->gain);
+  for (const Advice& advice : plan.advice) {
+    bars.names.push_back(advice.what);
+    bars.values.push_back(advice.gain);
   }
   panel.bars.push_back(bars);
   panel.guides.push_back({report::Guide::Along::x, 1.0, "as planned"});
@@ -59,13 +58,15 @@ void add_advice(report::Report& page, const Plan& plan) {
 void add_effects(report::Report& page, const Plan& plan) {
   page.add_section("From which size effects show");
   page.add_text(
-      "An effect shows at three standard deviations, with the tolerances refitted. It is named at ten beside its nearest "
-      "rival. The last column says how strongly an effect shows in the middle of the sizes at which a fit would start.");
-  report::Table table{"",
-                      {"effect", "parameter", "nearest rival", "left of ten σ", "shows at", "named at", "typical size",
-                       "σ there"},
-                      {},
-                      3};
+      "An effect shows at three standard deviations, with the tolerances refitted. It is named at ten beside its "
+      "nearest "
+      "rival. The last column says how strongly an effect shows in the middle of the sizes at which a fit would "
+      "start.");
+  report::Table table{
+      "",
+      {"effect", "parameter", "nearest rival", "left of ten σ", "shows at", "named at", "typical size", "σ there"},
+      {},
+      3};
   report::Table silent{"Without a size here", {"effect", "parameter", "why"}, {}, 3};
   for (const PlannedEffect& effect : plan.effects) {
     const bool has_parameter = !effect.subject.values.empty();
@@ -97,7 +98,8 @@ void add_matrix(report::Report& page, const Plan& plan) {
   report::Figure figure;
   figure.title = "What is left of an effect of ten standard deviations with another refitted in its place";
   figure.note =
-      "Rows: the effect that is there. Columns: the effect or parameter that is refitted instead. White: nothing is left, "
+      "Rows: the effect that is there. Columns: the effect or parameter that is refitted instead. White: nothing is "
+      "left, "
       "this experiment does not tell them apart. The numbers of rows and columns are listed below.";
   figure.x = {"refitted instead", "number"};
   report::HeatMap map;
@@ -130,14 +132,17 @@ void add_parameters(report::Report& page, const Plan& plan) {
   page.add_text(
       "Half widths of relative 95 % intervals: with nothing else known of the rig, and with the others as described "
       "within their tolerances.");
-  report::Table table{"",
-                      {"parameter", "remark", "described", "tolerance [%]", "nothing else known [± %]",
-                       "beside tolerances [± %]"},
-                      {},
-                      2};
+  report::Table table{
+      "",
+      {"parameter", "remark", "described", "tolerance [%]", "nothing else known [± %]", "beside tolerances [± %]"},
+      {},
+      2};
   for (const PlannedParameter& p : plan.parameters) {
-    table.rows.push_back({p.path, !p.why.empty() ? p.why : p.open() ? "open" : "", figure_text(p.described, 5),
-                          p.tolerance > 0.0 ? figure_text(100.0 * p.tolerance, 3) : "–",
+    table.rows.push_back({p.path,
+                          !p.why.empty() ? p.why
+                          : p.open()     ? "open"
+                                         : "",
+                          figure_text(p.described, 5), p.tolerance > 0.0 ? figure_text(100.0 * p.tolerance, 3) : "–",
                           figure_text(100.0 * p.determined_to, 2), figure_text(100.0 * p.beside_tolerances, 2)});
   }
   page.add_table(table);
@@ -167,12 +172,13 @@ std::vector<Advice> helpful(const Plan& plan) {
 
 std::string sentence(const Advice& advice) {
   std::string text = advice.what;
-  if (!text.empty() && text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 'a' + 'A');
-  text += advice.gain >= thresholds::worth_saying
-              ? ": effects may be " + figure_text(advice.gain, 2) + " times smaller"
-              : ": effects show about as soon";
+  if (!text.empty() && text.front() >= 'a' && text.front() <= 'z')
+    text.front() = static_cast<char>(text.front() - 'a' + 'A');
+  text += advice.gain >= thresholds::worth_saying ? ": effects may be " + figure_text(advice.gain, 2) + " times smaller"
+                                                  : ": effects show about as soon";
   if (!advice.helps.empty() && advice.most > thresholds::worth_saying) {
-    text += ", " + advice.helps + " " + (advice.most >= thresholds::most_gain ? "over 10" : figure_text(advice.most, 2)) + " times";
+    text += ", " + advice.helps + " " +
+            (advice.most >= thresholds::most_gain ? "over 10" : figure_text(advice.most, 2)) + " times";
   }
   if (!advice.determines.empty()) text += "; it determines " + identification::joined(advice.determines);
   return text + ".";
@@ -193,9 +199,9 @@ std::string summary(const Plan& plan) {
 std::string report_html(const Plan& plan, const firmware::RigDescription& description, const std::string& road) {
   std::vector<std::string> channels;
   for (const model::Channel channel : plan.channels) channels.emplace_back(model::name(channel));
-  report::Report page("Plan for " + description.source, "A " + std::string(model::name(description.rig.kind)) + " rig, " +
-                                                            figure_text(plan.duration, 4) + " s over " + road +
-                                                            ", compared in " + identification::joined(channels) + ".");
+  report::Report page("Plan for " + description.source,
+                      "A " + std::string(model::name(description.rig.kind)) + " rig, " + figure_text(plan.duration, 4) +
+                          " s over " + road + ", compared in " + identification::joined(channels) + ".");
   page.add_verdict(report::Verdict::remark, summary(plan));
   add_advice(page, plan);
   add_effects(page, plan);

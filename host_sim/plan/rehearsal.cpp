@@ -25,13 +25,25 @@ double rms_of(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(values.size(), 1)));
 }
 
+/// A road that begins in motion fades in over a second: the described rig starts from rest, and so do its sensors.
+firmware::FootPointMotion from_rest(const firmware::FootPointMotion& motion, double rate) {
+  if (motion.empty() || std::abs(motion.front().velocity) < 1e-9) return motion;
+  std::vector<double> positions;
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    const double t = std::min(1.0, static_cast<double>(k) / rate);
+    const double share = t * t * t * (10.0 - t * (15.0 - 6.0 * t));
+    positions.push_back(motion.front().position + share * (motion[k].position - motion.front().position));
+  }
+  return firmware::through_samples(positions, rate);
+}
+
 /// The recording of a run, without the noise of its sensors or with it.
 firmware::Recording run(const firmware::RigDescription& description, const Setting& setting,
                         firmware::SimulatedRig::Noise noise) {
   RunOptions options;
   options.seed = setting.seed;
   options.noise = noise;
-  Run made = run_closed_loop(description, setting.motion, options);
+  Run made = run_closed_loop(description, from_rest(setting.motion, description.sample_rate), options);
   if (firmware::is_fault(made.trip.reason)) {
     throw firmware::InputError(description.source, 0,
                                "the firmware stops this run: " + std::string(firmware::name(made.trip.reason)),
@@ -65,8 +77,7 @@ void declare_noise(firmware::RigDescription& description, const firmware::Record
     const double rms = rms_of(silent.channels[c]);
     if (!(rms > 0.0)) continue;
     description.noise[c] = identification::thresholds::new_sensor_noise * rms;
-    remarks.push_back("noise of " + std::string(model::name(channel)) +
-                      " is not declared: 1 % of its rms is assumed");
+    remarks.push_back("noise of " + std::string(model::name(channel)) + " is not declared: 1 % of its rms is assumed");
   }
 }
 
@@ -107,6 +118,7 @@ Rehearsal::Rehearsal(const firmware::RigDescription& description, const Setting&
   tolerances_.compute(h);
 }
 
+/// J by central differences: the error of one-sided ones would determine what nothing determines.
 Fit Rehearsal::described_with(const std::vector<FreeParameter>& parameters) const {
   Fit fit;
   fit.hypothesis = base_.hypothesis;
@@ -114,6 +126,11 @@ Fit Rehearsal::described_with(const std::vector<FreeParameter>& parameters) cons
   fit.prediction = identification::predict(*problem_, fit.hypothesis);
   fit.residual = identification::residuals(*problem_, fit.prediction);
   identification::refresh_jacobian(*problem_, fit);
+  const Eigen::MatrixXd forward = fit.jacobian;
+  for (FreeParameter& parameter : fit.parameters) parameter.difference = -parameter.difference;
+  identification::refresh_jacobian(*problem_, fit);
+  fit.jacobian = 0.5 * (forward + fit.jacobian);
+  fit.parameters = parameters;
   return fit;
 }
 
@@ -122,8 +139,8 @@ std::optional<Eigen::VectorXf> Rehearsal::residuals_with(const firmware::PlacedE
   put_effect(other.rig, effect);
   if (firmware::find_rig_fault(other.rig, problem_->sample_period())) return std::nullopt;
   const Eigen::VectorXd residual = identification::residuals(
-      *problem_, effect.channel ? predict_sensor(*problem_, other, base_.prediction, *effect.channel)
-                                : predict(*problem_, other));
+      *problem_,
+      effect.channel ? predict_sensor(*problem_, other, base_.prediction, *effect.channel) : predict(*problem_, other));
   if (!residual.allFinite()) return std::nullopt;
   return residual.cast<float>();
 }

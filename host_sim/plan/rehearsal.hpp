@@ -14,10 +14,10 @@ namespace host_sim::plan {
 
 /// What is rehearsed beside the rig.
 struct Setting {
-  firmware::FootPointMotion motion;            ///< of the road; of a component_bench the deflection
-  std::vector<model::Channel> without{};       ///< channels that are not recorded
-  std::optional<model::Channel> added{};       ///< a channel that the recorder does not have yet
-  std::uint64_t seed = 1;                      ///< of the sensor noise
+  firmware::FootPointMotion motion;       ///< of the road; of a component_bench the deflection
+  std::vector<model::Channel> without{};  ///< channels that are not recorded
+  std::optional<model::Channel> added{};  ///< a channel that the recorder does not have yet
+  std::uint64_t seed = 1;                 ///< of the sensor noise
 };
 
 /// How the whitened residuals change when the rig changes, and how the tolerances follow.

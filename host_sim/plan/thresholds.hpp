@@ -23,11 +23,11 @@ inline constexpr int most_trials = 12;
 /// [1] Share of the start at which an effect with a corner counts as absent: its step has as many substeps there, and
 /// what they change belongs to no effect.
 inline constexpr double absent = 1e-4;
-/// [1] Share of the start's significance below which an effect that is as small as it can be simulated counts as absent.
-/// Half and twice: no difference for the rigs of host_sim/rigs.
+/// [1] Share of the start's significance below which an effect that is as small as it can be simulated counts as
+/// absent. Half and twice: no difference for the rigs of host_sim/rigs.
 inline constexpr double vanishes = 0.1;
-/// [1] A rival that leaves less than this of an effect is the same effect for this experiment: no size tells them apart.
-/// Derivation: the linear answer of a rival is off by some per cent of the effect where laws have corners.
+/// [1] A rival that leaves less than this of an effect is the same effect for this experiment: no size tells them
+/// apart. Derivation: the linear answer of a rival is off by some per cent of the effect where laws have corners.
 inline constexpr double same = 0.03;
 
 /// [1] Half width of the relative 95 % interval from which a parameter counts as open: ± half of its value. Half and

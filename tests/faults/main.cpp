@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
     std::printf("  %-24s %9u %9u\n", std::string(name(static_cast<firmware::Reason>(i))).c_str(), reasons[i],
                 session_reasons[i]);
   }
-  std::printf("%llu scenarios, %u with a run, %u sessions, %u violations\n", static_cast<unsigned long long>(count), runs,
-              sessions, violated);
+  std::printf("%llu scenarios, %u with a run, %u sessions, %u violations\n", static_cast<unsigned long long>(count),
+              runs, sessions, violated);
   return violated == 0 ? 0 : 1;
 }

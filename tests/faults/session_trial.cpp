@@ -37,8 +37,6 @@ using firmware::controller::Status;
 using hal::simulated::ChannelFault;
 using hal::simulated::DeviceFault;
 
-constexpr double run_length = 1.5;  // [s]
-
 /// What goes wrong, drawn from a seed.
 class Faults {
  public:
@@ -49,9 +47,7 @@ class Faults {
   [[nodiscard]] hal::simulated::FaultPlan plan(std::uint64_t seed) const {
     return {channels_, devices_, presses_, {}, {}, late_, seed};
   }
-  [[nodiscard]] bool none() const {
-    return channels_.empty() && devices_.empty() && presses_.empty() && late_.empty();
-  }
+  [[nodiscard]] bool none() const { return channels_.empty() && devices_.empty() && presses_.empty() && late_.empty(); }
 
  private:
   std::uint64_t whole(std::uint64_t below) { return generator_() % below; }
@@ -93,14 +89,11 @@ class Faults {
 
 class FaultyDevices final : public firmware::controller::Devices {
  public:
-  FaultyDevices(const firmware::RigDescription& rig, std::uint64_t seed)
-      : faults_(seed, firmware::simulated_sensors(rig)),
-        plant_(rig, seed, firmware::SimulatedRig::Noise::as_described),
-        rig_(plant_, construction(rig), faults_.plan(seed)) {}
+  FaultyDevices(const firmware::RigDescription& rig, const hal::simulated::FaultPlan& plan, std::uint64_t seed)
+      : plant_(rig, seed, firmware::SimulatedRig::Noise::as_described), rig_(plant_, construction(rig), plan) {}
 
   [[nodiscard]] hal::Rig roles() override { return rig_.roles(); }
   [[nodiscard]] std::string text() const override { return "SIMULATED RIG with faults\n"; }
-  [[nodiscard]] bool sound() const { return faults_.none(); }
 
  private:
   static hal::simulated::Construction construction(const firmware::RigDescription& rig) {
@@ -108,7 +101,6 @@ class FaultyDevices final : public firmware::controller::Devices {
     c.watchdog = hal::milliseconds(20);
     return c;
   }
-  Faults faults_;
   firmware::SimulatedRig plant_;
   hal::simulated::Rig rig_;
 };
@@ -168,6 +160,22 @@ std::string look_at(const std::filesystem::path& file, double period, Reason& re
 
 }  // namespace
 
+Status record_session(const firmware::RigDescription& rig, const hal::simulated::FaultPlan& plan, std::uint64_t seed,
+                      const std::filesystem::path& file) {
+  firmware::controller::Options options;
+  options.simulated = options.virtual_time = options.overwrite = true;
+  options.realtime = false;
+  options.road = session_road;
+  options.duration = session_length;
+  options.seed = seed;
+  options.out = file.string();
+  FaultyDevices devices(rig, plan, seed);
+  const Silence silence;
+  firmware::controller::Verdict verdict;
+  firmware::controller::Session session(options, rig, devices, verdict);
+  return session.run();
+}
+
 SessionEnd play_session(std::uint64_t seed) {
   static const std::array rigs{firmware::read_rig("host_sim/rigs/paper_hil_fdva.toml"),
                                firmware::read_rig("host_sim/rigs/paper_rig_fdva.toml"),
@@ -175,22 +183,8 @@ SessionEnd play_session(std::uint64_t seed) {
   const firmware::RigDescription& rig = rigs[seed % rigs.size()];
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("rigtwin_faults_" + std::to_string(::getpid()) + ".csv");
-  firmware::controller::Options options;
-  options.simulated = options.virtual_time = options.overwrite = true;
-  options.realtime = false;
-  options.road = "iso8608:A";
-  options.duration = run_length;
-  options.seed = seed;
-  options.out = file.string();
-
-  FaultyDevices devices(rig, seed);
-  Status status = Status::internal;
-  {
-    const Silence silence;
-    firmware::controller::Verdict verdict;
-    firmware::controller::Session session(options, rig, devices, verdict);
-    status = session.run();
-  }
+  const Faults faults(seed, firmware::simulated_sensors(rig));
+  const Status status = record_session(rig, faults.plan(seed), seed, file);
   SessionEnd end;
   end.violated = look_at(file, rig.period(), end.reason);
   std::filesystem::remove(file);
@@ -198,7 +192,7 @@ SessionEnd play_session(std::uint64_t seed) {
   if (end.violated.empty() && status != expected) {
     end.violated = "status " + std::to_string(static_cast<int>(status)) + " after " + std::string(name(end.reason));
   }
-  if (end.violated.empty() && devices.sound() && end.reason != Reason::reference_ended) {
+  if (end.violated.empty() && faults.none() && end.reason != Reason::reference_ended) {
     end.violated = "ended by " + std::string(name(end.reason)) + " without a fault";
   }
   return end;

@@ -658,6 +658,103 @@ TEST(RigController, ReplaysStopsAndLimits) {
             rows_of(TemporaryFolder::read(folder / "run.csv")));
 }
 
+// What the operator did is replayed as well: a level before the start and during the run, hold, resume, stop.
+TEST(RigController, ReplaysLevelAndHold) {
+  Operated rig;
+  ASSERT_TRUE(rig.running.says("waiting for the operator"));
+  EXPECT_EQ(rig.ask("level 0.9").status, 0);
+  EXPECT_EQ(rig.ask("arm").status, 0);
+  ASSERT_TRUE(rig.comes_to("armed"));
+  EXPECT_EQ(rig.ask("start").status, 0);
+  ASSERT_TRUE(rig.comes_to("running"));
+  EXPECT_EQ(rig.ask("level 0.6").status, 0);
+  EXPECT_EQ(rig.ask("hold").status, 0);
+  ASSERT_TRUE(rig.comes_to("holding"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  EXPECT_EQ(rig.ask("resume").status, 0);
+  EXPECT_EQ(rig.ask("level 1.2").status, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(rig.ask("stop").status, 0);
+  ASSERT_TRUE(rig.comes_to("safe"));
+  ::kill(rig.running.program.id(), SIGTERM);
+  ASSERT_EQ(rig.running.program.wait().status, 0);
+  const std::string run = rig.folder / "run.csv", again = rig.folder / "again.csv";
+  const auto level = column(run, "level");
+  ASSERT_GT(level.size(), 150U);
+  EXPECT_GT(std::count(level.begin(), level.end(), 0.6), 10);
+  EXPECT_GT(level.back(), 0.6) << "stopped in the middle of a change";
+  const Ended replayed = controller({"--rig", patient_rig(rig.folder), "--replay", run, "--out", again});
+  EXPECT_EQ(replayed.status, 0) << replayed.errors;
+  EXPECT_EQ(rows_of(TemporaryFolder::read(again)), rows_of(TemporaryFolder::read(run)));
+}
+
+// A programme runs block by block, counts them, stands in its pauses, is looked at as a whole, and is replayed.
+TEST(RigController, DrivesAProgramme) {
+  const TemporaryFolder folder;
+  const std::string blocks =
+      "[[blocks]]\nroad = 'iso8608:A'\nduration = 10\nrepetitions = 2\npause = 3\n"
+      "[[blocks]]\nroad = 'iso8608:B'\nduration = 8\nlevel = 0.5\nseed = 3\n";
+  const std::string day = folder.write("day.toml", blocks), run = folder / "run.csv", again = folder / "again.csv";
+  const std::string rig = rig_file("paper_rig_fdva");
+  const Ended driven = controller({"--rig", rig, "--simulated", "--virtual-time", "--programme", day, "--out", run});
+  ASSERT_EQ(driven.status, 0) << driven.errors;
+  const auto block = column(run, "block"), cycle = column(run, "cycle");
+  EXPECT_EQ(std::count(block.begin(), block.end(), 1.0), 8000 + 10'000 + 3000);
+  EXPECT_EQ(std::count(block.begin(), block.end(), 2.0), 8000);
+  EXPECT_EQ(std::count(cycle.begin(), cycle.end(), 2.0), 10'000 + 3000);
+  EXPECT_THAT(TemporaryFolder::read(run), AllOf(HasSubstr("# programme: "), HasSubstr("\n# | duration = 10\n")));
+  ASSERT_EQ(controller({"--rig", rig, "--replay", run, "--programme", day, "--out", again}).status, 0);
+  EXPECT_EQ(rows_of(TemporaryFolder::read(again)), rows_of(TemporaryFolder::read(run)));
+
+  const std::string wild = folder.write("wild.toml", blocks + "[[blocks]]\nroad = 'iso8608:E'\nduration = 5\n");
+  const Ended refused =
+      controller({"--rig", rig, "--simulated", "--virtual-time", "--programme", wild, "--out", folder / "wild.csv"});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.errors, HasSubstr("wild.toml: "));
+  EXPECT_FALSE(std::filesystem::exists(folder / "wild.csv")) << "nothing has moved";
+  EXPECT_EQ(controller({"--rig", rig, "--simulated", "--programme", day, "--road", "iso8608:A", "--out", run}).status,
+            2);
+}
+
+// An operator gets no level beyond what the run bears: 1.5 times this road leaves the stroke.
+TEST(RigController, LimitsTheLevelToWhatTheRunBears) {
+  const TemporaryFolder roads;
+  std::string road = "t [s],z_r [m]\n";
+  for (int k = 0; k < 6001; ++k) {
+    road += std::to_string(0.01 * k) + "," + std::to_string(0.05 * (1.0 - std::cos(0.01 * k))) + "\n";
+  }
+  Operated rig({"--road", roads.write("high.csv", road)});
+  ASSERT_TRUE(rig.running.says("waiting for the operator"));
+  EXPECT_TRUE(rig.running.says("level: at most 1.25, beyond it"));
+  EXPECT_THAT(rig.ask("level 1.3").output, HasSubstr("expected 0 to 1.25: beyond it this run does not fit"));
+  EXPECT_EQ(rig.ask("level 1.2").status, 0);
+  ::kill(rig.running.program.id(), SIGTERM);
+  EXPECT_EQ(rig.running.program.wait().status, 0);
+}
+
+// A program that stands still for longer than `gap` (a stop from the terminal's job control, a stalled machine) ends
+// safe at its next period, without power, and says so in status, last line and recording.
+TEST(RigController, EndsSafeAfterAStopOfTheProcess) {
+  const TemporaryFolder folder;
+  const std::string rig =
+      folder.write("rig.toml", support::with(support::quarter_car_text, "sample_rate = 1000.0", "sample_rate = 100.0") +
+                                   "[controller]\nlate_in_a_row = 1000000\n[supervision]\ngap = 0.5\n");
+  const std::string out = folder / "run.csv";
+  Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "60", "--out", out});
+  ASSERT_TRUE(running.says("running: "));
+  for (int i = 0; i < 1000 && std::filesystem::file_size(out) < 20'000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ::kill(running.program.id(), SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  ::kill(running.program.id(), SIGCONT);
+  const Ended ended = running.program.wait();
+  EXPECT_EQ(ended.status, 7) << ended.errors;
+  EXPECT_THAT(last_line(ended.output), AllOf(HasSubstr("ended by gap ("), HasSubstr("held where it stopped")));
+  EXPECT_EQ(column(out, "reason").back(), static_cast<double>(firmware::Reason::gap));
+  EXPECT_EQ(column(out, "enabled").back(), 0.0);
+}
+
 // kill −9: no goodbye. What lies there is whole up to the last second, every row of it.
 TEST(RigController, LeavesWholeRowsWhenKilled) {
   const TemporaryFolder folder;
@@ -841,6 +938,18 @@ TEST(RigController, SealsItsHeap) {
   EXPECT_EQ(
       ended.output,
       "nothing 0\nmalloc 1\nrealloc 1\nfree 1\nfree nullptr 0\naligned_alloc 1\naligned new 1\naligned delete 1\n");
+}
+
+// A rig with a stroke of 1 m at 0.02 m/s needs 150 s to come back: systemd waits for it.
+TEST(RigController, PrintsTheTimesOfItsUnit) {
+  const TemporaryFolder folder;
+  const Ended paper = controller({"--rig", rig_file("paper_rig_fdva"), "--unit-times"});
+  EXPECT_EQ(paper.status, 0) << paper.errors;
+  EXPECT_THAT(paper.output, HasSubstr("\n[Service]\nWatchdogSec=2\nTimeoutStopSec=27\nTimeoutAbortSec=27\n"));
+  const std::string slow =
+      folder.write("slow.toml", std::string(support::quarter_car_text) + "[limits]\nstroke = 1.0\nramp = 0.02\n");
+  EXPECT_THAT(controller({"--rig", slow, "--unit-times"}).output, HasSubstr("\nTimeoutStopSec=162\n"));
+  EXPECT_EQ(controller({"--unit-times"}).status, 2);
 }
 
 TEST(RigController, ListsAndHelps) {
