@@ -23,16 +23,6 @@ struct SuspectParameter {
   std::vector<Rival> rivals;  ///< effects in its place; their penalised χ² is relative to the model's own
 };
 
-/// How far the size of an effect depends on what it must not depend on (law_constancy.hpp).
-struct LawConstancy {
-  double gain = 0.0;       ///< [χ²] that a size which changes with the amplitude, or with time, would gain
-  double share = 0.0;      ///< [1] √ of that gain relative to the gain of the effect: relative change of its size
-  bool with_time = false;  ///< that gain belongs to time
-
-  /// Whether the law is another one than that of the effect. `temper`: χ² per residual, at least 1.
-  [[nodiscard]] bool fails(double temper) const;
-};
-
 /// How much a fault of the recordings in `best` gains, and what could stand in its place.
 struct FaultSupport {
   double gain = 0.0;          ///< how much larger χ² is without it, all else refitted
@@ -46,14 +36,24 @@ struct ExternalEvent {
   double gain = 0.0;            ///< of the criterion
 };
 
+/// How far the size of an effect depends on what it must not depend on (law_constancy.hpp).
+struct LawConstancy {
+  double gain = 0.0;       ///< [χ²] that a size which changes with the amplitude, or with time, would gain
+  double share = 0.0;      ///< [1] √ of that gain relative to the gain of the effect: relative change of its size
+  bool with_time = false;  ///< that gain belongs to time
+
+  /// Whether the law is another one than that of the effect. `temper`: χ² per residual, at least 1.
+  [[nodiscard]] bool fails(double temper) const;
+};
+
 struct SearchResult {
   CandidateModel nothing;  ///< only the tolerated parameters refitted
   CandidateModel best;
   std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
   std::vector<double> gains;  ///< of each effect in `best`: how much larger χ² is without it, all else refitted
-  std::vector<LawConstancy> constancy;  ///< of each effect in `best`
   std::vector<ExternalEvent> events{};
   std::vector<FaultSupport> faults;        ///< of each fault of the recordings in `best`
+  std::vector<LawConstancy> constancy;     ///< of each effect in `best`
   std::vector<FreeParameter> freed;        ///< parameters that no tolerance binds in `best`
   std::vector<SuspectParameter> suspects;  ///< each of them
   std::vector<CandidateModel> alone;       ///< single effects that were tried, best first; until they are compared
