@@ -16,7 +16,7 @@ SelectionCriterion criterion_under_model_error(bool sensors) {
   SelectionCriterion criterion;
   criterion.later_share = 0.1;
   criterion.sensors = sensors;
-  criterion.faults = false;  // those that were found stay
+  criterion.faults = false;  // like sensors, clocks and filters bend channels into place
   criterion.beam = 1;
   criterion.most_candidates = 5;
   criterion.most_rivals = 3;
@@ -54,12 +54,9 @@ std::string sensor_remark(const SearchResult& rival, double error, double left) 
 
 }  // namespace
 
-bool search_under_model_error(IdentificationProblem& problem, const SearchSpace& whole_space,
+bool search_under_model_error(IdentificationProblem& problem, const SearchSpace& space,
                               const ProgressCallback& progress, SearchResult& found) {
   const IdentificationProblem before = problem;
-  SearchSpace space = whole_space;
-  space.given.faults = found.best.faults();
-  const CandidateModel nothing = found.nothing;
   double left = pooled_error(problem, found.best.fit.hypothesis);
   problem.allow_model_error(left);
   double to_beat = thresholds::replaces_error * left;
@@ -74,7 +71,6 @@ bool search_under_model_error(IdentificationProblem& problem, const SearchSpace&
     again.remarks = found.remarks;
     if (error < to_beat) {
       found = std::move(again);
-      if (!space.given.faults.empty()) found.nothing = nothing;
       replaced = true;
       left = error;
       to_beat = thresholds::sensors_replace_error * error;

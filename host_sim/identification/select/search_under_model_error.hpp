@@ -12,9 +12,11 @@ namespace host_sim::identification {
 ///   2  then with effects of sensors, which must leave a quarter less: several sensors bend any channel into place,
 ///      while what a rig does has one cause for all channels
 ///
+/// Faults of the recording are no candidates here: they bend channels into place as sensors do.
+///
 /// A model that sensors would make and that is better, but not by a quarter, becomes a remark. true: `found` was
 /// replaced. The problem keeps the input noise of what was found, without the model error.
-[[nodiscard]] bool search_under_model_error(IdentificationProblem& problem, const SearchSpace& whole_space,
+[[nodiscard]] bool search_under_model_error(IdentificationProblem& problem, const SearchSpace& space,
                                             const ProgressCallback& progress, SearchResult& found);
 
 }  // namespace host_sim::identification
