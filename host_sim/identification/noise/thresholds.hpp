@@ -16,9 +16,9 @@ inline constexpr double highest_share_of_rate = 0.45;
 /// measured.
 inline constexpr double covariance_band = 1.0;
 /// [1] Noise of an integrated acceleration in the lowest band, where it is larger than that of any sensor: the gain of
-/// one band is its mean, and 1/(1 − (f/f_b)²) of a body mode of 1.5 Hz is 1.8 at 1 Hz, 3.2 in power. Half: clean rigs
-/// are flagged below 1 Hz (zdd_r without z_r, tests/truth none:quarter_car, seeds 1 and 2: 2.3 times the noise). Twice:
-/// less is known of stiffnesses.
+/// one band is its mean, and 1/(1 − (f/f_b)²) of a body mode of 1.5 Hz is 1.8 at 1 Hz, 3.2 in power. With 1, two clean
+/// rigs of two are flagged below 1 Hz (zdd_r without z_r, tests/truth none:quarter_car, seeds 1 and 2), with 3.2 none;
+/// introduced after seeing these two. Half and twice: not measured.
 inline constexpr double integrated_noise_in_lowest_band = 3.2;
 /// [1] Error of the simulation itself, relative to each channel: velocities by differences of fourth order, (ωh)⁴/30 =
 /// 4e-5 at 30 Hz and 1 kHz, and linearly implicit parts. Measured against tests/support's reference: at most 2e-4
