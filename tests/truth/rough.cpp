@@ -349,6 +349,7 @@ Truth events(Base base, Random& random) {
   base.one_record = true;
   Truth truth = drawn(base, random);
   const double whole = truth.records.front().duration;
+  const double start = truth.records.front().start;
   const bool bench = truth.kind == Kind::component_bench;
   const std::string where = bench ? "F" : (random.chance(0.5) ? "body" : "wheel");
   const bool push = random.chance(0.5);
@@ -358,7 +359,8 @@ Truth events(Base base, Random& random) {
     const double length = push ? random.uniform(0.2, 1.0) : random.logarithmic(5e-3, 30e-3);
     const double force = random.sign() * (push ? random.uniform(60.0, 300.0) : random.uniform(200.0, 900.0));
     truth.rough.events.push_back({where, from, from + length, force});
-    truth.rough.faults.push_back({{"event"}, {}, {{"from_s", from}, {"to_s", from + length}}});
+    // A verdict counts time as the recording does.
+    truth.rough.faults.push_back({{"event"}, {}, {{"from_s", start + from}, {"to_s", start + from + length}}});
   }
   return truth;
 }

@@ -261,6 +261,10 @@ TEST(TruthRough, DrawsEveryCondition) {
       EXPECT_GE(change, bound ? 2.49 * t.tolerance.at(path) : 0.0);
     }
     EXPECT_LE(t.rough.gap_share, 0.05);
+    if (condition == "events") {
+      EXPECT_NEAR(t.rough.faults.front().parameters.at("from_s"), t.records.front().start + t.rough.events.front().from,
+                  1e-12);
+    }
   }
   EXPECT_EQ(truth::draw_rough("noise_absent", 4).effects.size(), 1U);
   EXPECT_EQ(truth::draw_rough("noise_absent", 5).effects.size(), 2U);
