@@ -274,7 +274,7 @@ std::vector<Undetermined> null_vectors(const Fit& fit, const Eigen::MatrixXd& in
   std::vector<Index> kept;
   for (Index i = 0; i < information.rows(); ++i) {
     const FreeParameter& p = fit.parameters[static_cast<std::size_t>(i)];
-    if (p.role == FreeParameter::Role::start) continue;  // nobody asks for these
+    if (p.path.empty()) continue;  // states at the start, faults of the recording: nobody asks for these
     kept.push_back(i);
     names.push_back(p.path);
   }
