@@ -121,10 +121,10 @@ struct Line {
   }
 };
 
-std::string line_text(const std::string& name, const Line& line) {
-  return written("%-16s", name.c_str()) + per_cent(line.right) + "  " + per_cent(line.wrong_name) + "  " +
-         per_cent(line.false_alarm) + "  " + per_cent(line.faults) + "  " + per_cent(line.intervals) +
-         written("  %7.1f\n", line.processor);
+std::string line_text(const std::string& name, const Line& shares) {
+  return written("%-16s", name.c_str()) + per_cent(shares.right) + "  " + per_cent(shares.wrong_name) + "  " +
+         per_cent(shares.false_alarm) + "  " + per_cent(shares.faults) + "  " + per_cent(shares.intervals) +
+         written("  %7.1f\n", shares.processor);
 }
 
 }  // namespace

@@ -106,10 +106,10 @@ std::string text(const Table& t, const std::vector<Outcome>& outcomes) {
   out += share_line("  tolerated parameters", t.tolerated_intervals, "");
   out += padded("median error of effects' parameters") + line("%18.3f %%   at most 0.5 %%\n", 100.0 * t.median_error);
   out += padded("  of tolerated parameters") + line("%18.3f %%\n", 100.0 * t.tolerated_error);
-  Share sure = t.calibration[2];
-  sure.count += t.calibration[3].count;
-  sure.of += t.calibration[3].of;
-  out += share_line("effects named with 0.9 … 1: in the rig", sure, "to reach 90 %");
+  Share confident = t.calibration[2];
+  confident.count += t.calibration[3].count;
+  confident.of += t.calibration[3].of;
+  out += share_line("effects named with 0.9 … 1: in the rig", confident, "to reach 90 %");
   for (std::size_t b = 0; b < t.calibration.size(); ++b) {
     const double low = b == 0 ? 0.0 : confidence_edges[b - 1], high = b == 3 ? 1.0 : confidence_edges[b];
     out += share_line(line("  with %.2g … %.2g", low, high), t.calibration[b], "");

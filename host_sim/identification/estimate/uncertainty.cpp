@@ -249,9 +249,9 @@ std::string_view unit_of_path(const Hypothesis& hypothesis, const std::string& p
   return "";
 }
 
-/// The coordinates of a fit and, behind them, one that moves what the fit does not, where (7) is open.
+/// What is known along the coordinates of a fit, of the data and with the tolerances.
 struct Informed {
-  Eigen::MatrixXd directions;  ///< a column for each of them, of the fit's coordinates
+  Eigen::MatrixXd directions;  ///< a column for each coordinate: without (7), where that is open
   Eigen::MatrixXd of_data, with_tolerance;
   std::vector<Undetermined> undetermined;
 };
@@ -316,7 +316,13 @@ Informed informed_by(const IdentificationProblem& problem, const std::vector<Fre
   const auto is_force = [](model::Channel channel) { return model::unit(channel) == "N"; };
   const bool measures_force = std::any_of(problem.channels().begin(), problem.channels().end(), is_force);
   const Eigen::VectorXd scale = mass_scale(fit);
-  const bool open = !measures_force && scale.squaredNorm() > 0.0;
+  // A described value without a tolerance is exact: one of them holds the scale.
+  const bool all_fitted = std::all_of(every.begin(), every.end(), [&](const FreeParameter& p) {
+    const auto same = [&](const FreeParameter& other) { return other.path == p.path; };
+    return !holds_mass(unit_of_path(fit.hypothesis, p.path)) ||
+           std::any_of(fit.parameters.begin(), fit.parameters.end(), same);
+  });
+  const bool open = !measures_force && all_fitted && scale.squaredNorm() > 0.0;
   Informed informed;
   informed.directions = Eigen::MatrixXd::Identity(fitted, fitted);
   informed.of_data = information;
@@ -324,17 +330,8 @@ Informed informed_by(const IdentificationProblem& problem, const std::vector<Fre
     informed.undetermined = null_vectors(fit, information, measures_force);
   } else {
     informed.undetermined.push_back(scale_in_words(fit, every));
-    const bool all_fitted = std::all_of(every.begin(), every.end(), [&](const FreeParameter& p) {
-      const auto same = [&](const FreeParameter& other) { return other.path == p.path; };
-      return !holds_mass(unit_of_path(fit.hypothesis, p.path)) ||
-             std::any_of(fit.parameters.begin(), fit.parameters.end(), same);
-    });
-    if (all_fitted) {  // what differences at corners make of a change that changes nothing
-      informed.directions -= scale * scale.transpose() / scale.squaredNorm();
-    } else {
-      informed.directions.conservativeResize(Eigen::NoChange, fitted + 1);
-      informed.directions.col(fitted) = -scale;
-    }
+    // Without what differences at corners make of a change that changes nothing.
+    informed.directions -= scale * scale.transpose() / scale.squaredNorm();
     informed.of_data = informed.directions.transpose() * information * informed.directions;
   }
   informed.with_tolerance = informed.of_data;
@@ -343,9 +340,6 @@ Informed informed_by(const IdentificationProblem& problem, const std::vector<Fre
     const double width = p.upper - p.lower;
     if (p.role == FreeParameter::Role::tolerated) informed.with_tolerance(i, i) += 12.0 / (width * width);
   }
-  // A parameter without a tolerance is known to a factor at least.
-  const double factor = 2.0 * std::log(thresholds::parameter_range);
-  for (Index i = fitted; i < informed.of_data.rows(); ++i) informed.with_tolerance(i, i) += 12.0 / (factor * factor);
   return informed;
 }
 

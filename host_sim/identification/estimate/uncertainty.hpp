@@ -34,12 +34,13 @@ struct Undetermined {
 /// in what the tolerances allow, so the half width is 2√3 √A⁻¹, the width of a uniform distribution. A tolerated
 /// parameter at its bound is known to its tolerance only.
 ///
-/// Parameters without a tolerance are held as described, with one exception. Where no channel holds a force, nothing
-/// that is measured holds the unit of mass either, so that
+/// Parameters without a tolerance are exact. Where no channel holds a force, nothing that is measured holds the unit of
+/// mass, so that
 ///
 ///   (7)  every mass, stiffness, damping, force and density times 1 + ε     changes nothing, whatever ε
 ///
-/// Along (7) they move too. Other null vectors of J, over what is fitted and in relative changes, are said as well.
+/// Where all of them are tolerated, their tolerances alone bound ε. Other null vectors of J, over what is fitted and in
+/// relative changes, are said as well.
 struct Uncertainty {
   Eigen::VectorXd half_widths;  ///< 95 %, of the coordinates of fit.parameters; infinite: the whole tolerance
   std::vector<Undetermined> undetermined;

@@ -84,6 +84,8 @@ bool RelationFit::find_jacobian() {
   if (relation_.deflection) add_component_parameters(bench, nominal);
   linear_.change.resize(linear_.lower.size());
   for (const firmware::Recording& recording : recordings_) add_recording(recording, bench, nominal);
+  const auto changes = static_cast<Eigen::Index>(linear_.change.size());
+  if (theta_.size() != changes) theta_ = Eigen::VectorXd::Zero(changes);  // stays so where no step can be solved for
   find_spectra();
   return has_data();
 }

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
+#include "firmware/description/rig_description.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -105,6 +107,17 @@ Eigen::VectorXd weighted_residuals(const IdentificationProblem& problem, const s
   return values;
 }
 
+/// The hypothesis with the parameter a step away, to the side on which it still is a rig.
+std::optional<Hypothesis> moved_a_little(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                         const FreeParameter& parameter) {
+  for (const double step : {parameter.difference, -parameter.difference}) {
+    Hypothesis moved = hypothesis;
+    parameter.put(moved, parameter.get(moved) + step);
+    if (!firmware::find_rig_fault(moved.rig, problem.sample_period())) return moved;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool LawConstancy::fails(double temper) const {
@@ -121,8 +134,9 @@ std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, co
   const Eigen::VectorXd unchanged = weighted_residuals(problem, base, base, time);
   for_all(list.size(), [&](std::size_t e) {
     for (const FreeParameter& parameter : effect_parameters(found.best.effects[e])) {
-      Hypothesis moved = fit.hypothesis;
-      parameter.put(moved, parameter.get(moved) + parameter.difference);
+      const std::optional<Hypothesis> other_size = moved_a_little(problem, fit.hypothesis, parameter);
+      if (!other_size) continue;
+      const Hypothesis& moved = *other_size;
       const std::vector<Response> other = readings_of(problem, moved);
       const std::array<Weights, 2> gates{by_amplitude(problem, base, other), time};
       for (const Weights& weights : gates) {

@@ -196,12 +196,18 @@ TEST(Assess, GivesUpAModelThatDiverges) {
   EXPECT_TRUE(all_finite(to_json(diagnosis)));
 }
 
-// Journey. Something pushes for a second: verdict.json says in which second, and the report draws it.
+// Something pushes for a second, and nobody looks for events: verdict.json says in which second, and the report draws
+// it.
 TEST(Assess, SaysWhenTheDisagreementHappens) {
   const firmware::RigDescription bench = sample::bench();
   firmware::Recording pushed = sample::recorded(bench, 12.0);
   for (std::size_t k = 4000; k < 5000; ++k) pushed[Channel::F][k] += 60.0 * std::sin(0.08 * static_cast<double>(k));
-  const Diagnosis found = diagnose(bench, {{std::move(pushed), Use::shared}});
+  std::vector<PreparedRecording> recordings;
+  recordings.push_back(prepare_recording(bench, std::move(pushed), Use::shared, false));
+  const Hypothesis given = described_hypothesis(bench, recordings);
+  IdentificationProblem problem(std::move(recordings), given);
+  const SearchSpace space = search_space(bench, problem.samples(), given);
+  const Diagnosis found = assess(bench, problem, space, {}, select_model(problem, space, {}));
   EXPECT_TRUE(found.unexplained);
   const auto json = to_json(found);
   ASSERT_FALSE(json.at("where").empty());

@@ -8,6 +8,7 @@
 
 #include "firmware/description/effects_by_name.hpp"
 #include "firmware/recording/recording.hpp"
+#include "firmware/simulation/gaussian.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "tests/support/rig_texts.hpp"
 
@@ -35,7 +36,12 @@ IdentificationProblem recorded(const RigDescription& description, double amplitu
   }
   const SimulationInput driven = simulation_input(description.rig, recording);
   const Response response = host_sim::simulate(description.rig, driven, resting(description.rig, driven));
-  for (const Channel channel : channels) recording[channel] = response[index(channel)];
+  firmware::Gaussian gaussian(1, 0);  // noise as declared: what is found to be quieter is believed to be
+  for (const Channel channel : channels) {
+    for (const double value : response[index(channel)]) {
+      recording[channel].push_back(value + description.noise[index(channel)].value_or(0.0) * gaussian());
+    }
+  }
   return IdentificationProblem(
       {prepare_recording(description, std::move(recording), identification::Use::fitted, false)});
 }

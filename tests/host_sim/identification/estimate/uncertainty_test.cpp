@@ -1,6 +1,7 @@
 // How well parameters are known, and what is left open.
 #include "host_sim/identification/estimate/uncertainty.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -109,9 +110,17 @@ TEST(Uncertainty, SaysWhatThreeChannelsLeaveOpen) {
 
   firmware::Recording few = rig.recording;
   for (const Channel channel : {Channel::zdd_r, Channel::F_w, Channel::dz_w, Channel::dz_b}) few[channel].clear();
-  const Diagnosis found = diagnose(rig.description, {{few, Use::shared}});
+  // Nothing that holds the unit of mass is exact.
+  firmware::RigDescription loose = rig.description;
+  for (const char* path : {"body.mass", "wheel.mass", "tyre.stiffness", "tyre.damping", "suspension.stiffness",
+                           "suspension.damping", "fdva.coupling_stiffness", "fdva.oil_density"}) {
+    const double* const value = firmware::find_parameter(loose.rig, path);
+    if (value != nullptr && *value != 0.0) loose.tolerance.try_emplace(path, 0.03);
+  }
+  const Diagnosis found = diagnose(loose, {{few, Use::shared}});
   ASSERT_EQ(found.undetermined.size(), 1U);
-  EXPECT_EQ(found.undetermined[0].combination, "body.mass, wheel.mass and all stiffnesses and dampings in one ratio");
+  EXPECT_THAT(found.undetermined[0].combination, testing::StartsWith("body.mass, wheel.mass"));
+  EXPECT_THAT(found.undetermined[0].combination, testing::EndsWith("in one ratio"));
   EXPECT_EQ(found.undetermined[0].why, "no force is measured");
   const Interval open = found.parameters.at("body.mass");
   EXPECT_GT((open.upper - open.lower) / open.value, 0.01);
