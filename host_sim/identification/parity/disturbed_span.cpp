@@ -7,6 +7,7 @@
 #include "host_sim/identification/parity/parity_relation.hpp"
 #include "host_sim/identification/parity/relation_fit.hpp"
 #include "host_sim/identification/parity/thresholds.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
 namespace {
