@@ -18,7 +18,7 @@
 namespace firmware::controller {
 namespace {
 
-/// Which interlock a recording was ended by, as its last line names it. Nothing recorded says more.
+/// The interlock that ended a recording, as its last line names it. Nothing else on record says it.
 std::size_t interlock_of(const std::string& file, const RigDescription& rig) {
   constexpr std::string_view words = "# ended by interlock ";
   std::ifstream stream(file);
