@@ -94,10 +94,10 @@ Channels measured(const Truth& truth) {
   return all;
 }
 
-/// Some of the channels, at least one; not all if `proper`.
-Channels some(const Channels& all, bool proper, Random& random) {
+/// Some of the channels, `least` at least; not all if `proper`, where there are more than that.
+Channels some(const Channels& all, bool proper, Random& random, std::size_t least = 1) {
   Channels chosen;
-  while (chosen.empty() || (proper && chosen.size() == all.size())) {
+  while (chosen.size() < least || (proper && chosen.size() == all.size() && all.size() > least)) {
     chosen.clear();
     for (const std::string& channel : all)
       if (random.chance(0.5)) chosen.push_back(channel);
@@ -136,7 +136,8 @@ Truth noise_coloured(Base base, Random& random) {
   base.fits = [](const Truth& truth) { return !hides(truth, {"sensor_delay", "sensor_lag", "sensor_hold"}); };
   Truth truth = drawn(base, random);
   const Channels all = measured(truth);
-  const Channels channels = random.chance(0.5) ? all : some(all, true, random);
+  // A filter of one channel is its sensor's lag.
+  const Channels channels = random.chance(0.5) ? all : some(all, true, random, 2);
   const double corner = random.logarithmic(60.0, 400.0);
   filter(truth, channels, 1 + random.below(2), corner);
   truth.rough.noise_absent = random.chance(0.5);
@@ -305,7 +306,7 @@ Truth daq(Base base, Random& random) {
   } else if (sort == 1) {
     const double corner = random.logarithmic(60.0, 300.0);
     const Channels several = truth.kind == Kind::quarter_car && random.chance(0.5) ? Channels{"zdd_r", "zdd_w", "zdd_b"}
-                                                                                   : some(all, true, random);
+                                                                                   : some(all, true, random, 2);
     filter(truth, several, 1 + random.below(2), corner);
     truth.rough.faults.push_back({{"common_filter", "noise_colour"}, several, {{"corner_hz", corner}}});
   } else {

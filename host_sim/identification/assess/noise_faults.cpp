@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "host_sim/identification/assess/thresholds.hpp"
+#include "host_sim/identification/noise/recorder_filter.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 
@@ -48,52 +49,17 @@ std::optional<RecordingFault> level_fault(const IdentificationProblem& problem, 
       "noise_level", {model::channel_at(channel)}, {{"factor", mean.interval()}}, thresholds::highest_confidence};
 }
 
-/// The low-pass of one channel: nullopt where a recording has none.
-struct Corner {
-  Channel channel;
-  int order;
-  WeightedMean mean;
-};
-std::optional<Corner> corner_of(const IdentificationProblem& problem, std::size_t channel) {
-  Corner corner{model::channel_at(channel), 0, {}};
-  for (const ProblemRecording& r : problem.recordings()) {
-    const ChannelNoise& noise = r.noise[channel];
-    if (noise.colour.is_white() || !noise.is_known()) return std::nullopt;
-    if (noise.corner_half_width > thresholds::corner_known * noise.colour.corner) return std::nullopt;
-    corner.order = noise.colour.order;
-    corner.mean.add(noise.colour.corner, noise.corner_half_width);
-  }
-  return corner;
-}
-
-bool agree(const Corner& a, const Corner& b) {
-  const double difference = std::abs(a.mean.value() - b.mean.value());
-  return a.order == b.order && (difference < 2.0 * std::hypot(a.mean.half_width(), b.mean.half_width()) ||
-                                difference < thresholds::same_corner * b.mean.value());
-}
-
 }  // namespace
 
 std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem) {
   std::vector<RecordingFault> faults;
-  std::vector<Corner> groups;
-  std::vector<std::vector<Channel>> members;
   for (std::size_t c = 0; c < model::channel_count; ++c) {
     if (auto fault = level_fault(problem, c)) faults.push_back(std::move(*fault));
-    const auto corner = corner_of(problem, c);
-    if (!corner) continue;
-    const auto same = std::find_if(groups.begin(), groups.end(), [&](const Corner& g) { return agree(*corner, g); });
-    if (same == groups.end()) {
-      groups.push_back(*corner);
-      members.push_back({corner->channel});
-      continue;
-    }
-    same->mean.add(corner->mean.value(), corner->mean.half_width());
-    members[static_cast<std::size_t>(same - groups.begin())].push_back(corner->channel);
   }
-  for (std::size_t g = 0; g < groups.size(); ++g) {
+  for (RecorderFilter& filter : recorder_filters(problem, thresholds::same_corner)) {
+    const Interval corner{filter.corner, filter.corner - filter.half_width, filter.corner + filter.half_width};
     faults.push_back(
-        {"noise_colour", members[g], {{"corner_hz", groups[g].mean.interval()}}, thresholds::highest_confidence});
+        {"noise_colour", std::move(filter.channels), {{"corner_hz", corner}}, thresholds::highest_confidence});
   }
   return faults;
 }

@@ -17,15 +17,16 @@ Interval times(const Interval& v, double factor) {
   return scaled;
 }
 
-/// Channels that are recorded and keep the time of the input: z_r or x_cmd, and what was fused with it.
-std::vector<Channel> on_the_inputs_clock(const IdentificationProblem& problem, const PlacedFault& clock) {
+/// Channels that are recorded and shared the fate of the input, z_r or x_cmd, and what was fused with it: its clock or
+/// its filter. `fault` acts on the others.
+std::vector<Channel> with_the_input(const IdentificationProblem& problem, const PlacedFault& fault) {
   const PreparedRecording& r = problem.samples().front();
   std::vector<Channel> channels{r.input.channel};
   if (r.input.channel == Channel::z_r && r.recording.has(Channel::zdd_r) && !r.inputs_disagree) {
     channels.push_back(Channel::zdd_r);
   }
   for (const Channel channel : r.channels) {
-    if (!clock.acts_on(channel)) channels.push_back(channel);
+    if (!fault.acts_on(channel)) channels.push_back(channel);
   }
   return channels;
 }
@@ -43,7 +44,7 @@ std::vector<RecordingFault> described(const IdentificationProblem& problem, cons
   };
   switch (fault.kind) {
     case FaultKind::clock: {
-      const std::vector<Channel> others = on_the_inputs_clock(problem, fault);
+      const std::vector<Channel> others = with_the_input(problem, fault);
       const bool input_off = others.size() < fault.channels.size();
       const double sign = input_off ? -1.0 : 1.0;
       const std::vector<Channel>& channels = input_off ? others : fault.channels;
@@ -52,7 +53,7 @@ std::vector<RecordingFault> described(const IdentificationProblem& problem, cons
       break;
     }
     case FaultKind::common_filter: {
-      RecordingFault& filter = add("common_filter", fault.channels);
+      RecordingFault& filter = add("common_filter", fault.inverse ? with_the_input(problem, fault) : fault.channels);
       filter.parameters["corner_hz"] = *next;
       filter.parameters["order"] = known(fault.order);
       break;

@@ -81,6 +81,27 @@ std::vector<double> low_passed(const std::vector<double>& values, double corner,
   return filtered;
 }
 
+/// (2b) by central differences of sixth order. Of 90 Hz at 1 kHz the derivative is wrong by 3e-4, the second by 1e-4.
+std::vector<double> un_low_passed(const std::vector<double>& values, double corner, int order, double period) {
+  const double per_sample = 1.0 / (2.0 * std::numbers::pi * corner * period);  // 1/(ω · period)
+  const double first = order == 1 ? per_sample : std::numbers::sqrt2 * per_sample;
+  const double second = order == 1 ? 0.0 : per_sample * per_sample;
+  const auto count = static_cast<std::ptrdiff_t>(values.size());
+  const auto at = [&](std::ptrdiff_t k) {
+    return values[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, count - 1))];
+  };
+  std::vector<double> raised(values.size());
+  for (std::ptrdiff_t k = 0; k < count; ++k) {
+    const double slope =
+        (45.0 * (at(k + 1) - at(k - 1)) - 9.0 * (at(k + 2) - at(k - 2)) + (at(k + 3) - at(k - 3))) / 60.0;
+    const double bend = (270.0 * (at(k + 1) + at(k - 1)) - 27.0 * (at(k + 2) + at(k - 2)) +
+                         2.0 * (at(k + 3) + at(k - 3)) - 490.0 * at(k)) /
+                        180.0;
+    raised[static_cast<std::size_t>(k)] = at(k) + first * slope + second * bend;
+  }
+  return raised;
+}
+
 std::vector<double> shifted(const std::vector<double>& values, double offset, double rate, double period) {
   std::vector<double> moved(values.size());
   for (std::size_t k = 0; k < values.size(); ++k) {
@@ -113,7 +134,10 @@ std::vector<double> with_faults(const std::vector<PlacedFault>& faults, Channel 
   for (const FaultKind kind : {FaultKind::common_filter, FaultKind::clock, FaultKind::mains_hum}) {
     for (const PlacedFault& fault : faults) {
       if (fault.kind != kind || !fault.acts_on(channel)) continue;
-      if (kind == FaultKind::common_filter) values = low_passed(values, fault.values[0], fault.order, period);
+      if (kind == FaultKind::common_filter) {
+        const auto pass = fault.inverse ? un_low_passed : low_passed;
+        values = pass(values, fault.values[0], fault.order, period);
+      }
       if (kind == FaultKind::clock) values = shifted(values, fault.values[0], fault.values[1], period);
       if (kind == FaultKind::mains_hum) add_hum(values, fault, channel, period);
     }

@@ -15,13 +15,15 @@ namespace host_sim::identification {
 ///
 ///   clock          (1)  reading(t) = truth(t − offset + rate · t)        t from the first sample of the recording
 ///   common_filter  (2)  order 1: T ẏ + y = truth;  order 2: ÿ + √2 ω ẏ + ω² y = ω² truth;  ω = 1/T = 2π · corner
+///                  (2b) `inverse`: y = truth + T d/dt truth;  order 2: y = truth + (√2/ω) d/dt truth + d²/dt² truth/ω²
 ///   mains_hum      (3)  reading(t) = truth(t) + a_c cos(2π f t) + b_c sin(2π f t)      for each channel c
 ///   drift          (4)  parameter(t) = value · (1 + change · g(t/T)),   T: length of the recording
 ///                       g(s) = (1 − e^{−κ s})/(1 − e^{−κ})              a first-order warm-up; κ = 0: g = s
 ///
 /// (1): offset > 0 is late; with rate > 0 the clock of these channels runs slow. (1) to (3) act on each of `channels`
 /// behind the model's own sensors, in the order (2), (1), (3). In (4) `value` is that of the hypothesis' rig, at the
-/// beginning of the recording.
+/// beginning of the recording. (2b): the input is behind the filter, and these channels are not. A rig that is driven
+/// by what the filter left shows what it would show behind the same filter, as far as it is linear.
 enum class FaultKind : unsigned char { clock, common_filter, mains_hum, drift };
 
 struct PlacedFault {
@@ -29,6 +31,8 @@ struct PlacedFault {
   std::vector<model::Channel> channels{};  ///< of a drift: none
   std::string path{};                      ///< of a drift: the parameter
   int order = 1;                           ///< of a filter
+  bool inverse = false;                    ///< of a filter: (2b)
+  bool seen = false;                       ///< of a filter: the colours of the noises say which channels it has
   std::vector<double> values{};  ///< offset [s], rate [1] | corner [Hz] | f [Hz], a_1, b_1, a_2 … [SI] | change, κ [1]
   /// Whether each of the values is fitted; a clock may have an offset or a rate alone, a drift no κ.
   std::vector<bool> fitted{};

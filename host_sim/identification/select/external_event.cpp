@@ -7,6 +7,7 @@
 
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/parity/disturbed_span.hpp"
+#include "host_sim/identification/select/model_fitter.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
@@ -34,6 +35,8 @@ std::optional<LoudStretches> loudest(const std::vector<StretchPower>& stretches,
   std::size_t first = peak, last = peak;
   const auto same = [&](std::size_t k) { return stretches[k].recording == stretches[peak].recording; };
   while (first > 0 && same(first - 1) && powers[first - 1] > quiet) --first;
+  // How the rig began is not known better than what it forgot since.
+  if (first == 0 || !same(first - 1)) return std::nullopt;
   while (last + 1 < powers.size() && same(last + 1) && powers[last + 1] > quiet) ++last;
   if (static_cast<double>(last - first + 1) > thresholds::most_left_out * static_cast<double>(powers.size())) {
     return std::nullopt;
@@ -45,13 +48,19 @@ std::optional<LoudStretches> loudest(const std::vector<StretchPower>& stretches,
 std::optional<LoudStretches> loud_stretches(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
   const auto stretches = stretch_powers(problem, read_all(problem, hypothesis), thresholds::event_stretch);
   const std::size_t channels = problem.channels().size();
+  // A value that is taken a moment too late is far off where the motion is fast: a held channel says nothing of events.
+  const auto held = [&](std::size_t c) {
+    const auto& renewals = problem.samples().front().renewals[index(problem.channels()[c])];
+    return renewals && renewals->regular;
+  };
   std::optional<LoudStretches> best;
   for (std::size_t c = 0; c <= channels; ++c) {  // the last: all together
+    if (c < channels && held(c)) continue;
     std::vector<double> powers;
     for (const StretchPower& stretch : stretches) {
       Power sum;
       for (std::size_t i = 0; i < channels; ++i) {
-        if (c < channels && i != c) continue;
+        if ((c < channels && i != c) || held(i)) continue;
         const Power power = stretch.of_channel(i);
         sum.squares += power.squares;
         sum.count += power.count;
@@ -82,44 +91,82 @@ double residuals_in(const IdentificationProblem& problem, std::size_t recording,
          static_cast<double>(window.size());
 }
 
-bool leaves_rest(const IdentificationProblem& problem, const SearchResult& found) {
-  return find_rest(problem, found.best.fit.hypothesis).found();
+bool leaves_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  return find_rest(problem, hypothesis).found();
+}
+
+/// Stretches that were left out, and what their residuals counted.
+struct LeftOut {
+  std::vector<ExternalEvent> events;
+  CandidateModel model;  ///< fitted again to all others
+  double residuals = 0.0;
+  double price = 0.0;     ///< of (1)
+  bool held_out = false;  ///< one of them lies in a part that is held out
+};
+
+/// Leaves out the loudest stretch of what the hypothesis leaves. false: none stands out.
+bool leave_out_loudest(const firmware::RigDescription& description, IdentificationProblem& problem,
+                       const Hypothesis& hypothesis, LeftOut& out) {
+  const std::optional<LoudStretches> loud = loud_stretches(problem, hypothesis);
+  if (!loud) return false;
+  const PreparedRecording& recording = problem.samples()[loud->recording];
+  const Window samples = samples_of_stretch(recording, loud->from, loud->to);
+  TimeSpan span{loud->from, loud->peak_to};
+  const TimeSpan within{loud->from - thresholds::event_stretch, loud->to};
+  if (const auto sharp = disturbed_span(description, recording, within)) span = *sharp;
+  const SelectionCriterion criterion;
+  out.residuals += residuals_in(problem, loud->recording, samples);
+  out.price +=
+      criterion.effect + criterion.parameter * (2.0 + 2.0 * thresholds::event_bandwidth * (span.to - span.from));
+  out.held_out = out.held_out || samples.to > problem.recordings()[loud->recording].fitted.to;
+  out.events.push_back({loud->recording, span.from, span.to, 0.0});
+  problem.leave_out(loud->recording, samples);
+  return true;
+}
+
+/// (2) of external_event.hpp: what stands out, one after the other, each time with what is left fitted again.
+LeftOut leave_out_all(const firmware::RigDescription& description, IdentificationProblem& problem,
+                      const SearchSpace& space, const CandidateModel& model) {
+  const SelectionCriterion criterion;
+  LeftOut out;
+  out.model = model;
+  const auto clean = [&] { return !leaves_rest(problem, out.model.fit.hypothesis); };
+  while (out.events.size() < thresholds::most_events && (out.events.empty() || !clean()) &&
+         leave_out_loudest(description, problem, out.model.fit.hypothesis, out)) {
+    out.model = ModelFitter::refitted_in(problem, space, criterion, out.model);
+  }
+  return out;
 }
 
 }  // namespace
 
 void leave_out_events(const firmware::RigDescription& description, IdentificationProblem& problem,
                       const SearchSpace& space, const ProgressCallback& progress, SearchResult& found) {
+  if (!leaves_rest(problem, found.best.fit.hypothesis)) return;
   const SelectionCriterion criterion;
-  for (std::size_t n = 0; n < thresholds::most_events && leaves_rest(problem, found); ++n) {
-    // Without effects first: they may have been bent to explain the event.
-    std::optional<LoudStretches> loud = loud_stretches(problem, found.nothing.fit.hypothesis);
-    if (!loud) loud = loud_stretches(problem, found.best.fit.hypothesis);
-    if (!loud) return;
-    const PreparedRecording& recording = problem.samples()[loud->recording];
-    const Window samples = samples_of_stretch(recording, loud->from, loud->to);
-    TimeSpan span{loud->from, loud->peak_to};
-    const TimeSpan within{loud->from - thresholds::event_stretch, loud->to};
-    if (const auto sharp = disturbed_span(description, recording, within)) span = *sharp;
-
-    const double left_out = residuals_in(problem, loud->recording, samples);
+  bool searched = false;
+  // Without effects first: they may have been bent to explain an event.
+  for (const CandidateModel* const model : {&found.nothing, &found.best}) {
     IdentificationProblem without = problem;
-    without.leave_out(loud->recording, samples);
+    const LeftOut out = leave_out_all(description, without, space, *model);
+    if (out.events.empty()) continue;
+    if (searched && leaves_rest(without, out.model.fit.hypothesis)) continue;
+    searched = true;
     SearchResult again = select_model(without, space, progress);
-    const double price =
-        criterion.effect + criterion.parameter * (2.0 + 2.0 * thresholds::event_bandwidth * (span.to - span.from));
-    const double gain =
-        found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) - left_out - price;
-    // What is held out has no part in (1): the event is believed where the rest goes away with it.
-    const bool held_out = samples.to > problem.recordings()[loud->recording].fitted.to;
-    const bool better = gain > 0.0 || (held_out && !leaves_rest(without, again));
-    if (!better) return;
-    again.simulations += found.simulations;
-    again.candidates += found.candidates;
-    again.events = std::move(found.events);
-    again.events.push_back({loud->recording, span.from, span.to, std::max(gain, 0.0)});
+    found.simulations += again.simulations;
+    found.candidates += again.candidates;
+    if (leaves_rest(without, again.best.fit.hypothesis)) continue;
+    const double gain = found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) -
+                        out.residuals - out.price;
+    // What is held out has no part in (1): the event is believed since the rest went away with it.
+    if (!(gain > 0.0) && !out.held_out) continue;
+    again.simulations = found.simulations;
+    again.candidates = found.candidates;
+    again.events = out.events;
+    for (ExternalEvent& event : again.events) event.gain = std::max(gain, 0.0);
     found = std::move(again);
     problem = std::move(without);
+    return;
   }
 }
 

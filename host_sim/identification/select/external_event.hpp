@@ -7,16 +7,17 @@ namespace host_sim::identification {
 
 /// Looked for only where the best model leaves a rest (estimate/residual_over_time.hpp). A stretch of the recording
 /// whose residuals stand far above those of all others, of a channel or of all together, is marked as not recorded,
-/// until the motion that it left has died away, and the model is selected again. The event is believed where that is
-/// better by more than it costs,
+/// until the motion that it left has died away; then the next one beside it, at most thresholds::most_events. The model
+/// is selected again. The events are believed where that is better by more than they cost,
 ///
-///   (1)  χ²_again + penalties + n + effect + parameter · (2 + 2 B d) < χ² + penalties
+///   (1)  χ²_again + penalties + Σ (n + effect + parameter · (2 + 2 B d)) < χ² + penalties
+///   (2)  and where nothing but noise is left outside of them
 ///
 /// n: residuals left out, which a free force explains; d: duration of the event; B: thresholds::event_bandwidth, so
 /// that a force of any shape has 2 B d parameters. An effect that acts once (a stop that closes once) is cheaper and
-/// keeps its name. An event in a part that is held out is believed where the rest goes away with it. `found` and the
-/// problem become those without the event; it is added to `found.events`. Repeated, at most thresholds::most_events
-/// times.
+/// keeps its name. (2): a law that is missing is loudest where the motion is, and quieter, but still there, elsewhere.
+/// Events in a part that is held out are believed by (2) alone. `found` and the problem become those without the
+/// events; they are added to `found.events`.
 void leave_out_events(const firmware::RigDescription& description, IdentificationProblem& problem,
                       const SearchSpace& space, const ProgressCallback& progress, SearchResult& found);
 

@@ -1,10 +1,12 @@
 #include "host_sim/identification/select/fault_candidates.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -13,6 +15,7 @@
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/noise/recorder_filter.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 #include "host_sim/signal/spectrum.hpp"
@@ -86,7 +89,9 @@ class FaultScan {
   [[nodiscard]] std::vector<double> raw_residual(std::size_t recording, std::size_t channel) const;
   [[nodiscard]] std::optional<FaultCandidate> drift_of(const std::string& path,
                                                        const Eigen::VectorXd& derivative) const;
-  [[nodiscard]] Eigen::VectorXd weighted_by_time(const Eigen::VectorXd& column) const;
+  using TimeWeight = std::function<double(double)>;
+  [[nodiscard]] Eigen::VectorXd weighted_by_time(const Eigen::VectorXd& column, const TimeWeight& weight) const;
+  [[nodiscard]] bool is_one_drift(const Eigen::VectorXd& derivative) const;
 
   const IdentificationProblem& problem_;
   const Fit& base_;
@@ -264,8 +269,8 @@ void FaultScan::add_hum(std::vector<FaultCandidate>& list) const {
   }
 }
 
-/// (1) of fault_candidates.hpp without the factor p; recording by recording, row by row of the whitened channels.
-Eigen::VectorXd FaultScan::weighted_by_time(const Eigen::VectorXd& column) const {
+/// F{ w(t/T) F⁻¹{column} }, recording by recording, row by row of the whitened channels.
+Eigen::VectorXd FaultScan::weighted_by_time(const Eigen::VectorXd& column, const TimeWeight& weight) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(column.size());
   const auto m = static_cast<Eigen::Index>(problem_.channels().size());
   Eigen::Index at = 0;
@@ -301,7 +306,7 @@ Eigen::VectorXd FaultScan::weighted_by_time(const Eigen::VectorXd& column) const
       fill(odd, true);
       for (std::size_t n = 0; n < length; ++n) {
         const double t = from + share * (static_cast<double>(n) + 0.5) / static_cast<double>(length);
-        signal[n] *= t * 2.0 / static_cast<double>(length);
+        signal[n] *= weight(t) * 2.0 / static_cast<double>(length);
       }
       const auto spectrum = transform(signal);
       for (Eigen::Index k = 0; k < bins; ++k) {
@@ -314,12 +319,51 @@ Eigen::VectorXd FaultScan::weighted_by_time(const Eigen::VectorXd& column) const
   return result;
 }
 
+/// (2) of fault_candidates.hpp.
+bool FaultScan::is_one_drift(const Eigen::VectorXd& derivative) const {
+  constexpr auto pieces = static_cast<Eigen::Index>(thresholds::drift_pieces);
+  Eigen::MatrixXd free(derivative.size(), pieces);
+  double end = 0.0;  // of what is fitted, as a share of the recording
+  for (const ProblemRecording& r : problem_.recordings()) {
+    if (!r.is_fitted()) continue;
+    end = std::max(end, static_cast<double>(r.fit_whitening->window().to) / static_cast<double>(r.samples->size()));
+  }
+  // Hats, which add up to 1.
+  const double width = end / static_cast<double>(pieces - 1);
+  for (Eigen::Index i = 0; i < pieces; ++i) {
+    free.col(i) = weighted_by_time(
+        derivative, [&](double t) { return std::max(0.0, 1.0 - std::abs(t / width - static_cast<double>(i))); });
+  }
+  const LinearRefit::Directions all = others_.directions(free);
+  Eigen::MatrixXd matrix = all.matrix;
+  matrix.diagonal() *= 1.0 + 1e-6;  // where a constant size is fitted already, their sum is no direction
+  const double free_gain = all.gradient.dot(matrix.ldlt().solve(all.gradient));
+  double gain = 0.0;
+  for (const double kappa : thresholds::drift_curvatures) {
+    Eigen::VectorXd sizes(pieces);
+    for (Eigen::Index i = 0; i < pieces; ++i) {
+      const double s = width * static_cast<double>(i);
+      sizes(i) = kappa == 0.0 ? s : std::expm1(-kappa * s) / std::expm1(-kappa);
+    }
+    // A size at the beginning of its own, and a change.
+    Eigen::MatrixXd two(pieces, 2);
+    two.col(0).setOnes();
+    two.col(1) = sizes;
+    Eigen::Matrix2d m = two.transpose() * matrix * two;
+    m.diagonal() *= 1.0 + 1e-6;
+    const Eigen::Vector2d g = two.transpose() * all.gradient;
+    gain = std::max(gain, g.dot(m.ldlt().solve(g)));
+  }
+  return free_gain - gain < std::max(thresholds::drift_of_noise, thresholds::drift_remainder * gain);
+}
+
 /// d of (1) in fault_candidates.hpp as a candidate; `derivative`: ∂r/∂p · p.
 std::optional<FaultCandidate> FaultScan::drift_of(const std::string& path, const Eigen::VectorXd& derivative) const {
-  const Eigen::MatrixXd d = weighted_by_time(derivative) * thresholds::drift_scale;
+  const Eigen::MatrixXd d = weighted_by_time(derivative, [](double t) { return t; }) * thresholds::drift_scale;
   if (!d.allFinite()) return std::nullopt;
   const LinearRefit::Directions direction = others_.directions(d);
   if (!(direction.matrix(0, 0) > 1e-8 * d.squaredNorm())) return std::nullopt;
+  if (!is_one_drift(derivative)) return std::nullopt;
   const double step = -direction.gradient(0) / direction.matrix(0, 0) * thresholds::drift_scale;
   PlacedFault fault;
   fault.kind = FaultKind::drift;
@@ -391,11 +435,31 @@ std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& proble
   return list;
 }
 
+std::vector<PlacedFault> filters_seen(const IdentificationProblem& problem) {
+  const PreparedRecording& r = problem.samples().front();
+  std::vector<PlacedFault> list;
+  for (const RecorderFilter& seen : recorder_filters(problem, thresholds::alike_filters)) {
+    const auto has = [&](Channel channel) {
+      return std::find(seen.channels.begin(), seen.channels.end(), channel) != seen.channels.end();
+    };
+    std::vector<Channel> inside, outside;
+    for (const Channel channel : problem.channels()) (has(channel) ? inside : outside).push_back(channel);
+    const bool of_input = has(r.input.channel);
+    PlacedFault fault = filter_of(of_input ? outside : inside, seen.corner, std::min(seen.order, 2));
+    fault.inverse = of_input;
+    fault.seen = true;
+    // One channel's low-pass of first order is a lag of its sensor, which acts on its noise as well.
+    const bool of_sensor = fault.order == 1 && inside.size() == 1 && !of_input;
+    if (!fault.channels.empty() && !of_sensor) list.push_back(std::move(fault));
+  }
+  return list;
+}
+
 std::vector<FaultCandidate> neighbouring_groups(const IdentificationProblem& problem, const Fit& base,
                                                 std::size_t fault, double least) {
   const PlacedFault& present = base.hypothesis.faults[fault];
   std::vector<FaultCandidate> list;
-  if (present.kind != FaultKind::clock && present.kind != FaultKind::common_filter) return list;
+  if (present.kind != FaultKind::clock && (present.kind != FaultKind::common_filter || present.seen)) return list;
   const FaultScan scan(problem, base);
   for (const Channel channel : problem.channels()) {
     std::vector<PlacedFault> faults = base.hypothesis.faults;

@@ -25,13 +25,23 @@ struct FaultCandidate {
 ///   drift          (1)  d = F{ t/T F⁻¹{∂r/∂p} } · p       for each parameter p of rig and effects; the derivative is
 ///                       that of the fit's Jacobian, or costs a simulation for a parameter that is no part of it
 ///
+///                  (2)  and only where one change of the form of recording_faults.hpp (4) gains what sizes of p that
+///                  are
+///                       free at thresholds::drift_pieces instants gain, but for thresholds::drift_remainder of it
+///
 /// (1): a rig whose parameter is p (1 + s t/T) answers as the derivative says, weighted with time, as long as its
-/// motion forgets fast beside T. Source: score tests, as linear_refit.hpp. A fault must promise more than
-/// a parameter that is only off (suspect_parameters.hpp): one that is described as exact, or at the bound of its
-/// tolerance. `only_noise`: the fit leaves nothing but
-/// noise in each band, so only drifts are tried that cost no simulation: what changes with time is weak in every band.
+/// motion forgets fast beside T. (2): the
+/// size of a law that is another one goes with the motion, up and down. Source: score tests, as linear_refit.hpp. A
+/// fault must promise more than a parameter that is only off (suspect_parameters.hpp): one that is described as exact,
+/// or at the bound of its tolerance. `only_noise`: the fit leaves nothing but noise in each band, so only drifts are
+/// tried that cost no simulation: what changes with time is weak in every band.
 [[nodiscard]] std::vector<FaultCandidate> fault_candidates(const IdentificationProblem& problem, const Fit& base,
                                                            bool only_noise);
+
+/// Low-passes that the colours of the noises show (noise/recorder_filter.hpp): each acts on the channels whose noise is
+/// behind it or, where the input's is, inversely on the others. A filter that all channels share with the input is
+/// none.
+[[nodiscard]] std::vector<PlacedFault> filters_seen(const IdentificationProblem& problem);
 
 /// The same fault with one channel more or less, where that promises at least `least` [χ²]: best first.
 [[nodiscard]] std::vector<FaultCandidate> neighbouring_groups(const IdentificationProblem& problem, const Fit& base,

@@ -7,6 +7,7 @@
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/select/fault_candidates.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
@@ -48,6 +49,7 @@ class Search {
  private:
   // Forward.
   void begin(SearchResult& found);
+  void add_filters_seen(SearchResult& found) const;
   [[nodiscard]] std::vector<CandidateModel> one_effect_more(const std::vector<CandidateModel>& beam,
                                                             SearchResult& found) const;
   [[nodiscard]] std::optional<CandidateModel> by_fault(const CandidateModel& base,
@@ -129,7 +131,7 @@ void Search::forward(SearchResult& found) {
   count(found);
 }
 
-/// The tolerated parameters alone, then holds: no fit could say these better than the values do.
+/// The tolerated parameters alone, then holds and filters: no fit could say these better than values and noises do.
 void Search::begin(SearchResult& found) {
   report(0.05, "tolerated parameters");
   found.nothing = fitter_.refitted(space_.given, {});
@@ -140,9 +142,21 @@ void Search::begin(SearchResult& found) {
     auto held = fitter_.held(found.best, found.scales, channel);
     if (held && criterion_.accepts(*held, found.best, 0.0)) found.best = std::move(*held);
   }
-  if (found.best.effects.empty() || !fitter_.update_input_noise(found.best.fit.hypothesis)) return;
+  add_filters_seen(found);
+  if ((found.best.effects.empty() && found.best.faults().empty()) ||
+      !fitter_.update_input_noise(found.best.fit.hypothesis))
+    return;
   fitter_.refit(found.nothing, 4);
   fitter_.refit(found.best, 4);
+}
+
+void Search::add_filters_seen(SearchResult& found) const {
+  for (const PlacedFault& filter : filters_seen(fitter_.problem())) {
+    Hypothesis start = found.best.fit.hypothesis;
+    start.faults.push_back(filter);
+    CandidateModel filtered = fitter_.refitted(start, found.best.effects, 8);
+    if (criterion_.accepts(filtered, found.best, 0.0)) found.best = std::move(filtered);
+  }
 }
 
 /// The next beam, refitted; empty: no effect is accepted.

@@ -17,6 +17,7 @@ double CandidateModel::penalised_chi_squared(const SelectionCriterion& criterion
 
 double penalty(const SelectionCriterion& criterion, const PlacedFault& fault, std::size_t channels) {
   const auto fitted = static_cast<double>(std::count(fault.fitted.begin(), fault.fitted.end(), true));
+  if (fault.seen) return criterion.parameter * fitted;
   const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
   return criterion.effect + criterion.parameter * fitted +
          (of_group ? thresholds::group_choice * static_cast<double>(channels) : 0.0) +

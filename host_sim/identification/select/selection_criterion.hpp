@@ -30,6 +30,9 @@ struct CandidateModel {
 ///                                                                          a drift costs `violation` more, as a wrong
 ///                                                                          parameter does (suspect_parameters.hpp)
 ///
+/// A filter that the colours of the noises show (fault_candidates.hpp) costs its parameter alone: that it is there is
+/// known without the signals. A lag of the machine in its place needs a filter that acts on noise and on no signal.
+///
 /// Relation to the Bayesian information criterion (G. Schwarz, Ann. Statist. 6, 1978), χ² + p ln n: with n = 22 000
 /// residuals (a minute of two channels) ln n = 10 = `parameter`. `effect` is the prior that one effect of some 30
 /// candidates with several starts each acts at all: −2 ln(3e-7) = 30. A fixed penalty is used instead of ln n since

@@ -21,6 +21,11 @@ namespace host_sim::identification {
 ///   2  where effects alone leave nothing but noise, the parameters replace them only if (1) is lower
 ///   3  where they do not: effects are searched for beside the freed parameters; the result replaces the effects alone
 ///      if (1) is lower and the error on the recordings falls by thresholds::parameters_replace_error
+///   4  of the better one, a parameter that is not worth its price is bound again, one is freed if more than noise is
+///      left, and one effect or drift after the other is left out, with a parameter in its place where that costs too
+///      much
+///
+/// Holds that the values themselves show stay in all of these.
 ///
 /// `found` becomes the better of the two. Its `nothing` stays the rig with its tolerances refitted.
 void compare_parameters(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,

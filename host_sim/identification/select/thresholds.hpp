@@ -92,6 +92,18 @@ inline constexpr std::size_t tried_groups = 2;
 inline constexpr std::size_t fitted_faults = 4, fault_rivals = 4;
 /// [Hz] Corners from which a filter's fit starts: each a factor of 2 from the next, the trust radius is a factor of e.
 inline constexpr double filter_corners[] = {40.0, 80.0, 160.0, 320.0};
+/// [1] Relative distance of two corners, read off the noises of two channels, that are tried as one filter; its fit to
+/// the signals decides. Looked at: one filter of 196 Hz came out as 171 and 222 Hz. Half: such a pair is two sensors'
+/// faults. Twice: all filters of a factor of 1.7 are tried as one first.
+inline constexpr double alike_filters = 0.3;
+/// Instants between which a parameter is free, so that a drift can be told from a size that goes up and down, and the
+/// curvatures κ that are tried for the drift. Half: up and down is not seen. Twice: not measured.
+inline constexpr int drift_pieces = 6;
+inline constexpr double drift_curvatures[] = {-3.0, 0.0, 3.0, 10.0};
+/// [1] What the free sizes gain beyond the drift, as a share of its gain: a curvature between those above costs some
+/// per cent. [χ²] And in any case: four degrees of freedom reach 18.5 in one of 1000. Half and twice of the share: not
+/// measured.
+inline constexpr double drift_remainder = 0.1, drift_of_noise = 18.5;
 /// [Hz] of mains and railways.
 inline constexpr double mains_frequencies[] = {50.0, 60.0, 16.7};
 /// [1] Power of a line beside the bins around it from which it is a candidate: of 14 residuals each, noise reaches 5 in
@@ -100,8 +112,9 @@ inline constexpr double line_above_neighbours = 5.0, least_line = 5.0;
 
 // Events from outside (external_event.hpp) ----------------------------------------------------------------------------
 
-/// Events of one diagnosis at most: each costs a search.
-inline constexpr std::size_t most_events = 2;
+/// Events of one diagnosis at most: each costs a refit, all together one or two searches. A record with more of them is
+/// a rough one. Half: of four knocks two are left. Twice: not measured.
+inline constexpr std::size_t most_events = 4;
 /// [s] Length of the stretches whose power is compared.
 inline constexpr double event_stretch = 0.25;
 /// [1] Power of the loudest stretch, relative to that of three quarters of the stretches: where these are noise (below

@@ -56,6 +56,27 @@ TEST(RecordingFaults, AClockShowsAnotherInstant) {
             cosine(5.0, 100));
 }
 
+// (2b): the inverse has the inverse gain and phase of both orders, at corners above what is fitted.
+TEST(RecordingFaults, AnInverseFilterUndoesIt) {
+  using Complex = std::complex<double>;
+  for (const int order : {1, 2}) {
+    for (const double corner : {60.0, 390.0}) {
+      for (const double frequency : {12.0, 60.0, 90.0}) {
+        PlacedFault inverse = fault(FaultKind::common_filter, {corner}, order);
+        inverse.inverse = true;
+        const auto seen = with_faults({inverse}, Channel::F, cosine(frequency, 500), period);
+        const Complex s(0.0, frequency / corner);
+        const Complex gain = order == 1 ? 1.0 + s : 1.0 + std::numbers::sqrt2 * s + s * s;
+        for (std::size_t k = 10; k < 490; ++k) {
+          const double phase = two_pi * frequency * period * static_cast<double>(k) + std::arg(gain);
+          ASSERT_NEAR(seen[k], std::abs(gain) * std::cos(phase), 1e-3 * std::abs(gain))
+              << "order " << order << ", corner " << corner << ", " << frequency << " Hz";
+        }
+      }
+    }
+  }
+}
+
 // (2): gain and phase of both orders at 12, 60 and 90 Hz, after 1 s; corners from 20 to 390 Hz.
 TEST(RecordingFaults, AFilterHasItsGainAndPhase) {
   using Complex = std::complex<double>;

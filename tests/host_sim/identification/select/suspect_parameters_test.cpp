@@ -125,4 +125,22 @@ TEST(SuspectParameters, KeepTheOrderOfASearchSpace) {
   EXPECT_EQ(freed.common[3].role, start);
 }
 
+// A channel that is held beside a mass that is not as described: the hold is seen in the values, and the mass needs no
+// other effect.
+TEST(SuspectParameters, StandBesideAHoldThatTheValuesShow) {
+  truth::Truth truth = short_truth("single:quarter_car:sensor_hold", 23);
+  ASSERT_EQ(truth.effects.size(), 1U);
+  truth.tolerance.clear();
+  truth.actual = truth.nominal;
+  truth.actual["body.mass"] = 0.92 * truth.nominal["body.mass"];
+  const Diagnosis found = diagnosis_of(truth);
+  const std::string said = host_sim::identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects[0].effect.entry->name, "sensor_hold") << said;
+  ASSERT_EQ(found.parameters_off.size(), 1U) << said;
+  EXPECT_EQ(found.parameters_off[0].path, "body.mass");
+  EXPECT_NEAR(found.parameters_off[0].value.value / truth.actual["body.mass"], 1.0, 5e-3);
+  EXPECT_GT(found.parameters_off[0].confidence, 0.5);
+}
+
 }  // namespace

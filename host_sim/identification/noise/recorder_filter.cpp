@@ -1,0 +1,71 @@
+#include "host_sim/identification/noise/recorder_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "host_sim/identification/prepare/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+/// A weighted mean with the half width of its 95 % interval.
+struct WeightedCorner {
+  double sum = 0.0, weights = 0.0;
+
+  void add(double value, double half_width) {
+    const double weight = 1.0 / std::max(half_width * half_width, 1e-12 * value * value);
+    sum += weight * value;
+    weights += weight;
+  }
+  [[nodiscard]] double value() const { return sum / weights; }
+  [[nodiscard]] double half_width() const { return 1.0 / std::sqrt(weights); }
+};
+
+/// The low-pass of one channel: nullopt where a recording has none.
+std::optional<RecorderFilter> filter_of(const IdentificationProblem& problem, std::size_t channel) {
+  RecorderFilter filter{{model::channel_at(channel)}, 0};
+  WeightedCorner mean;
+  for (const ProblemRecording& r : problem.recordings()) {
+    const ChannelNoise& noise = r.noise[channel];
+    if (noise.colour.is_white() || !noise.is_known()) return std::nullopt;
+    if (noise.corner_half_width > thresholds::corner_known * noise.colour.corner) return std::nullopt;
+    filter.order = noise.colour.order;
+    mean.add(noise.colour.corner, noise.corner_half_width);
+  }
+  filter.corner = mean.value();
+  filter.half_width = mean.half_width();
+  return filter;
+}
+
+bool agree(const RecorderFilter& a, const RecorderFilter& b, double alike) {
+  const double difference = std::abs(a.corner - b.corner);
+  return a.order == b.order &&
+         (difference < 2.0 * std::hypot(a.half_width, b.half_width) || difference < alike * b.corner);
+}
+
+}  // namespace
+
+std::vector<RecorderFilter> recorder_filters(const IdentificationProblem& problem, double alike) {
+  std::vector<RecorderFilter> groups;
+  std::vector<WeightedCorner> means;
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    const auto own = filter_of(problem, c);
+    if (!own) continue;
+    const auto same = std::find_if(groups.begin(), groups.end(),
+                                   [&](const RecorderFilter& group) { return agree(*own, group, alike); });
+    const auto at = static_cast<std::size_t>(same - groups.begin());
+    if (same == groups.end()) {
+      groups.push_back(*own);
+      means.emplace_back();
+    } else {
+      same->channels.push_back(own->channels.front());
+    }
+    means[at].add(own->corner, own->half_width);
+    groups[at].corner = means[at].value();
+    groups[at].half_width = means[at].half_width();
+  }
+  return groups;
+}
+
+}  // namespace host_sim::identification
