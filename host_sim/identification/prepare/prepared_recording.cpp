@@ -162,6 +162,8 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
     prepared.renewals[c] = std::move(sampled.renewals[c]);
     prepared.clipped[c] = std::move(sampled.clipped[c]);
   }
+  prepared.outliers = sampled.outliers;
+  prepared.rounding = sampled.rounding;
   prepared.channel_noise = sampled.channel_noise;
   prepared.declared_noise = description.noise;
   prepared.expected_colour = sampled.expected_colour;
