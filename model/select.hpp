@@ -8,7 +8,7 @@ namespace model {
 /// Code that is a template on its scalar chooses with these instead of `?:` and `if`. For a number, a comparison is a
 /// bool and they are what they say. For Lanes (lanes.hpp) a comparison holds in some lanes and not in others.
 
-/// How many numbers stand side by side in a scalar.
+/// The number of values that stand side by side in a scalar.
 template <class S>
 inline constexpr std::size_t lane_count = 1;
 

@@ -1,4 +1,4 @@
-// What a run follows: one road, a road that repeats, or a programme; looked at before anything moves.
+// The road of a run: one road, a repeated road or a programme. It is checked before anything moves.
 #pragma once
 
 #include <cstdint>

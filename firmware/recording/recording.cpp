@@ -24,6 +24,18 @@ const std::vector<double>& Recording::required(model::Channel channel, std::stri
   return (*this)[channel];
 }
 
+Recording Recording::without_samples() const {
+  Recording empty;
+  empty.sample_period = sample_period;
+  empty.comments = comments;
+  empty.source = source;
+  empty.remark = remark;
+  empty.lost_rows = lost_rows;
+  empty.gaps = gaps;
+  empty.ignored_columns = ignored_columns;
+  return empty;
+}
+
 const std::vector<double>& values(const Recording& recording, Quantity quantity) {
   return column_of(recording, quantity);
 }

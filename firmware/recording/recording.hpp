@@ -47,6 +47,9 @@ struct Recording {
   /// The channel's samples, or an InputError that names the purpose for which they are needed ("to drive the
   /// simulation").
   [[nodiscard]] const std::vector<double>& required(model::Channel channel, std::string_view purpose) const;
+
+  /// The same file, comments, remark and gaps, without samples: the begin of a recording derived from this one.
+  [[nodiscard]] Recording without_samples() const;
 };
 
 /// The column of a quantity; empty when absent.

@@ -1,4 +1,4 @@
-// What a source for one kind of processor is given: nothing but plain memory.
+// The interface of the sources that are compiled for one kind of processor: plain memory only.
 #pragma once
 
 #include <cstddef>

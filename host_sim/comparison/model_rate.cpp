@@ -16,14 +16,8 @@ std::size_t model_steps_per_sample(double sample_period, double longest) {
 firmware::Recording interpolated(const firmware::Recording& recording, std::size_t factor) {
   if (factor == 1 || recording.size() < 2) return recording;
   const std::size_t count = factor * (recording.size() - 1) + 1;
-  firmware::Recording finer;
+  firmware::Recording finer = recording.without_samples();
   finer.sample_period = recording.sample_period / static_cast<double>(factor);
-  finer.comments = recording.comments;
-  finer.source = recording.source;
-  finer.remark = recording.remark;
-  finer.lost_rows = recording.lost_rows;
-  finer.gaps = recording.gaps;
-  finer.ignored_columns = recording.ignored_columns;
   finer.time.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     finer.time[k] = recording.time[k / factor] + static_cast<double>(k % factor) * finer.sample_period;

@@ -15,7 +15,7 @@ struct SideBySideRig {
   const SimulationInput* input;
 };
 
-/// How many rigs a simulation takes at once.
+/// The number of rigs that one simulation steps together.
 enum class LaneUse : unsigned char {
   automatic,  ///< what the processor has
   one,        ///< one after the other
@@ -23,10 +23,10 @@ enum class LaneUse : unsigned char {
   eight,      ///< needs AVX-512
 };
 
-/// Whether this processor and this build have registers of that width.
+/// True if this processor and this build have registers of that width.
 [[nodiscard]] bool has_lanes(LaneUse use);
 
-/// Whether two rigs may be simulated side by side: the same parts and effects, other values.
+/// True if two rigs may be simulated side by side: they have the same parts and effects and differ in values only.
 [[nodiscard]] bool alike(const model::RigParameters<double>& a, const model::RigParameters<double>& b);
 
 /// simulate() of each rig, bit for bit. The rigs have no effects of sensors; the inputs have one period and length, and

@@ -30,14 +30,14 @@ struct Variant {
   bool is_band = false;
 };
 
-/// What a rehearsal of a variant says.
+/// Result of the rehearsal of a variant.
 struct Outcome {
   std::vector<double> left;  ///< of each rival beside its nearest other
   Information information;
   std::string refused;
 };
 
-/// What a refusal says, without the file and what is expected instead.
+/// Text of a refusal, without the file and without the expected value.
 std::string reason_of(std::string refusal, const std::string& source) {
   if (refusal.starts_with(source + ": ")) refusal.erase(0, source.size() + 2);
   return refusal.substr(0, refusal.find(", expected"));
@@ -166,7 +166,7 @@ Advice compared(const Variant& variant, const Outcome& with, const Outcome& with
   return advice;
 }
 
-/// What would close an open combination: a sensor, or else another excitation.
+/// The sensor, or else the excitation, that would determine an open combination.
 void explain(std::vector<OpenCombination>& open, const std::vector<Variant>& variants,
              const std::vector<Outcome>& outcomes, const Rehearsal& now) {
   const auto& channels = now.problem().channels();

@@ -1,4 +1,4 @@
-// Which change of the experiment helps most.
+// Ranks changes of the experiment by how much they help.
 #pragma once
 
 #include <functional>

@@ -29,7 +29,7 @@ struct Subject {
 /// All effects of the catalogue that have a place on this rig beside those described, and can act where it is driven.
 [[nodiscard]] std::vector<Subject> subjects(const Rehearsal& rehearsal);
 
-/// How an effect shows as one of its parameters moves, all others in the middle of their starts.
+/// Signature of an effect over one of its parameters, all others in the middle of their starts.
 ///
 /// A larger value may mean more of the effect (a friction) or less (a clearance): it means more where doubling the
 /// value changes more than halving it. The significance grows with the size, so that a size with a given significance

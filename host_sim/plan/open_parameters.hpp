@@ -1,4 +1,4 @@
-// How well the rig's own parameters would be determined, and which combinations stay open.
+// Expected intervals of the rig's own parameters, and the combinations that stay open.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,7 +30,7 @@ struct OpenCombination {
   std::string combination, why;  ///< in words
 };
 
-/// What the recording knows of all parameters of the rig, in logarithms of their values:
+/// Information of the recording on all parameters of the rig, in logarithms of their values:
 ///
 ///   (1)  H = JᵀJ                      Fisher's information, J over all parameters of the explained part and of the
 ///                                     effects that are described

@@ -124,7 +124,7 @@ std::vector<ParameterRival> parameter_rivals(const Rehearsal& rehearsal) {
   return rivals;
 }
 
-/// What every effect that shows would be taken for; the matrix of it.
+/// Matrix of separations: for each visible effect, the effects that it would be taken for.
 SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all) {
   const std::vector<ParameterRival> parameters = parameter_rivals(rehearsal);
   SeparationMatrix matrix;

@@ -1,4 +1,4 @@
-// What an experiment would show, before it is made.
+// Predicts the result of an experiment before it is made.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace host_sim::plan {
 
-/// What an effect would be taken for.
+/// The effect that another one would be taken for.
 struct TakenFor {
   std::string name;  ///< of an effect, in words, or of a parameter: "body.mass"
   double left;       ///< [standard deviations] that are left of the effect with that refitted in its place

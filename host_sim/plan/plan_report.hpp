@@ -9,7 +9,7 @@
 
 namespace host_sim::plan {
 
-/// How many effects show, and what would help most.
+/// The number of visible effects, and the change that would help most.
 [[nodiscard]] std::string summary(const Plan& plan);
 /// A value of the effect's parameter with its unit.
 [[nodiscard]] std::string value_text(const PlannedEffect& effect, double value);

@@ -61,7 +61,8 @@ std::vector<double> added_channel(const firmware::RigDescription& description, c
   return simulate(rig, input, resting(rig, input))[index(channel)];
 }
 
-/// Whether a channel comes from a sensor whose readings are compared; the virtual car of a hil rig is computed.
+/// True if a channel comes from a sensor whose readings are compared. The virtual car of a hil rig is computed, not
+/// measured.
 bool is_compared(model::RigKind kind, Channel channel) {
   if (kind != model::RigKind::quarter_car) return channel == Channel::x_act || channel == Channel::F;
   return channel != Channel::z_r && channel != Channel::zdd_r && channel != Channel::F_act;

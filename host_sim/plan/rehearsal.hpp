@@ -12,7 +12,7 @@
 
 namespace host_sim::plan {
 
-/// What is rehearsed beside the rig.
+/// A variant that is rehearsed beside the rig.
 struct Setting {
   firmware::FootPointMotion motion;       ///< of the road; of a component_bench the deflection
   std::vector<model::Channel> without{};  ///< channels that are not recorded
@@ -20,7 +20,7 @@ struct Setting {
   std::uint64_t seed = 1;                 ///< of the sensor noise
 };
 
-/// How the whitened residuals change when the rig changes, and how the tolerances follow.
+/// Jacobian of the whitened residuals and of the tolerance terms with respect to the rig's parameters.
 struct Change {
   Eigen::VectorXf whitened;   ///< d
   Eigen::VectorXd tolerated;  ///< Jᵀd, J: columns of the tolerated parameters

@@ -1,4 +1,4 @@
-// What is left of an effect when another is refitted in its place.
+// Residual of an effect after another effect was refitted in its place.
 #pragma once
 
 #include <optional>

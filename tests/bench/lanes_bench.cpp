@@ -1,4 +1,4 @@
-// What a simulation costs side by side with others, against the same alone; per rig.
+// Time of a simulation in lanes against the same simulation alone, per rig.
 //
 //   lanes/…/alone      the time of one rig over ten seconds at 1 kHz, one after the other, with the channels that a rig
 //                      records

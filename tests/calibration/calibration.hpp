@@ -1,4 +1,4 @@
-// Whether `rigtwin diagnose` finds what `rigtwin plan` promises, on rigs that the model did not make (tests/truth).
+// Tests that `rigtwin diagnose` finds what `rigtwin plan` promises, on rigs made without the model (tests/truth).
 #pragma once
 
 #include <cstdint>

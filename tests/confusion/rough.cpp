@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <map>
 #include <stdexcept>
 
 #include "tests/confusion/table.hpp"
+#include "tests/confusion/text.hpp"
 
 namespace confusion {
 namespace {
@@ -88,15 +87,6 @@ bool is_right(const Outcome& o, const truth::Truth& truth) {
   if (o.named.size() != o.effects_hidden + o.same_thing) return false;
   if (o.effects_hidden + o.off_hidden > 0) return o.verdict == "named" || o.verdict == "ambiguous";
   return o.verdict == "no_discrepancy" || (o.verdict == "named" && o.faults_hidden > 0);
-}
-
-__attribute__((format(printf, 1, 2))) std::string written(const char* format, ...) {
-  std::array<char, 512> text{};
-  std::va_list arguments;
-  va_start(arguments, format);
-  (void)std::vsnprintf(text.data(), text.size(), format, arguments);
-  va_end(arguments);
-  return text.data();
 }
 
 std::string per_cent(const Share& share) {

@@ -1,9 +1,9 @@
 #include "tests/confusion/table.hpp"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "tests/confusion/text.hpp"
 
 namespace confusion {
 namespace {
@@ -18,15 +18,6 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-__attribute__((format(printf, 1, 2))) std::string line(const char* format, ...) {
-  std::array<char, 512> text{};
-  std::va_list arguments;
-  va_start(arguments, format);
-  (void)std::vsnprintf(text.data(), text.size(), format, arguments);
-  va_end(arguments);
-  return text.data();
-}
-
 /// Two blanks, the words, blanks up to column 60: a letter of UTF-8 is one column, however many bytes it has.
 std::string padded(const std::string& words) {
   const auto letters = std::count_if(words.begin(), words.end(), [](char c) { return (c & 0xC0) != 0x80; });
@@ -34,7 +25,7 @@ std::string padded(const std::string& words) {
 }
 
 std::string share_line(const std::string& what, const Share& share, const char* aim) {
-  return padded(what) + line("%4zu of %-4zu %6.1f %%   %s\n", share.count, share.of, 100.0 * share.value(), aim);
+  return padded(what) + written("%4zu of %-4zu %6.1f %%   %s\n", share.count, share.of, 100.0 * share.value(), aim);
 }
 
 nlohmann::ordered_json to_json(const Share& share) { return {{"count", share.count}, {"of", share.of}}; }
@@ -87,7 +78,7 @@ Table table_of(const std::vector<Outcome>& outcomes) {
 }
 
 std::string text(const Table& t, const std::vector<Outcome>& outcomes) {
-  std::string out = line("%zu recordings\n", outcomes.size());
+  std::string out = written("%zu recordings\n", outcomes.size());
   out += share_line("single effects named right, and nothing else", t.right.at("single"), "to reach 99 %");
   out += share_line("  named, alone or with others", t.singles_found, "");
   out += share_line("pairs: both named right, and nothing else", t.right.at("pair"), "to reach 97 %");
@@ -104,32 +95,33 @@ std::string text(const Table& t, const std::vector<Outcome>& outcomes) {
   out += share_line("after ≤ 1.15 × noise floor, catalogue and none", t.at_noise_floor, "to reach 97 %");
   out += share_line("95 % intervals that hold the truth, effects", t.intervals, "90 … 98 %");
   out += share_line("  tolerated parameters", t.tolerated_intervals, "");
-  out += padded("median error of effects' parameters") + line("%18.3f %%   at most 0.5 %%\n", 100.0 * t.median_error);
-  out += padded("  of tolerated parameters") + line("%18.3f %%\n", 100.0 * t.tolerated_error);
+  out +=
+      padded("median error of effects' parameters") + written("%18.3f %%   at most 0.5 %%\n", 100.0 * t.median_error);
+  out += padded("  of tolerated parameters") + written("%18.3f %%\n", 100.0 * t.tolerated_error);
   Share confident = t.calibration[2];
   confident.count += t.calibration[3].count;
   confident.of += t.calibration[3].of;
   out += share_line("effects named with 0.9 … 1: in the rig", confident, "to reach 90 %");
   for (std::size_t b = 0; b < t.calibration.size(); ++b) {
     const double low = b == 0 ? 0.0 : confidence_edges[b - 1], high = b == 3 ? 1.0 : confidence_edges[b];
-    out += share_line(line("  with %.2g … %.2g", low, high), t.calibration[b], "");
+    out += share_line(written("  with %.2g … %.2g", low, high), t.calibration[b], "");
   }
-  out += line("  time: median %.2f s, worst %.1f s (%s); processor %.0f s in all\n", t.median_wall, t.worst_wall,
-              t.slowest.c_str(), t.processor);
+  out += written("  time: median %.2f s, worst %.1f s (%s); processor %.0f s in all\n", t.median_wall, t.worst_wall,
+                 t.slowest.c_str(), t.processor);
   const auto details = [&](const char* title, const auto& holds) {
     bool first = true;
     for (const Outcome& o : outcomes) {
       if (!holds(o)) continue;
-      if (first) out += line("\n%s\n", title);
+      if (first) out += written("\n%s\n", title);
       first = false;
       if (!o.failure.empty()) {
-        out += line("  %s: %s\n", o.asked.id().c_str(), o.failure.c_str());
+        out += written("  %s: %s\n", o.asked.id().c_str(), o.failure.c_str());
         continue;
       }
       out += "  " + o.asked.id() + ": " + o.verdict + (o.unexplained ? ", rest" : "") + "; found " + o.found +
              "; hidden " + o.hidden;
-      out += line(" (%.3g × noise); χ²/n %.4g", o.size, o.residual_power);
-      if (o.gap > at_floor) out += line("; after %.3g × floor in %s", o.gap, o.gap_channel.c_str());
+      out += written(" (%.3g × noise); χ²/n %.4g", o.size, o.residual_power);
+      if (o.gap > at_floor) out += written("; after %.3g × floor in %s", o.gap, o.gap_channel.c_str());
       if (o.truth_is_rival) out += "; a rival is the truth";
       if (!o.rest.empty()) out += "; rest: " + o.rest;
       out += "\n";
@@ -145,8 +137,8 @@ std::string text(const Table& t, const std::vector<Outcome>& outcomes) {
       if (!o.right() || !e.effect || (e.held && e.error <= 0.05)) continue;
       if (first) out += "\nparameters outside their interval, or 5 % off\n";
       first = false;
-      out += line("  %s: %s %.3g %%%s\n", o.asked.id().c_str(), e.path.c_str(), 100.0 * e.error,
-                  e.held ? "" : ", outside");
+      out += written("  %s: %s %.3g %%%s\n", o.asked.id().c_str(), e.path.c_str(), 100.0 * e.error,
+                     e.held ? "" : ", outside");
     }
   }
   return out;

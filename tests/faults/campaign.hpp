@@ -31,8 +31,7 @@ struct Request {
 
 /// A rig, what goes wrong with it, and what its operator does; all of it follows from a seed.
 struct Scenario {
-  explicit Scenario(std::uint64_t seed)
-      : generator(seed), scene(draw_kind(), static_cast<std::size_t>(800 + whole(1200))) {
+  explicit Scenario(std::uint64_t seed) : generator(seed), scene(draw_scene()) {
     scene.settings.ramps.rate = 0.2;  // a return takes 1 s, not 4
     const double rest = real(-0.02, 0.02);
     // hil: the force is tared at rest, where the component carries nothing.
@@ -114,9 +113,12 @@ struct Scenario {
   double real(double low, double high) {
     return low + (high - low) * static_cast<double>(generator() >> 11U) / 9007199254740992.0;
   }
-  model::RigKind draw_kind() {
-    return std::array{model::RigKind::hil, model::RigKind::quarter_car,
-                      model::RigKind::component_bench}[static_cast<std::size_t>(whole(3))];
+  // One draw a statement: compilers evaluate the arguments of a call in orders of their own.
+  Scene draw_scene() {
+    const auto periods_of_road = static_cast<std::size_t>(800 + whole(1200));
+    const auto kind = std::array{model::RigKind::hil, model::RigKind::quarter_car,
+                                 model::RigKind::component_bench}[static_cast<std::size_t>(whole(3))];
+    return Scene(kind, periods_of_road);
   }
   hal::simulated::Window draw_window() {
     const hal::Time from = hal::milliseconds(whole(3500));

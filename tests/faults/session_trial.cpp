@@ -37,7 +37,7 @@ using firmware::controller::Status;
 using hal::simulated::ChannelFault;
 using hal::simulated::DeviceFault;
 
-/// What goes wrong, drawn from a seed.
+/// The faults of a session, drawn from a seed.
 class Faults {
  public:
   Faults(std::uint64_t seed, const hal::SensorSetup& sensors) : generator_(seed), sensors_(sensors) {
@@ -134,7 +134,7 @@ std::string last_line(const std::filesystem::path& file) {
   return last;
 }
 
-/// What is wrong with the recording that a session left; `reason`: of its last row.
+/// The first defect of the recording that a session left; `reason`: of its last row.
 std::string look_at(const std::filesystem::path& file, double period, Reason& reason) {
   const firmware::AsRecorded recorded = firmware::read_csv_as_recorded(file, {});
   const std::vector<double>& time = recorded.recording.time;

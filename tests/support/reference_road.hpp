@@ -16,7 +16,8 @@ class NormalNoise {
   explicit NormalNoise(std::uint64_t seed) : state_(seed) {}
   double operator()() {
     constexpr double two_pi = 6.28318530717958647692;
-    return std::sqrt(-2.0 * std::log(1.0 - uniform())) * std::cos(two_pi * uniform());
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+    return radius * std::cos(two_pi * uniform());
   }
   /// 0 ≤ u < 1
   double uniform() {

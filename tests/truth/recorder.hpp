@@ -22,7 +22,7 @@ class LowPass {
   bool begun_ = false;
 };
 
-/// What lies between a sensor and the file, for one channel: low-pass → clock of its own → hum → outliers → rounding.
+/// The recorder of one channel, between sensor and file: low-pass → clock of its own → hum → outliers → rounding.
 /// Fed at every node of the fine grid if it filters or has a clock, else at the samples.
 class Recording {
  public:

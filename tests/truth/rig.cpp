@@ -113,7 +113,7 @@ void put_outside(const Truth& truth, Numbers& n) {
   n.machine_play = outside("machine_play");
 }
 
-/// What changes while the rig runs, and what acts on it from outside.
+/// Drifts of parameters and forces from outside during a run.
 void put_rough(const Truth& truth, Numbers& n) {
   for (const auto& [path, relative] : truth.rough.drift) {
     if (path == "suspension.damping")

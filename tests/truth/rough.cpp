@@ -357,7 +357,8 @@ Truth events(Base base, Random& random) {
   for (int i = 0; i < count; ++i) {
     const double from = random.uniform(2.0, whole - 2.0);
     const double length = push ? random.uniform(0.2, 1.0) : random.logarithmic(5e-3, 30e-3);
-    const double force = random.sign() * (push ? random.uniform(60.0, 300.0) : random.uniform(200.0, 900.0));
+    const double sign = random.sign();
+    const double force = sign * (push ? random.uniform(60.0, 300.0) : random.uniform(200.0, 900.0));
     truth.rough.events.push_back({where, from, from + length, force});
     // A verdict counts time as the recording does.
     truth.rough.faults.push_back({{"event"}, {}, {{"from_s", start + from}, {"to_s", start + from + length}}});

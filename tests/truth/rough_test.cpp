@@ -1,4 +1,4 @@
-// What makes a recording rough, each part against a closed form.
+// Each part of a rough recording against a closed form.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -56,7 +56,7 @@ double velocity(const Truth& t, std::size_t row) {
   return command.at(static_cast<double>(row) * 1e-3).velocity;
 }
 
-/// What a law adds to the force of the bench, row by row.
+/// Force that a law adds to the bench, row by row.
 std::vector<double> added(const Truth& with) {
   std::vector<double> force = channel(with, "F");
   Truth plain = bench();

@@ -57,7 +57,7 @@ Holes holes_of(const Truth& truth, std::size_t rows, std::size_t columns) {
   return holes;
 }
 
-/// What is rough, in the words of the rough samples where they have one.
+/// The rough conditions, with the keys of the rough samples where they have one.
 void add_rough(const Truth& truth, nlohmann::ordered_json& out) {
   const Rough& rough = truth.rough;
   if (rough.condition.empty()) return;

@@ -36,7 +36,7 @@ struct RecordPlan {
   std::string form;                 ///< "sweep", "steps", "stepped_sines", "multisine"; empty: noise
 };
 
-/// What a recorder does to a channel behind its sensor, in this order; 0 is "not there".
+/// Steps of a recorder on a channel behind its sensor, in this order; 0 is "not there".
 struct Recorder {
   double corner = 0.0;   ///< [Hz] of a low-pass on signal and noise
   int order = 1;         ///< 1, or 2 (Butterworth)
@@ -64,7 +64,8 @@ struct Fault {
   std::map<std::string, double> parameters;
 };
 
-/// What is not as a description says, beside the effects. Everything off: the truths that draw() makes of its groups.
+/// Everything that differs from the description beside the effects. All off: the truths that draw() makes of its
+/// groups.
 struct Rough {
   std::string condition;
   std::map<std::string, double> declared;    ///< by channel: factor on the noise that rig.toml declares

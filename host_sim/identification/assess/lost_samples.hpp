@@ -1,4 +1,4 @@
-// What the recordings lack, as faults of the recording.
+// Gaps, NaN and lost rows, reported as faults of the recording.
 #pragma once
 
 #include <vector>

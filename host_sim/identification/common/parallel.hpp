@@ -17,7 +17,7 @@ inline bool& inside_work() {
   return inside;
 }
 
-/// How many processors for_all() would use here.
+/// The number of processors that for_all() would use here.
 inline std::size_t free_processors() { return inside_work() ? 1 : std::max(1U, std::thread::hardware_concurrency()); }
 
 /// work(i) for i = 0 … count − 1 on all processors; inside such work, one after the other. The first exception is

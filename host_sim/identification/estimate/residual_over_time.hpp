@@ -1,4 +1,4 @@
-// What a fit leaves, by channel, band and stretch of time, and whether that is more than noise.
+// The residual of a fit by channel, band and stretch of time, and the test whether it is more than noise.
 #pragma once
 
 #include <array>

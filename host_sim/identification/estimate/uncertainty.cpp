@@ -231,7 +231,7 @@ std::string list_of(const std::vector<std::string>& inside, const std::vector<st
   return joined(list);
 }
 
-/// Whether a unit holds the unit of mass: N, N/m, N s/m, kg, kg/m³, Pa.
+/// True if a unit contains the unit of mass: N, N/m, N s/m, kg, kg/m³, Pa.
 bool holds_mass(std::string_view unit) {
   return unit.starts_with("N") || unit.starts_with("kg") || unit.starts_with("Pa");
 }
@@ -249,7 +249,7 @@ std::string_view unit_of_path(const Hypothesis& hypothesis, const std::string& p
   return "";
 }
 
-/// What is known along the coordinates of a fit, of the data and with the tolerances.
+/// The information along the coordinates of a fit: of the data alone, and with the tolerances.
 struct Informed {
   Eigen::MatrixXd directions;  ///< a column for each coordinate: without (7), where that is open
   Eigen::MatrixXd of_data, with_tolerance;
@@ -268,7 +268,8 @@ Eigen::VectorXd mass_scale(const Fit& fit) {
   return scale;
 }
 
-/// What the data leave open beside (7): null vectors of the information in relative changes, in words.
+/// The combinations of parameters that the data leave open beside (7): null vectors of the information in relative
+/// changes, in words.
 std::vector<Undetermined> null_vectors(const Fit& fit, const Eigen::MatrixXd& information, bool measures_force) {
   std::vector<std::string> names;
   std::vector<Index> kept;

@@ -1,4 +1,4 @@
-// How well the recordings determine the parameters of a fit, and what they leave open.
+// Intervals of the parameters of a fit, and the combinations of parameters that the recordings leave open.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace host_sim::identification {
 
-/// What these channels and this excitation do not determine.
+/// The combinations of parameters that these channels and this excitation do not determine.
 struct Undetermined {
   std::string combination;  ///< "body.mass, wheel.mass and all stiffnesses and dampings in one ratio"
   std::string why;          ///< "no force is measured"

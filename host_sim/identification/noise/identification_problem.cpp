@@ -14,7 +14,7 @@ using model::Channel;
 /// [s] A truncated window is no shorter: two periods of 1 Hz.
 constexpr double shortest_truncated = 2.0;
 
-/// Whether what a hypothesis leaves of a channel may say more of its noise than the channel itself.
+/// True if the residual of a hypothesis may be a better estimate of a channel's noise than the channel itself.
 bool is_open(const PreparedRecording& r, Channel channel) {
   const ChannelNoise& noise = r.channel_noise[index(channel)];
   return !r.renewals[index(channel)] && (!noise.is_known() || !noise.colour.is_white());

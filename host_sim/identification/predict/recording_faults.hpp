@@ -36,10 +36,10 @@ struct PlacedFault {
   [[nodiscard]] bool acts_on(model::Channel channel) const;
 };
 
-/// Whether one of the faults acts between a channel's sensor and its samples.
+/// True if one of the faults acts between a channel's sensor and its samples.
 [[nodiscard]] bool alters(const std::vector<PlacedFault>& faults, model::Channel channel);
 
-/// Whether a parameter of the rig changes with time.
+/// True if a parameter of the rig changes with time.
 [[nodiscard]] bool drifts(const std::vector<PlacedFault>& faults);
 
 /// Samples of a channel as the faults leave them; `period` [s].

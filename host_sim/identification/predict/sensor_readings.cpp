@@ -172,7 +172,7 @@ std::vector<double> held_values(const std::vector<double>& values, const Renewal
   return shown;
 }
 
-/// What the sensors alone make of a channel.
+/// A channel as its sensors give it, before the recorder.
 std::vector<double> through_sensors(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
                                     const std::vector<double>& truth) {
   const Rig& rig = hypothesis.rig;

@@ -40,7 +40,7 @@ struct SimulatedRig {
 /// Whether a sensor effect acts between a channel and its readings.
 [[nodiscard]] bool has_sensor_effect(const model::RigParameters<double>& rig, model::Channel channel);
 
-/// Whether a channel's samples differ from its true values: by a sensor effect or a fault of the recording.
+/// True if a channel's samples differ from its true values by a sensor effect or a fault of the recording.
 [[nodiscard]] bool is_altered(const Hypothesis& hypothesis, model::Channel channel);
 
 /// Readings of one channel from its true values: the model's own sensors (model/sensors.hpp) are stepped over one

@@ -1,4 +1,4 @@
-// What drives the simulation of a recording, also where the road was not measured.
+// The input that drives the simulation of a recording, also where the road was not measured.
 #pragma once
 
 #include <string>

@@ -9,7 +9,7 @@
 
 namespace host_sim::identification {
 
-/// What a low-pass makes of white noise, with T the sample period:
+/// Spectrum of white noise behind a low-pass, with T the sample period:
 ///
 ///   (1)  h(f) = 1 / (1 + (t(f)/t(corner))^{2 order})
 ///   (2)  t(f) = tan(πfT)   digital: a Butterworth filter that a computer made

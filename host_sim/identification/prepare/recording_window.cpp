@@ -3,14 +3,7 @@
 namespace host_sim::identification {
 
 firmware::Recording cut(const firmware::Recording& whole, Window window) {
-  firmware::Recording part;
-  part.sample_period = whole.sample_period;
-  part.comments = whole.comments;
-  part.source = whole.source;
-  part.remark = whole.remark;
-  part.lost_rows = whole.lost_rows;
-  part.gaps = whole.gaps;
-  part.ignored_columns = whole.ignored_columns;
+  firmware::Recording part = whole.without_samples();
   const auto keep = [&](const auto& values, auto& kept) {
     if (values.empty()) return;
     kept.assign(values.begin() + static_cast<std::ptrdiff_t>(window.from),

@@ -27,14 +27,8 @@ Flags clipped_samples(const firmware::RigDescription& description, const firmwar
 
 /// Every n-th sample; no channel is filtered.
 firmware::Recording picked(const firmware::Recording& recording, std::size_t n) {
-  firmware::Recording fewer;
+  firmware::Recording fewer = recording.without_samples();
   fewer.sample_period = recording.sample_period * static_cast<double>(n);
-  fewer.comments = recording.comments;
-  fewer.source = recording.source;
-  fewer.remark = recording.remark;
-  fewer.lost_rows = recording.lost_rows;
-  fewer.gaps = recording.gaps;
-  fewer.ignored_columns = recording.ignored_columns;
   const auto pick = [n](const auto& values, auto& result) {
     for (std::size_t k = 0; k < values.size(); k += n) result.push_back(values[k]);
   };

@@ -27,13 +27,13 @@ struct NoiseEstimate {
 [[nodiscard]] NoiseEstimate noise_estimate(const std::vector<double>& samples);
 [[nodiscard]] double estimated_noise(const std::vector<double>& samples);
 
-/// How much louder a channel's noise is than declared.
+/// Ratio of a channel's noise to its declared noise.
 struct NoiseFactor {
   double value = 1.0;
   double half_width = 0.0;  ///< of the 95 % interval
 };
 
-/// What is known of a channel's noise.
+/// Level and colour of a channel's noise, and how well they are known.
 struct SensorNoise {
   ChannelNoise noise;
   std::optional<NoiseFactor> factor;  ///< nullopt: nothing declared, or its samples say nothing

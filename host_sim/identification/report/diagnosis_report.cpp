@@ -152,7 +152,7 @@ Panel left_over(const std::string& when, const std::vector<BandPower>& powers, b
   return panel;
 }
 
-/// What is left of each channel second by second, a strip for each channel.
+/// The residual of each channel second by second, a strip for each channel.
 void add_power_over_time(Report& page, const Diagnosis& diagnosis) {
   constexpr std::size_t most_recordings = 4;
   std::size_t last = 0;

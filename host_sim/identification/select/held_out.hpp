@@ -1,4 +1,4 @@
-// How well a hypothesis predicts what no fit has seen.
+// Prediction error of a hypothesis on data that no fit has used.
 #pragma once
 
 #include "host_sim/identification/noise/identification_problem.hpp"

@@ -1,4 +1,4 @@
-// Whether an effect that was found has the same size at every amplitude and all the time.
+// Test whether the size of an effect is the same at every amplitude and at every time.
 #pragma once
 
 #include <cstddef>

@@ -98,7 +98,7 @@ class Search {
   double first_share_;                             ///< of the windows, where candidates far above noise are told apart
 };
 
-/// What drifts slowly may be left in no band. true: it was added.
+/// Adds a slow drift where it explains a residual. Returns true if it was added.
 bool Search::add_last_fault(SearchResult& found) const {
   auto fault = by_fault(found.best, {});
   if (!fault || !criterion_.accepts(*fault, found.best, criterion_.share(found.best))) return false;

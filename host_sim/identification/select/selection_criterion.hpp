@@ -61,7 +61,7 @@ struct SelectionCriterion {
   [[nodiscard]] bool accepts(const CandidateModel& longer, const CandidateModel& shorter, double least_share) const;
 };
 
-/// What a fault costs in (1), beside `channels` measured ones.
+/// Penalty of a fault in (1), beside `channels` measured ones.
 [[nodiscard]] double penalty(const SelectionCriterion& criterion, const PlacedFault& fault, std::size_t channels);
 
 /// What a model leaves beyond noise: max(χ² − n, 0).

@@ -35,17 +35,6 @@ void arm(Journey& run) {
   for (int k = 0; k < 20'000 && run.loop.mode() == Mode::arming; ++k) run.periods(1);
 }
 
-/// The largest step of the powered drive in a period [m].
-double largest_step(Journey& run, int periods) {
-  double largest = 0.0, last = run.rig.drive().position;
-  for (int k = 0; k < periods; ++k) {
-    run.periods(1);
-    largest = std::max(largest, std::abs(run.rig.drive().position - last));
-    last = run.rig.drive().position;
-  }
-  return largest;
-}
-
 // A sound rig of each kind is armed, waits for a start of its own, and runs to the end of its reference.
 TEST(Arming, PassesASoundRig) {
   for (const RigKind kind : {RigKind::quarter_car, RigKind::hil, RigKind::component_bench}) {

@@ -237,6 +237,17 @@ inline void expect_safe_end(const Journey& run) {
   EXPECT_TRUE(tripped);
 }
 
+/// The largest step of the drive in so many periods [m].
+inline double largest_step(Journey& run, int periods) {
+  double largest = 0.0, last = run.rig.drive().position;
+  for (int k = 0; k < periods; ++k) {
+    run.periods(1);
+    largest = std::max(largest, std::abs(run.rig.drive().position - last));
+    last = run.rig.drive().position;
+  }
+  return largest;
+}
+
 inline double value(const Record& record, Channel channel) { return record.values[model::index(channel)]; }
 
 }  // namespace rig_under_test

@@ -232,17 +232,6 @@ TEST(DriveEnable, ThatCannotBeWrittenIsLeftToTheWatchdog) {
   EXPECT_TRUE(run.loop.at_rest());
 }
 
-/// The largest step of the drive in so many periods [m].
-double largest_step(Journey& run, int periods) {
-  double largest = 0.0, last = run.rig.drive().position;
-  for (int k = 0; k < periods; ++k) {
-    run.periods(1);
-    largest = std::max(largest, std::abs(run.rig.drive().position - last));
-    last = run.rig.drive().position;
-  }
-  return largest;
-}
-
 // Fault. A beat that is not taken, or not given while the valves are lost, lets the watchdog take the power after 20
 // ms; the next beat gives it back. So the program takes it as well, in that very period: in the run and on the way
 // back, where the command would have gone on meanwhile. It stays off, whatever is asked for, until the fault is

@@ -1,4 +1,4 @@
-// What rigtwin plan promises, against closed forms and against what physics cannot tell apart.
+// The predictions of rigtwin plan against closed forms, and against pairs that physics cannot tell apart.
 #include "host_sim/plan/plan.hpp"
 
 #include <gtest/gtest.h>

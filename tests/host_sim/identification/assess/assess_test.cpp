@@ -146,7 +146,7 @@ TEST(Assess, FindsNothingInARigAsDescribed) {
   EXPECT_EQ(unit_of({firmware::find_effect("sensor_offset"), Channel::F, {1.0}}, 0), "N");
 }
 
-/// What a writer says about a number that it must not write.
+/// Message of a writer about a number that is not finite.
 template <class Write>
 std::string refusal(const Write& write) {
   try {

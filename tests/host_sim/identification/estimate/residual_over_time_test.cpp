@@ -1,4 +1,4 @@
-// Whether a rest is found over the whole record and in stretches of it, and only where there is one.
+// A residual is found over the whole record and in stretches of it, and only where there is one.
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// How well parameters are known, and what is left open.
+// Intervals of parameters, and open combinations.
 #include "host_sim/identification/estimate/uncertainty.hpp"
 
 #include <gmock/gmock.h>

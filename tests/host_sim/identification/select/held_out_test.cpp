@@ -12,27 +12,13 @@
 #include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/search.hpp"
 #include "tests/host_sim/identification/sample_problem.hpp"
+#include "tests/host_sim/identification/select/bench_problem.hpp"
 #include "tests/truth/truth.hpp"
 
 namespace {
 
 using namespace host_sim::identification;
-
-/// 8 s of a bench, the last quarter held out.
-struct Bench {
-  explicit Bench(const firmware::RigDescription& truth)
-      : Bench(sample::prepared(sample::bench(), truth, Use::shared, 8.0)) {}
-
-  Hypothesis given;
-  IdentificationProblem problem;
-  SearchSpace space;
-
- private:
-  explicit Bench(std::vector<PreparedRecording> recordings)
-      : given(described_hypothesis(sample::bench(), recordings)),
-        problem(std::move(recordings), given),
-        space(search_space(sample::bench(), problem.samples(), given)) {}
-};
+using sample::Bench;
 
 // Law. The rig that was recorded leaves one of χ² per held-out residual, another one more; a part of the windows, which
 // holds nothing out, says nothing.

@@ -13,11 +13,13 @@
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/selection_criterion.hpp"
 #include "tests/host_sim/identification/sample_problem.hpp"
+#include "tests/host_sim/identification/select/bench_problem.hpp"
 
 namespace {
 
 using namespace host_sim::identification;
 using model::Channel;
+using sample::Bench;
 
 CandidateModel model_with(double chi_squared, std::size_t effects, std::size_t residuals = 1000) {
   CandidateModel model;
@@ -52,21 +54,6 @@ TEST(ExplainedShare, IsOfThePowerBeyondNoise) {
   EXPECT_DOUBLE_EQ(explained_share(21.0, 0.98, 1000.0), 1.0);
   EXPECT_DOUBLE_EQ(explained_share(1.0, 1.0, 1000.0), 1.0);
 }
-
-struct Bench {
-  explicit Bench(const firmware::RigDescription& truth, double seconds = 8.0)
-      : Bench(sample::prepared(sample::bench(), truth, Use::shared, seconds)) {}
-
-  Hypothesis given;
-  IdentificationProblem problem;
-  SearchSpace space;
-
- private:
-  explicit Bench(std::vector<PreparedRecording> recordings)
-      : given(described_hypothesis(sample::bench(), recordings)),
-        problem(std::move(recordings), given),
-        space(search_space(sample::bench(), problem.samples(), given)) {}
-};
 
 // Law. Candidates are the effects that a bench has a place for, each with starts inside its bounds; an effect that is
 // in the hypothesis already is none; nothing on a bench is a tyre.
