@@ -32,6 +32,10 @@ inline constexpr double shortest_period = 1e-3;
 /// of what a recording of 100 Hz says. Twice: beyond half the rate there is nothing.
 inline constexpr double recorded_share_of_rate = 0.45;
 
+/// [SI] A larger sample is refused. Derivation: 10⁸ squares of it, in units of noise down to 1e-20 of it, are below
+/// 1.8e308. Half and twice: no difference.
+inline constexpr double largest_sample = 1e100;
+
 // Simulation --------------------------------------------------------------------------------------------------------
 
 /// [s] Step of the simulation where friction, free play or stops act: inside a step their instant is known only at the
