@@ -66,9 +66,9 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
 }
 
 /// Whether the samples that may be used differ: of what never moves inside its measuring range nothing is known.
-bool moves(const std::vector<double>& samples, const std::vector<bool>& clipped) {
+bool moves(const std::vector<double>& samples, const std::vector<bool>& clipped, std::size_t step) {
   const double* first = nullptr;
-  for (std::size_t k = 0; k < samples.size(); ++k) {
+  for (std::size_t k = 0; k < samples.size(); k += step) {
     if (!clipped.empty() && clipped[k]) continue;
     if (first == nullptr) first = &samples[k];
     if (samples[k] != *first) return true;
@@ -168,7 +168,7 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   if (feels_road) std::erase(simulated, Channel::F_w);
   for (const Channel channel : simulated) {
     const auto c = index(channel);
-    if (!recording.has(channel) || !moves(recording[channel], sampled.clipped[c])) continue;
+    if (!recording.has(channel) || !moves(recording[channel], sampled.clipped[c], sampled.step)) continue;
     prepared.channels.push_back(channel);
     prepared.renewals[c] = std::move(sampled.renewals[c]);
     prepared.clipped[c] = std::move(sampled.clipped[c]);
