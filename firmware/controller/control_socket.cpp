@@ -211,6 +211,11 @@ std::string ControlSocket::answer(const Client& client) const {
   return json;
 }
 
+std::string socket_path(const std::string& asked, const std::string& described) {
+  if (!asked.empty()) return asked;
+  return described.empty() ? std::string(usual_socket) : described;
+}
+
 int ask_controller(const std::string& path, const std::string& line) {
   if (!is_command(line.substr(0, line.find(' ')))) {
     std::fprintf(stderr, "rig_controller: unknown command %s, see rig_controller --help\n", in_quotes(line).c_str());

@@ -69,6 +69,9 @@ class ControlSocket {
   std::vector<Client> clients_;
 };
 
+/// The first path that is given: on the command line, in the description ([controller] socket), else the usual one.
+[[nodiscard]] std::string socket_path(const std::string& asked, const std::string& described);
+
 /// The program as a client: sends the words as one line, prints the answer. Its exit status: 0 done, 2 unknown command,
 /// 6 no program listens, or the state does not allow it.
 [[nodiscard]] int ask_controller(const std::string& path, const std::string& line);

@@ -19,8 +19,10 @@ hal::Time quantile_999(std::vector<std::int64_t>& values) {
 
 }  // namespace
 
-hal::Time measured_sample_age(const hal::Rig& roles, hal::Time period) {
+hal::Time measured_sample_age(const hal::Rig& roles, hal::Time first, hal::Time period) {
   std::vector<std::int64_t> ages;
+  hal::Time due = first;
+  roles.clock.sleep_until(due);
   const hal::Time end = roles.clock.now() + hal::milliseconds(1000);
   for (std::size_t i = 0; i < measurements && roles.clock.now() < end; ++i) {
     const auto frame = roles.sensors.read();
@@ -33,7 +35,8 @@ hal::Time measured_sample_age(const hal::Rig& roles, hal::Time period) {
       any = true;
     }
     if (any && i >= 8) ages.push_back(oldest);  // the first ones come out of the converters' queues
-    roles.clock.sleep_until(now + period);
+    due = std::max(due + period, now);
+    roles.clock.sleep_until(due);
   }
   return quantile_999(ages);
 }

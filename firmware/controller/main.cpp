@@ -1,10 +1,25 @@
 #include <cstdio>
 #include <exception>
+#include <string>
 
 #include "firmware/controller/control_socket.hpp"
 #include "firmware/controller/run.hpp"
 #include "firmware/description/input_error.hpp"
+#include "firmware/description/rig_description.hpp"
 #include "firmware/description/version.hpp"
+
+namespace {
+
+/// The program of a rig whose description is given listens where that says.
+int ask(const firmware::controller::Options& options) {
+  using namespace firmware::controller;
+  const std::string described = options.rig.empty() || !options.socket.empty()
+                                    ? std::string()
+                                    : firmware::read_rig(options.rig).hardware.schedule.socket;
+  return ask_controller(socket_path(options.socket, described), options.request);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace firmware::controller;
@@ -19,14 +34,12 @@ int main(int argc, char** argv) {
     std::fputs(usage, stdout);
     return 0;
   }
-  if (options.task == Options::Task::ask) {
-    return ask_controller(options.socket.empty() ? std::string(usual_socket) : options.socket, options.request);
-  }
   if (options.task == Options::Task::version) {
     std::printf("rig_controller %s\n", firmware::version.data());
     return 0;
   }
   try {
+    if (options.task == Options::Task::ask) return ask(options);
     return static_cast<int>(run(options));
   } catch (const firmware::UsageError& error) {
     return end(Status::wrong_usage, error.what());

@@ -14,12 +14,12 @@ const char* const usage =
   rig_controller --rig RIG.toml --out RUN.csv [--road iso8608:B | --road FILE.csv] [--speed 27.78]
                  [--duration 60] [--seed 1] [--bandwidth HZ] [--cut-off HZ]
   rig_controller --rig RIG.toml --check     lines, converters, rights, limits: everything but motion
-  rig_controller COMMAND                    to the program that drives the rig, see below
+  rig_controller [--rig RIG.toml] COMMAND   to the program that drives the rig, see below
   rig_controller --rig RIG.toml --unit-times  a drop-in for the systemd unit: its times for this rig
   rig_controller --list                     GPIO chips and lines, converters and triggers that are there
 
   --start           arm and start at once: I stand beside the rig. Without it the program waits for arm and start
-  --socket PATH     of the operator's commands (/run/rigtwin/control.sock)
+  --socket PATH     of the operator's commands, in place of [controller] socket (/run/rigtwin/control.sock)
   --wait            with --simulated: wait for the operator there too
   --overwrite       an earlier recording of that name; without it the run is refused
   --part-minutes M  a new file every M minutes: RUN.csv, RUN-0002.csv, …

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "firmware/description/control_settings.hpp"
@@ -83,6 +84,8 @@ class ReplayDevices final : public Devices {
     hal::replay::Recording played;
     played.time = times_;
     played.stop_pressed = find_the_run();
+    played.refusal = refusal_;
+    played.drive_enable = rig.hardware.gpio && !rig.hardware.gpio->enable.empty();
     if (interlock_.time != hal::never) {
       interlock_.interlock = interlock_of(file_, rig);
       played.interlocks_opened = {&interlock_, 1};
@@ -123,6 +126,12 @@ class ReplayDevices final : public Devices {
       if (is(Reason::stop_button) && pressed == hal::never) pressed = times_[k];
       if (is(Reason::interlock) && interlock_.time == hal::never) interlock_.time = times_[k];
       if (is(Reason::stop_requested)) run_.stop_requested = k;
+      using Output = hal::replay::Refusal::Output;
+      for (const auto& [failed, output] :
+           {std::pair(Reason::command_failed, Output::command), std::pair(Reason::valves_failed, Output::valves),
+            std::pair(Reason::heartbeat_failed, Output::heartbeat), std::pair(Reason::enable_failed, Output::enable)}) {
+        if (is(failed) && refusal_.from == hal::never) refusal_ = {times_[k], output};
+      }
       if (reason != 0.0) run_.to_its_end = is(Reason::reference_ended);
     }
     return pressed;
@@ -132,6 +141,7 @@ class ReplayDevices final : public Devices {
   AsRecorded recorded_;
   ReplayedRun run_;
   hal::replay::Opened interlock_{};
+  hal::replay::Refusal refusal_{};
   std::vector<hal::Time> times_;
   std::array<std::vector<hal::Time>, model::channel_count> taken_;
   hal::replay::Rig rig_;

@@ -111,8 +111,9 @@ Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {
     std::fprintf(stderr, "rig_controller: %s: %s\n", rig.source.c_str(), std::string(wrong).c_str());
     return Status::unfit_input;
   }
-  const std::string late = delay_objection(rig, measured_sample_age(roles, settings.period).seconds());
-  if (!late.empty()) std::printf("  delay: %s\n", late.c_str());
+  const MotionObjection late =
+      delay_objection(rig, measured_sample_age(roles, roles.clock.now(), settings.period).seconds());
+  if (!late.empty()) std::printf("  delay: %s\n", late.text.c_str());
   const bool closed = interlocks_closed(roles, rig);
   const bool stops = press_stop(roles, devices);
   const bool ready = sensors && late.empty() && closed && stops && verdict.granted();
@@ -135,10 +136,11 @@ void print_unit_times(const RigDescription& rig) {
 /// The objection to motion that follows from the description alone, before any device is opened. A description without
 /// lines is no one for devices: open_devices() says so.
 void refuse_unfit(const RigDescription& rig, bool devices) {
-  std::string objection = limits_objection(rig);
+  MotionObjection objection = limits_objection(rig);
   if (objection.empty() && devices) objection = stability_objection(rig);
   if (objection.empty() && devices) objection = following_objection(rig);
-  if (!objection.empty()) throw InputError(rig.source, 0, objection, "a description that a rig may run by");
+  if (objection.empty()) return;
+  throw InputError(rig.source, rig.line_of(objection.key), objection.text, "a description that a rig may run by");
 }
 
 }  // namespace

@@ -93,9 +93,9 @@ void RunRoad::look(const Options& options, const RigDescription& rig, bool opera
     CycleReference twice(roads_.front(), options.cycles == 1 ? 1 : 2, rig.period());
     collect(twice);
   }
-  if (const std::string objection = run_objection(rig, whole); !objection.empty()) {
-    throw InputError(programme_ ? options.programme : options.road, 0, objection,
-                     "a run within the limits of " + rig.source);
+  if (const MotionObjection objection = run_objection(rig, whole); !objection.empty()) {
+    throw InputError(programme_ ? options.programme : options.road, 0, objection.text,
+                     "a run within the limits of " + place(rig, objection));
   }
   if (!operated) return;
   const auto fits = [&](double level) { return run_objection(rig, scaled_about_beginning(whole, level)).empty(); };

@@ -101,7 +101,10 @@ Status Session::run() {
   const ForgetTraps until_the_end;
   const cpu_set_t others = cpus_without(rig_.hardware.schedule.cpu);
   if (!acquire_rights()) return Status::refused;
-  if (!options_.simulated && options_.replay.empty() && !keeps_allowed_delay()) return Status::unfit_input;
+  if (!options_.simulated && options_.replay.empty()) {
+    find_phase();
+    if (!keeps_allowed_delay()) return Status::unfit_input;
+  }
   if (!open_recording()) return Status::cannot_write;
   recording_ =
       std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay);
@@ -141,14 +144,32 @@ bool Session::acquire_rights() {
   return false;
 }
 
+/// On devices: when periods begin, against the trigger of the converters.
+void Session::find_phase() {
+  const auto& converters = rig_.hardware.converters;
+  if (!converters || converters->inputs.empty()) return;
+  std::vector<std::size_t> channels;
+  for (const auto& input : converters->inputs) channels.push_back(input.channel);
+  const double age = converters->sample_age > 0.0 ? converters->sample_age : usual_share_of_period * rig_.period();
+  phase_ = measured_phase(roles_.clock, roles_.sensors, channels, settings_.period, hal::seconds(age));
+  if (phase_) {
+    std::printf("phase: a period begins %.3f ms after its samples\n", age * 1e3);
+  } else {
+    std::fputs(
+        "phase: NOT KEPT: the converters do not sample at the rate of the loop, samples are up to a period old\n",
+        stdout);
+  }
+}
+
 /// hil on devices: sample age and computation as they are now, against what stability leaves.
 bool Session::keeps_allowed_delay() {
   if (rig_.rig.kind != model::RigKind::hil) return true;
-  hal::Time delay = measured_sample_age(roles_, settings_.period);
+  const hal::Time now = roles_.clock.now();
+  hal::Time delay = measured_sample_age(roles_, phase_ ? phase_->next(now) : now, settings_.period);
   if (warmup_) delay = delay + measured_computation([this] { warmup_->step(); }, machine_);
-  const std::string objection = delay_objection(rig_, delay.seconds());
+  const MotionObjection objection = delay_objection(rig_, delay.seconds());
   if (objection.empty()) return true;
-  std::fprintf(stderr, "rig_controller: %s: %s\n", rig_.source.c_str(), objection.c_str());
+  std::fprintf(stderr, "rig_controller: %s: %s\n", place(rig_, objection).c_str(), objection.text.c_str());
   return false;
 }
 
@@ -176,7 +197,7 @@ bool Session::open_recording() {
 
 bool Session::open_socket() {
   if (!operated_ && options_.socket.empty()) return true;
-  const std::string trouble = socket_->listen(options_.socket.empty() ? std::string(usual_socket) : options_.socket);
+  const std::string trouble = socket_->listen(socket_path(options_.socket, rig_.hardware.schedule.socket));
   if (trouble.empty()) return true;
   std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
   return false;
@@ -184,6 +205,8 @@ bool Session::open_socket() {
 
 void Session::drive() {
   if (!options_.simulated && options_.replay.empty()) drain(roles_, settings_.period);
+  // Two periods ahead, for what comes before the first.
+  if (phase_) loop_.begin_at(phase_->next(roles_.clock.now() + settings_.period * 2));
   seal_heap(true);
   for (;;) {
     const hal::Time seen = await_period();

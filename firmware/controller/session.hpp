@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "firmware/controller/recording_thread.hpp"
 #include "firmware/controller/run.hpp"
 #include "firmware/controller/run_road.hpp"
+#include "firmware/controller/sample_phase.hpp"
 #include "firmware/controller/spans.hpp"
 #include "firmware/controller/supervisor.hpp"
 #include "firmware/controller/wake_lead.hpp"
@@ -53,6 +55,7 @@ class Session {
 
  private:
   [[nodiscard]] bool acquire_rights();
+  void find_phase();
   [[nodiscard]] bool keeps_allowed_delay();
   [[nodiscard]] bool open_recording();
   void drive();
@@ -91,7 +94,8 @@ class Session {
   std::atomic<bool> at_rest_{false};
   const double longest_return_;  ///< [s]
   LoopProgress progress_;
-  std::string rights_;  ///< for the recording's comments
+  std::string rights_;                ///< for the recording's comments
+  std::optional<SamplePhase> phase_;  ///< none: simulated, replayed, or samples that come at no rate of the loop's
   hal::Time safe_since_ = hal::never;
   hal::Time woken_{};  ///< of this period
   std::unique_ptr<Recorder> recorder_;

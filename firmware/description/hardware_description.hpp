@@ -18,6 +18,7 @@ struct ScheduleDescription {
   double wake_early = 200e-6;  ///< before a period, to rehearse it, at most so long [s] and a quarter of it; 0: not
   double allowed_delay =
       0.0;  ///< of sample age and computation together [s]: what `rigtwin stability` says is left; 0: unknown
+  std::string socket;  ///< path of the operator's socket; empty: the usual one
   std::string proven;  ///< "sha256:…": loop_fingerprint() of the description that `rigtwin stability` found stable
 };
 
@@ -53,6 +54,7 @@ inline constexpr std::array<std::string_view, 4> line_biases{"pull-down", "pull-
 struct ConverterDescription {
   std::string trigger;
   double trigger_rate = 0.0;  ///< [Hz]; 0: left alone
+  double sample_age = 0.0;    ///< of its samples when a period begins [s]; 0: a quarter of the period
   struct Input {
     std::size_t channel;  ///< of model::Channel
     std::string device, input;

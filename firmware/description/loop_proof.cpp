@@ -126,23 +126,26 @@ std::string with_loop_proof(std::string_view text, std::string_view source, doub
   throw InputError(source, header + 1, "[controller] cannot be written into this text", expected);
 }
 
-std::string stability_objection(const RigDescription& description) {
+MotionObjection stability_objection(const RigDescription& description) {
   if (description.rig.kind != model::RigKind::hil || waived(description)) return {};
   const ScheduleDescription& schedule = description.hardware.schedule;
   const std::string how = std::string(write_limits) + description.source;
-  if (schedule.proven.empty()) return "nothing says that this loop is stable ([controller] proven): " + how;
-  if (schedule.proven != loop_fingerprint(description)) {
-    return "the loop has changed since it was found stable ([controller] proven): " + how;
+  if (schedule.proven.empty()) {
+    return {"nothing says that this loop is stable ([controller] proven): " + how, "controller.proven"};
   }
-  if (schedule.allowed_delay == 0.0) return "[controller] has no allowed_delay: " + how;
+  if (schedule.proven != loop_fingerprint(description)) {
+    return {"the loop has changed since it was found stable ([controller] proven): " + how, "controller.proven"};
+  }
+  if (schedule.allowed_delay == 0.0) return {"[controller] has no allowed_delay: " + how, "controller.allowed_delay"};
   return {};
 }
 
-std::string delay_objection(const RigDescription& description, double measured_delay) {
+MotionObjection delay_objection(const RigDescription& description, double measured_delay) {
   const double allowed = description.hardware.schedule.allowed_delay;
   if (description.rig.kind != model::RigKind::hil || waived(description) || measured_delay <= allowed) return {};
-  return "samples and computation take " + milliseconds(measured_delay) + " (P99.9), [controller] allowed_delay is " +
-         milliseconds(allowed) + ": this loop may grow";
+  return {"samples and computation take " + milliseconds(measured_delay) + " (P99.9), [controller] allowed_delay is " +
+              milliseconds(allowed) + ": this loop may grow",
+          "controller.allowed_delay"};
 }
 
 }  // namespace firmware

@@ -22,9 +22,9 @@ namespace firmware {
 
 /// Why the loop of a hil rig must not be closed on devices: no proof, or one of another loop. Empty: it may, or it is
 /// no hil rig, or [waivers] says unproven_stability.
-[[nodiscard]] std::string stability_objection(const RigDescription& description);
+[[nodiscard]] MotionObjection stability_objection(const RigDescription& description);
 
 /// The same for the measured delay of samples and computation [s] against allowed_delay.
-[[nodiscard]] std::string delay_objection(const RigDescription& description, double measured_delay);
+[[nodiscard]] MotionObjection delay_objection(const RigDescription& description, double measured_delay);
 
 }  // namespace firmware

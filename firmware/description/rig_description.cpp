@@ -195,7 +195,31 @@ void check_physics(const toml::table& top, const RigDescription& description) {
   throw InputError(description.source, node == &top ? 0 : node->source().begin.line, path + " does not fit", expected);
 }
 
+/// The line of every key and table below a table.
+void note_lines(const toml::table& table, const std::string& prefix,
+                std::map<std::string, std::size_t, std::less<>>& lines) {
+  for (const auto& [key, node] : table) {
+    const std::string path = prefix + std::string(key.str());
+    lines[path] = node.source().begin.line;
+    if (node.is_table()) note_lines(*node.as_table(), path + ".", lines);
+  }
+}
+
 }  // namespace
+
+std::size_t RigDescription::line_of(std::string_view path) const {
+  for (;;) {
+    if (const auto found = lines.find(path); found != lines.end()) return found->second;
+    const std::size_t dot = path.rfind('.');
+    if (dot == std::string_view::npos) return 0;
+    path = path.substr(0, dot);
+  }
+}
+
+std::string place(const RigDescription& description, const MotionObjection& objection) {
+  const std::size_t line = objection.key.empty() ? 0 : description.line_of(objection.key);
+  return line == 0 ? description.source : description.source + ":" + std::to_string(line);
+}
 
 std::optional<MeasuringRange> trusted_range(const RigDescription& description, std::size_t channel) {
   std::optional<MeasuringRange> range = description.range[channel];
@@ -223,6 +247,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   RigDescription description;
   description.source = source;
   description.text = text;
+  note_lines(top_table, "", description.lines);
   DescriptionTable top(top_table, "", source);
   description.rig.kind = read_kind(top);
   description.sample_rate = top.number("sample_rate");
@@ -237,7 +262,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_controller(top, description.rig, description.controller);
   read_arming(top, description.rig.kind, description.waivers, description.controller);
   read_delay_budget(top, description.rig.kind, description.delay_budget);
-  read_hardware(top, description.rig, description.waivers, description.hardware);
+  read_hardware(top, description.rig, description.period(), description.waivers, description.hardware);
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);

@@ -74,9 +74,23 @@ struct RigDescription {
   std::map<std::string, std::string> waivers;  ///< [waivers]: what the rig goes without, and the sentence that says so
   std::string source;                          ///< file name as given by the user
   std::string text;                            ///< its contents, for reports
+  std::map<std::string, std::size_t, std::less<>> lines;  ///< of its keys and tables in that text, by path
 
   [[nodiscard]] double period() const { return 1.0 / sample_rate; }
+  /// The line of a key or table ("limits.force"), else of the table around it; 0: neither is there.
+  [[nodiscard]] std::size_t line_of(std::string_view path) const;
 };
+
+/// A reason not to move, in words without a full stop, and the key of the description that it is about.
+struct MotionObjection {
+  std::string text;  ///< empty: none
+  std::string key;   ///< "limits.force"; empty: no key of the description
+
+  [[nodiscard]] bool empty() const { return text.empty(); }
+};
+
+/// "rig.toml:12", with the line of the key that an objection is about; without one "rig.toml".
+[[nodiscard]] std::string place(const RigDescription& description, const MotionObjection& objection);
 
 /// [range] of a channel without half a count of its converter at each end: a count stands for all values within half of
 /// it, so a sample so near to an end may lie beyond. A range narrower than two counts has no such ends and stays.

@@ -123,9 +123,11 @@ void for_each_named_channel(DescriptionTable& table, const Use& use) {
   }
 }
 
-void read_converters(DescriptionTable& table, ConverterDescription& converters) {
+void read_converters(DescriptionTable& table, double period, ConverterDescription& converters) {
   if (table.has("trigger")) converters.trigger = table.text("trigger");
   if (table.has("trigger_rate")) converters.trigger_rate = table.positive("trigger_rate");
+  table.number_in("sample_age", converters.sample_age, 1e-6, period,
+                  "the age of the converters' samples when a period begins in s, at most a period");
   for_each_named_channel(table, [&](std::size_t channel, DescriptionTable& entry) {
     ConverterDescription::Input input{channel, entry.text("device"), entry.text("input")};
     input.scale = entry.factor("scale");
@@ -199,6 +201,17 @@ void read_supervision(DescriptionTable& top, Settings& settings) {
     read_loop_settings(*table, name, settings);
     table->finish();
   }
+}
+
+/// The kernel's address of a Unix domain socket holds 107 bytes.
+std::string read_socket(DescriptionTable& table) {
+  constexpr std::size_t longest = 107;
+  std::string path = table.text("socket");
+  if (!path.starts_with('/') || path.size() > longest) {
+    table.fail("socket", table.path("socket") + " = " + in_quotes(path) + " does not fit",
+               "an absolute path of at most 107 bytes, such as /run/rigtwin/front.sock");
+  }
+  return path;
 }
 
 }  // namespace
@@ -297,8 +310,8 @@ void read_arming(DescriptionTable& top, model::RigKind kind, const Waivers& waiv
   table->finish();
 }
 
-void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, const Waivers& waivers,
-                   HardwareDescription& hardware) {
+void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, double period,
+                   const Waivers& waivers, HardwareDescription& hardware) {
   if (auto controller = top.table("controller")) {
     ScheduleDescription& schedule = hardware.schedule;
     if (controller->has("priority")) schedule.priority = controller->whole_in("priority", 1, 99);
@@ -308,10 +321,11 @@ void read_hardware(DescriptionTable& top, const model::RigParameters<double>& ri
     controller->number_in("allowed_delay", schedule.allowed_delay, 1e-6, 0.5,
                           "the longest sample age and computation in s, as rigtwin stability --write-limits writes it");
     if (controller->has("proven")) schedule.proven = controller->text("proven");
+    if (controller->has("socket")) schedule.socket = read_socket(*controller);
     controller->finish();
   }
   if (auto gpio = top.table("gpio")) read_gpio(*gpio, rig, waivers, hardware.gpio.emplace());
-  if (auto converters = top.table("converters")) read_converters(*converters, hardware.converters.emplace());
+  if (auto converters = top.table("converters")) read_converters(*converters, period, hardware.converters.emplace());
   if (auto lasers = top.table("lasers")) {
     for_each_named_channel(*lasers, [&](std::size_t channel, DescriptionTable& entry) {
       LaserDescription laser{channel, entry.text("port")};

@@ -174,6 +174,7 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   }
   if (schedule.wake_early != usual.wake_early) out.line("wake_early", real(schedule.wake_early));
   if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
+  if (!schedule.socket.empty()) out.line("socket", basic_string_of(schedule.socket));
   if (!schedule.proven.empty()) out.line("proven", basic_string_of(schedule.proven));
   if (hardware.gpio) {
     const GpioDescription& gpio = *hardware.gpio;
@@ -204,6 +205,7 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
     out.table("converters");
     if (!converters.trigger.empty()) out.line("trigger", basic_string_of(converters.trigger));
     if (converters.trigger_rate > 0.0) out.line("trigger_rate", real(converters.trigger_rate));
+    if (converters.sample_age > 0.0) out.line("sample_age", real(converters.sample_age));
     for (const auto& input : converters.inputs) {
       out.table("converters." + std::string(name(model::channel_at(input.channel))));
       out.line("device", basic_string_of(input.device));

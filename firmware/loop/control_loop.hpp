@@ -70,6 +70,8 @@ class ControlLoop {
   /// second or so during it. False: outside, nothing is asked for.
   bool level(double wanted);
 
+  /// The first period is due then, and not when step() is called first.
+  void begin_at(hal::Time first) { due_ = first; }
   /// One period, without sleeping: for whoever keeps the time himself, from due() to due().
   void step();
 

@@ -32,8 +32,8 @@ class LimitCheck {
         wanted_(start),
         guard_(settings.limits, period_, start) {}
 
-  /// The command of sample k; an objection or an empty text.
-  std::string judge(std::size_t k, const hal::Command& command) {
+  /// The command of sample k; an objection, or none.
+  MotionObjection judge(std::size_t k, const hal::Command& command) {
     const Limits& limits = settings_.limits;
     const std::string at = " at " + rounded(static_cast<double>(k) * period_) + " s";
     const double half_stroke = 0.5 * limits.stroke;
@@ -41,23 +41,28 @@ class LimitCheck {
     const double acceleration = (speed - wanted_speed_) / period_;
     wanted_ = command.position;
     wanted_speed_ = speed;
-    if (!std::isfinite(command.position)) return "the command is no number" + at;
+    if (!std::isfinite(command.position)) return {"the command is no number" + at, ""};
     if (std::abs(command.position) > half_stroke) {
-      return "the command reaches " + rounded(command.position) + " m" + at + ", limits.stroke leaves ± " +
-             rounded(half_stroke) + " m";
+      return {"the command reaches " + rounded(command.position) + " m" + at + ", limits.stroke leaves ± " +
+                  rounded(half_stroke) + " m",
+              "limits.stroke"};
     }
     if (std::abs(speed) > step_from * limits.speed) {
-      return "the command steps with " + rounded(speed) + " m/s" + at + ", limits.speed is " + rounded(limits.speed) +
-             " m/s";
+      return {"the command steps with " + rounded(speed) + " m/s" + at + ", limits.speed is " + rounded(limits.speed) +
+                  " m/s",
+              "limits.speed"};
     }
     if (std::abs(acceleration) > step_from * limits.highest_acceleration()) {
-      return "the command steps with " + rounded(acceleration) + " m/s²" + at + ", limits.acceleration is " +
-             rounded(limits.highest_acceleration()) + " m/s²" + (k <= 1 ? "; fade the run in from rest" : "");
+      return {"the command steps with " + rounded(acceleration) + " m/s²" + at + ", limits.acceleration is " +
+                  rounded(limits.highest_acceleration()) + " m/s²" + (k <= 1 ? "; fade the run in from rest" : ""),
+              "limits.acceleration"};
     }
     const CommandGuard::Verdict verdict = guard_.judge(command);
     if (verdict.hazard) {
-      return "the run would end by " + std::string(name(verdict.hazard->reason)) + at + " (" +
-             rounded(verdict.hazard->value) + ", limit " + rounded(verdict.hazard->limit) + ")";
+      const std::string reason(name(verdict.hazard->reason));
+      return {"the run would end by " + reason + at + " (" + rounded(verdict.hazard->value) + ", limit " +
+                  rounded(verdict.hazard->limit) + ")",
+              "limits." + reason};
     }
     guard_.passed(verdict.command);
     return {};
@@ -79,21 +84,21 @@ std::string millimetres(const FootPointMotion& motion, double most) {
   return "positions reach " + rounded(reach) + " m: a road in millimetres? Expected metres; ";
 }
 
-std::string objection_to_commands(const Settings& settings, const FootPointMotion& motion) {
+MotionObjection objection_to_commands(const Settings& settings, const FootPointMotion& motion) {
   const double start = std::clamp(motion.front().position, -0.5 * settings.limits.stroke, 0.5 * settings.limits.stroke);
   LimitCheck check(settings, start);  // ready has moved the command there, and stands still
   for (std::size_t k = 0; k < motion.size(); ++k) {
     const auto& m = motion[k];
-    if (std::string wrong = check.judge(k, {m.position, m.velocity, m.acceleration}); !wrong.empty()) {
-      return millimetres(motion, millimetres_from * settings.limits.stroke) + wrong;
+    if (const MotionObjection wrong = check.judge(k, {m.position, m.velocity, m.acceleration}); !wrong.empty()) {
+      return {millimetres(motion, millimetres_from * settings.limits.stroke) + wrong.text, wrong.key};
     }
   }
   return {};
 }
 
 /// Simulates the loop of a hil rig: the whole rig stepped at once has the bits of car and machine joined by the loop.
-std::string objection_to_loop(const RigDescription& description, const Settings& settings,
-                              const FootPointMotion& motion) {
+MotionObjection objection_to_loop(const RigDescription& description, const Settings& settings,
+                                  const FootPointMotion& motion) {
   const auto model = std::make_unique<model::RigModel<>>(description.rig, description.period());
   auto state = std::make_unique<model::RigModel<>::State>(model->start(motion.front().position));
   const ValvePlan valves = valve_plan(description);
@@ -108,49 +113,54 @@ std::string objection_to_loop(const RigDescription& description, const Settings&
     const auto signals = model->signals(*state);
     const double acceleration =
         signals[model::index(model::Channel::zdd_w)] - signals[model::index(model::Channel::zdd_b)];
-    std::string wrong = check.judge(k, {deflection.position, deflection.velocity, acceleration});
+    MotionObjection wrong = check.judge(k, {deflection.position, deflection.velocity, acceleration});
     const double force = model->suspension_force(*state);
     if (wrong.empty() && std::abs(force) > settings.limits.force) {
-      wrong = "the described component has " + rounded(force) + " N at " +
-              rounded(static_cast<double>(k) * description.period()) + " s, limits.force is " +
-              rounded(settings.limits.force) + " N";
+      wrong = {"the described component has " + rounded(force) + " N at " +
+                   rounded(static_cast<double>(k) * description.period()) + " s, limits.force is " +
+                   rounded(settings.limits.force) + " N",
+               "limits.force"};
     }
-    if (!wrong.empty()) return millimetres(motion, tallest_road) + "simulated over this road, " + wrong;
+    if (!wrong.empty()) {
+      return {millimetres(motion, tallest_road) + "simulated over this road, " + wrong.text, wrong.key};
+    }
   }
   return {};
 }
 
 }  // namespace
 
-std::string run_objection(const RigDescription& description, const FootPointMotion& excitation) {
+MotionObjection run_objection(const RigDescription& description, const FootPointMotion& excitation) {
   const Settings settings = control_settings(description);
-  if (excitation.empty()) return "the run has no sample";
+  if (excitation.empty()) return {"the run has no sample", ""};
   for (std::size_t k = 0; k < excitation.size(); ++k) {
     const auto& m = excitation[k];
     if (!std::isfinite(m.position) || !std::isfinite(m.velocity) || !std::isfinite(m.acceleration)) {
-      return "the reference is no number at " + rounded(static_cast<double>(k) * description.period()) + " s";
+      return {"the reference is no number at " + rounded(static_cast<double>(k) * description.period()) + " s", ""};
     }
   }
   return description.rig.kind == model::RigKind::hil ? objection_to_loop(description, settings, excitation)
                                                      : objection_to_commands(settings, excitation);
 }
 
-std::string limits_objection(const RigDescription& description) {
+MotionObjection limits_objection(const RigDescription& description) {
   const Settings settings = control_settings(description);
   const double shown = highest_measured_force(description);
   if (settings.limits.force >= shown) {
-    return "limits.force = " + rounded(settings.limits.force) +
-           " N can never trip: [range] of the force sensor ends at " + rounded(shown) + " N; expected at most " +
-           rounded(0.95 * shown) + " N, or a sensor that shows more";
+    return {"limits.force = " + rounded(settings.limits.force) +
+                " N can never trip: [range] of the force sensor ends at " + rounded(shown) + " N; expected at most " +
+                rounded(0.95 * shown) + " N, or a sensor that shows more",
+            "limits.force"};
   }
   const auto position = trusted_range(
       description,
       model::index(description.rig.kind == model::RigKind::quarter_car ? model::Channel::z_r : model::Channel::x_act));
   const double half_measured = 0.5 * settings.limits.measured_stroke;
   if (half_measured > 0.0 && position && (half_measured >= position->upper || -half_measured <= position->lower)) {
-    return "limits.measured_stroke = " + rounded(settings.limits.measured_stroke) +
-           " m can never trip: [range] of the position sensor is " + rounded(position->lower) + " … " +
-           rounded(position->upper) + " m";
+    return {"limits.measured_stroke = " + rounded(settings.limits.measured_stroke) +
+                " m can never trip: [range] of the position sensor is " + rounded(position->lower) + " … " +
+                rounded(position->upper) + " m",
+            "limits.measured_stroke"};
   }
   if (const auto& converters = description.hardware.converters; converters && converters->command) {
     const auto& output = *converters->command;
@@ -158,15 +168,16 @@ std::string limits_objection(const RigDescription& description) {
     const double high = output.scale * output.highest_counts + output.offset;
     const double half_stroke = 0.5 * settings.limits.stroke;
     if (std::min(low, high) > -half_stroke || std::max(low, high) < half_stroke) {
-      return "[converters.command] puts out " + rounded(std::min(low, high)) + " … " + rounded(std::max(low, high)) +
-             " m, limits.stroke = " + rounded(settings.limits.stroke) + " m is wider; expected at most " +
-             rounded(2.0 * std::min(-std::min(low, high), std::max(low, high))) + " m";
+      return {"[converters.command] puts out " + rounded(std::min(low, high)) + " … " + rounded(std::max(low, high)) +
+                  " m, limits.stroke = " + rounded(settings.limits.stroke) + " m is wider; expected at most " +
+                  rounded(2.0 * std::min(-std::min(low, high), std::max(low, high))) + " m",
+              "limits.stroke"};
     }
   }
   return {};
 }
 
-std::string following_objection(const RigDescription& description) {
+MotionObjection following_objection(const RigDescription& description) {
   if (description.waivers.contains("no_following_error")) return {};
   const model::Channel channel =
       description.rig.kind == model::RigKind::quarter_car ? model::Channel::z_r : model::Channel::x_act;
@@ -178,9 +189,10 @@ std::string following_objection(const RigDescription& description) {
     return {};
   }
   if (std::any_of(hardware.lasers.begin(), hardware.lasers.end(), measures)) return {};
-  return "nothing measures " + std::string(model::name(channel)) +
-         ": a drive that does not follow its command would not be noticed; fit a sensor, or say why not in [waivers] "
-         "no_following_error";
+  return {"nothing measures " + std::string(model::name(channel)) +
+              ": a drive that does not follow its command would not be noticed; fit a sensor, or say why not in "
+              "[waivers] no_following_error",
+          "converters"};
 }
 
 }  // namespace firmware

@@ -18,14 +18,14 @@ namespace firmware {
 ///   a step: a speed above twice limits.speed, or an acceleration above twice limits.acceleration, the first period
 ///   from rest included. Less than that the loop slows down for a moment and counts it; hil: a force of the described
 ///   component beyond limits.force.
-/// An empty text: the run is allowed. A run takes about 1 µs a sample on a PC.
-[[nodiscard]] std::string run_objection(const RigDescription& description, const FootPointMotion& excitation);
+/// Empty: the run is allowed. A run takes about 1 µs a sample on a PC.
+[[nodiscard]] MotionObjection run_objection(const RigDescription& description, const FootPointMotion& excitation);
 
-/// Limits that can never trip, or do not fit each other or the devices of the description. An empty text: none.
-[[nodiscard]] std::string limits_objection(const RigDescription& description);
+/// Limits that can never trip, or do not fit each other or the devices of the description. Empty: none.
+[[nodiscard]] MotionObjection limits_objection(const RigDescription& description);
 
 /// Devices without a sensor of the position (x_act, z_r of a quarter_car): nothing would notice a drive that does not
 /// follow. Empty: there is one, or [waivers] no_following_error.
-[[nodiscard]] std::string following_objection(const RigDescription& description);
+[[nodiscard]] MotionObjection following_objection(const RigDescription& description);
 
 }  // namespace firmware

@@ -24,6 +24,13 @@ struct Opened {
   std::size_t interlock = 0;  ///< below Interlocks::capacity
 };
 
+/// An output that did not take what was written, from a time on.
+struct Refusal {
+  enum class Output : unsigned char { command, valves, heartbeat, enable };
+  Time from = never;  ///< never: none
+  Output output = Output::command;
+};
+
 /// A recording in the caller's memory: hal reads no files. A value that is not finite is delivered as it is.
 struct Recording {
   std::span<const Time> time{};  ///< when each row was read; rising
@@ -31,6 +38,7 @@ struct Recording {
   Time stop_pressed = never;  ///< when the stop button was pressed, if it was
   bool drive_enable = false;  ///< the recorded rig had a drive enable
   std::span<const Opened> interlocks_opened{};
+  Refusal refusal{};
 
   /// What is wrong with the recording, or an empty text.
   [[nodiscard]] std::string_view check() const;

@@ -36,6 +36,11 @@ Time Rig::now() const {
   return recording_.time.back() + nanoseconds(1);  // after the last row; how long after, nobody recorded
 }
 
+bool Rig::refuses(Refusal::Output output) const {
+  const Refusal& refusal = recording_.refusal;
+  return refusal.from != never && refusal.output == output && refusal.from <= now();
+}
+
 void Rig::ClockRole::do_sleep_until(Time /*deadline*/) {
   if (rig.started_ && !rig.ended()) ++rig.row_;
   rig.started_ = true;
@@ -54,13 +59,21 @@ Result<Frame> Rig::SensorRole::do_read() {
 }
 
 Result<void> Rig::ValveRole::do_write(Openings openings) {
+  if (rig.refuses(Refusal::Output::valves)) return Fault::refused;
   rig.openings_.keep(rig.now(), openings);
   return {};
 }
 
 Result<void> Rig::CommandRole::do_write(const Command& command) {
+  if (rig.refuses(Refusal::Output::command)) return Fault::refused;
   rig.commands_.keep(rig.now(), command);
   rig.held_ = command.position;
+  return {};
+}
+
+Result<void> Rig::EnableRole::do_write(bool on) {
+  if (rig.refuses(Refusal::Output::enable)) return Fault::refused;
+  rig.enabled_ = on;
   return {};
 }
 
@@ -78,6 +91,7 @@ Result<StopButton::Level> Rig::ButtonRole::do_read() {
 }
 
 Result<void> Rig::HeartbeatRole::do_beat() {
+  if (rig.refuses(Refusal::Output::heartbeat)) return Fault::refused;
   rig.beats_.keep(rig.now(), rig.beat_count_++);
   return {};
 }

@@ -21,7 +21,8 @@ struct OutputStorage {
 /// All roles of a rig, played from a recording: the same program gives the same outputs, to the bit.
 ///
 /// One sleep is one row, whatever the deadline; the clock shows the time of the row, so a late period of the recorded
-/// run is late again. After the last row the sensors are disconnected. Outputs always succeed and go to the storage.
+/// run is late again. After the last row the sensors are disconnected. Outputs go to the storage and succeed, but
+/// for the one that the recorded rig refused.
 class Rig {
  public:
   /// Ranges are checked as on the rig: give the setup of the recorded run. Fitted is what has a column in both.
@@ -78,10 +79,7 @@ class Rig {
   struct EnableRole final : DriveEnable {
     EnableRole(Rig& r, bool was_fitted) : rig(r), recorded(was_fitted) {}
     [[nodiscard]] bool fitted() const override { return recorded; }
-    Result<void> do_write(bool on) override {
-      rig.enabled_ = on;
-      return {};
-    }
+    Result<void> do_write(bool on) override;
     Rig& rig;
     bool recorded;
   };
@@ -92,6 +90,7 @@ class Rig {
   };
 
   [[nodiscard]] Time now() const;
+  [[nodiscard]] bool refuses(Refusal::Output output) const;
 
   Recording recording_;
   std::size_t row_ = 0;

@@ -22,6 +22,7 @@ dpkg-deb -I "$package"
 dpkg-deb -x "$package" "$folder/root"
 status=0
 for file in bin/rig_controller lib/systemd/system/rig_controller@.service lib/udev/rules.d/70-rig_controller.rules \
+  lib/systemd/system-generators/rig_controller-generator \
   share/rig_controller/limits.d/rig_controller.conf share/rig_controller/rigs/example_rig.toml \
   share/rig_controller/rigs/example_hil.toml share/doc/rig_controller/README.md; do
   [ -s "$folder/root/usr/$file" ] || { echo "/usr/$file is missing"; status=1; }
@@ -31,6 +32,7 @@ diff <(cd "$folder/root" && find . -type f | sort) <(cd "$folder/tree" && find .
   { echo "  ^ the package (<) and cmake --install (>) differ"; status=1; }
 machine=$(LC_ALL=C objdump -f "$folder/root/usr/bin/rig_controller" 2>/dev/null | sed -n 's/.*file format //p')
 echo "program: $machine, $(stat -c %s "$folder/root/usr/bin/rig_controller") bytes"
+[ -x "$folder/root/usr/lib/systemd/system-generators/rig_controller-generator" ] || { echo "the generator cannot be run"; status=1; }
 dpkg-deb -I "$package" postinst | grep -q 'addgroup' || { echo "the group rig is not made"; status=1; }
 if command -v systemd-analyze >/dev/null; then
   sed 's|^ExecStart=.*|ExecStart=/bin/true|' "$folder/root/usr/lib/systemd/system/rig_controller@.service" >"$folder/rig_controller@x.service"

@@ -221,7 +221,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
   add_tyre_effects(car, criterion, result);
-  for (const auto& faults : {noise_faults(problem), lost_samples(problem)}) {
+  for (const auto& faults : {noise_faults(problem), lost_samples(problem, after)}) {
     result.recording_faults.insert(result.recording_faults.end(), faults.begin(), faults.end());
   }
   add_failed_relations(result);

@@ -420,7 +420,8 @@ Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<
            of_steps(i);
     const bool by_tolerance = variance(i, i) < 0.5 * of_data(i, i);
     if (by_tolerance) half = std::max(half, 2.0 * std::numbers::sqrt3 * std::sqrt(variance(i, i)));
-    if (p.role == FreeParameter::Role::tolerated && p.at_bound(fit.hypothesis)) {
+    const bool at_bound = p.role == FreeParameter::Role::tolerated && p.at_bound(fit.hypothesis);
+    if (at_bound || std::isnan(half)) {
       half = std::numeric_limits<double>::infinity();
     }
   }

@@ -179,12 +179,13 @@ struct TyreFit {
     const Eigen::Vector3d high(given.upper(k_t) / scale(0), given.upper(b_t) / scale(1), far);
     return bounded_step(hessian, gradient, {low, high});
   }
-  /// Whether the law takes away half of what a linear tyre leaves and moves F_w.
+  /// Whether the law takes away half of what a linear tyre leaves and moves F_w, with a parameter that a tyre may have.
   [[nodiscard]] bool is_found(const Given& given) const {
     const Eigen::Vector3d all = solve(given, true);
-    const double moves = std::sqrt(hessian(2, 2)) * std::abs(all(2));
+    const double moves = std::sqrt(hessian(2, 2)) * std::abs(all(2)), parameter = all(2) * scale(2);
+    const model::EffectParameter& card = law->parameters.front();
     return left(all) < thresholds::law_takes_away * left(solve(given, false)) &&
-           moves > thresholds::law_moves * std::sqrt(loads);
+           moves > thresholds::law_moves * std::sqrt(loads) && parameter >= card.lower && parameter <= card.upper;
   }
   [[nodiscard]] TyreLaw with(const Given& given, const Eigen::Vector3d& d, std::optional<double> lowest) const {
     return {given.value(k_t) + d(0) * scale(0), given.value(b_t) + d(1) * scale(1), law, d(2) * scale(2), lowest};

@@ -56,11 +56,27 @@ void add_acceleration(const PreparedRecording& recording, const SimulationInput&
   for (std::size_t k = 0; k < count; ++k) acceleration[k] = input.motion[k].acceleration;
 }
 
+/// Whether the model can step it; with a parameter that drifts, at both ends of the recording.
+bool is_no_rig(const Rig& bare, const std::vector<PlacedFault>& faults, double period) {
+  const auto fails = [&](const Rig& rig) { return firmware::find_rig_fault(rig, period).has_value(); };
+  if (!drifts(faults)) return fails(bare);
+  return fails(drifted(bare, faults, 0.0)) || fails(drifted(bare, faults, 0.5)) || fails(drifted(bare, faults, 1.0));
+}
+
+/// What no rig answers: its χ² is infinite.
+Response no_answer(const PreparedRecording& recording, const SimulationInput& input, std::size_t samples) {
+  Response response;
+  const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
+  for (const Channel channel : recording.channels) response[index(channel)].assign(count, std::nan(""));
+  return response;
+}
+
 }  // namespace
 
 Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,
                        const InitialState& start, std::size_t samples, Resolution resolution) {
   const Rig bare = without_sensors(hypothesis.rig);
+  if (is_no_rig(bare, hypothesis.faults, input.period)) return no_answer(recording, input, samples);
   RigVariation variation;
   if (drifts(hypothesis.faults)) {
     variation = {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(drift_refresh / input.period))),
@@ -88,12 +104,16 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
   std::vector<Channel> channels = response_channels(rigs.front().hypothesis->rig.kind, *rigs.front().input);
   std::erase_if(channels, [&](Channel channel) { return !recording.explains(channel); });
   std::vector<Rig> bare;
-  std::vector<int> steps;
+  std::vector<int> steps;  // 0: no rig
   for (const SimulatedRig& one : rigs) {
     bare.push_back(without_sensors(one.hypothesis->rig));
-    steps.push_back(steps_of(bare.back(), one.input->period, resolution));
+    const bool none = is_no_rig(bare.back(), {}, one.input->period);
+    if (none) responses[steps.size()] = no_answer(recording, *one.input, samples);
+    steps.push_back(none ? 0 : steps_of(bare.back(), one.input->period, resolution));
   }
-  for (const int count : std::set<int>(steps.begin(), steps.end())) {
+  std::set<int> counts(steps.begin(), steps.end());
+  counts.erase(0);
+  for (const int count : counts) {
     std::vector<std::size_t> chosen;
     std::vector<SideBySideRig> group;
     for (std::size_t i = 0; i < rigs.size(); ++i) {
@@ -104,7 +124,9 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
     auto simulated = simulate_side_by_side(group, samples, count, channels);
     for (std::size_t i = 0; i < chosen.size(); ++i) responses[chosen[i]] = std::move(simulated[i]);
   }
-  for (std::size_t i = 0; i < rigs.size(); ++i) add_acceleration(recording, *rigs[i].input, samples, responses[i]);
+  for (std::size_t i = 0; i < rigs.size(); ++i) {
+    if (steps[i] > 0) add_acceleration(recording, *rigs[i].input, samples, responses[i]);
+  }
   return responses;
 }
 

@@ -19,7 +19,8 @@ struct Resolution {
 
 /// Channels before their sensors: the rig's own motion and forces at the recording's sample rate. `input`: that of the
 /// recording, or one that differs from it by noise. `samples`: how many, 0 for all. A channel without a simulation of
-/// its own (z̈_r) is taken from the input. A parameter that drifts changes in small steps.
+/// its own (z̈_r) is taken from the input. A parameter that drifts changes in small steps. Of what is no rig (a
+/// parameter that is not a number, or drifts below its bound) no channel is a number, so that its χ² is infinite.
 [[nodiscard]] Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording,
                                      const SimulationInput& input, const InitialState& start, std::size_t samples,
                                      Resolution resolution);

@@ -65,6 +65,17 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
   noise.acceleration_colour = sampled.channel_noise[index(Channel::zdd_r)].colour;
 }
 
+/// Whether the samples that may be used differ: of what never moves inside its measuring range nothing is known.
+bool moves(const std::vector<double>& samples, const std::vector<bool>& clipped, std::size_t step) {
+  const double* first = nullptr;
+  for (std::size_t k = 0; k < samples.size(); k += step) {
+    if (!clipped.empty() && clipped[k]) continue;
+    if (first == nullptr) first = &samples[k];
+    if (samples[k] != *first) return true;
+  }
+  return false;
+}
+
 void split(PreparedRecording& prepared, Use use, std::size_t samples) {
   const std::size_t step = prepared.step;
   std::size_t end = samples;
@@ -156,12 +167,14 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   });
   if (feels_road) std::erase(simulated, Channel::F_w);
   for (const Channel channel : simulated) {
-    if (!recording.has(channel)) continue;
     const auto c = index(channel);
+    if (!recording.has(channel) || !moves(recording[channel], sampled.clipped[c], sampled.step)) continue;
     prepared.channels.push_back(channel);
     prepared.renewals[c] = std::move(sampled.renewals[c]);
     prepared.clipped[c] = std::move(sampled.clipped[c]);
   }
+  prepared.outliers = sampled.outliers;
+  prepared.rounding = sampled.rounding;
   prepared.channel_noise = sampled.channel_noise;
   prepared.declared_noise = description.noise;
   prepared.expected_colour = sampled.expected_colour;

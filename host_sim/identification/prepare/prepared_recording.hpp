@@ -13,6 +13,7 @@
 #include "firmware/recording/recording.hpp"
 #include "host_sim/comparison/simulation.hpp"
 #include "host_sim/identification/prepare/recording_window.hpp"
+#include "host_sim/identification/prepare/sample_faults.hpp"
 #include "host_sim/identification/prepare/sample_hold.hpp"
 #include "host_sim/identification/prepare/sampled_recording.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"
@@ -47,6 +48,8 @@ struct PreparedRecording {
   /// How much louder the noise is than declared; nullopt: not known. Of all channels with samples, inputs too.
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
   std::array<std::vector<bool>, model::channel_count> clipped{};         ///< samples not to be used; empty: none
+  std::array<Outliers, model::channel_count> outliers{};                 ///< mended and not used; inputs too
+  std::array<double, model::channel_count> rounding{};                   ///< step [SI] that makes noise louder; 0: none
   std::array<std::optional<Renewals>, model::channel_count> renewals{};  ///< of held channels
   Window fitted, held_out;
   InputNoise input_noise;

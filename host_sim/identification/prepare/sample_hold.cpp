@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "host_sim/identification/common/golden_section.hpp"
@@ -79,9 +80,18 @@ void find_period(Renewals& r) {
   r.period_slack = 0.5 * (high - low);
 }
 
+/// The median size of a change.
+double change_of_value(const std::vector<double>& samples, const std::vector<std::size_t>& renewed) {
+  std::vector<double> changes;
+  for (const std::size_t k : renewed) changes.push_back(std::abs(samples[k] - samples[k - 1]));
+  const auto middle = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 2);
+  std::nth_element(changes.begin(), middle, changes.end());
+  return *middle;
+}
+
 }  // namespace
 
-std::optional<Renewals> renewals_of(const std::vector<double>& samples) {
+std::optional<Renewals> renewals_of(const std::vector<double>& samples, double step) {
   Renewals r;
   for (std::size_t k = 1; k < samples.size(); ++k) {
     if (samples[k] != samples[k - 1]) r.at.push_back(k);
@@ -95,6 +105,9 @@ std::optional<Renewals> renewals_of(const std::vector<double>& samples) {
   // A limit stays at one value now and then, but is renewed with each sample in between.
   if (r.period < 0.95 * held) return std::nullopt;
   find_period(r);
+  if (step > 0.0 && !r.regular && change_of_value(samples, r.at) < thresholds::rounded_change * step) {
+    return std::nullopt;
+  }
   const StartRange range = start_range(r, r.period);
   r.first = 0.5 * (range.lowest + range.highest);
   r.slack = std::max(0.5 * range.width(), 0.0);

@@ -32,7 +32,8 @@ struct Renewals {
   bool regular = false;             ///< (1) can be met
 };
 
-/// nullopt: the samples do not repeat themselves, or do so without a period (a limit).
-[[nodiscard]] std::optional<Renewals> renewals_of(const std::vector<double>& samples);
+/// nullopt: the samples do not repeat themselves, or do so without a period (a limit), or because they are rounded:
+/// half of the new values are one `step` (sample_faults.hpp) from the old ones, and their instants do not meet (1).
+[[nodiscard]] std::optional<Renewals> renewals_of(const std::vector<double>& samples, double step = 0.0);
 
 }  // namespace host_sim::identification

@@ -51,10 +51,83 @@ bool is_computed(model::RigKind kind, model::Channel channel) {
   return channel != model::Channel::x_act && channel != model::Channel::F;
 }
 
+/// Every n-th of these.
+Flags picked(const Flags& flags, std::size_t n) {
+  Flags fewer;
+  for (std::size_t k = 0; k < flags.size(); k += n) fewer.push_back(flags[k]);
+  return fewer;
+}
+
+/// Whether a recorder can strike samples of a channel: a program's own numbers are as they are, and so is a command to
+/// an actuator, which may jump.
+bool may_have_outliers(model::RigKind kind, model::Channel channel) {
+  if (channel == model::Channel::F_act) return false;
+  return kind != model::RigKind::hil || !is_computed(kind, channel);
+}
+
+/// Steps of rounding, as the samples show them; 0: none.
+using Steps = std::array<double, model::channel_count>;
+
+Steps quantisation_steps(model::RigKind kind, const firmware::Recording& recording) {
+  Steps steps{};
+  for (std::size_t c = 0; c < steps.size(); ++c) {
+    const model::Channel channel = model::channel_at(c);
+    if (!recording.has(channel) || is_computed(kind, channel) || channel == model::Channel::F_act) continue;
+    std::vector<double> recorded;
+    for (std::size_t k = 0; k < recording.size(); ++k) {
+      if (recording.filled.empty() || !recording.filled[k]) recorded.push_back(recording[channel][k]);
+    }
+    steps[c] = quantisation_step(std::move(recorded));
+  }
+  return steps;
+}
+
+/// Whether a channel beside `channel` leaves its course where it has an outlier.
+bool shows_elsewhere(const std::vector<std::vector<double>>& deviations, std::size_t channel, std::size_t at) {
+  for (std::size_t other = 0; other < deviations.size(); ++other) {
+    if (other == channel) continue;
+    for (std::size_t k = at > 0 ? at - 1 : 0; k < std::min(at + 2, deviations[other].size()); ++k) {
+      if (std::abs(deviations[other][k]) > thresholds::shows_in_another) return true;
+    }
+  }
+  return false;
+}
+
+/// The outliers of each channel are marked in `unusable` and mended; one sample in `fewer` is kept afterwards.
+std::array<Outliers, model::channel_count> leave_out_outliers(model::RigKind kind, firmware::Recording& recording,
+                                                              const Steps& steps, std::size_t fewer,
+                                                              std::array<Flags, model::channel_count>& unusable) {
+  std::array<std::vector<std::size_t>, model::channel_count> places;
+  std::vector<std::vector<double>> deviations(model::channel_count);
+  for (std::size_t c = 0; c < places.size(); ++c) {
+    const model::Channel channel = model::channel_at(c);
+    if (!recording.has(channel) || !may_have_outliers(kind, channel)) continue;
+    if (renewals_of(recording[channel], steps[c])) continue;
+    places[c] = find_outliers(recording[channel], unusable[c], steps[c]);
+    if (recording.sample_period < thresholds::knock_length) continue;
+    deviations[c] = relative_deviations(recording[channel], unusable[c], steps[c]);
+  }
+  std::array<Outliers, model::channel_count> outliers;
+  for (std::size_t c = 0; c < places.size(); ++c) {
+    std::erase_if(places[c], [&](std::size_t k) { return shows_elsewhere(deviations, c, k); });
+    if (places[c].empty()) continue;
+    outliers[c].count = places[c].size();
+    for (const std::size_t k : places[c]) {
+      if (k % fewer != 0) continue;
+      outliers[c].at.push_back(k / fewer);
+      outliers[c].values.push_back(recording.channels[c][k]);
+    }
+    mend_outliers(recording.channels[c], places[c], unusable[c]);
+    unusable[c].resize(recording.size(), false);
+    for (const std::size_t k : places[c]) unusable[c][k] = true;
+  }
+  return outliers;
+}
+
 /// The noise of everything that is measured: each channel by itself, then those whose colour is not clear once more
 /// with that of the others.
 void find_noise(SampledRecording& result, const firmware::RigDescription& description,
-                const firmware::Recording& recording) {
+                const firmware::Recording& recording, const Steps& steps) {
   for (const bool again : {false, true}) {
     if (again && !result.expected_colour) break;
     for (std::size_t c = 0; c < model::channel_count; ++c) {
@@ -62,7 +135,8 @@ void find_noise(SampledRecording& result, const firmware::RigDescription& descri
       if (!recording.has(channel)) continue;
       const ChannelNoise& before = result.channel_noise[c];
       if (again && before.is_known() && before.colour.is_white()) continue;
-      const SensorNoise found = find_sensor_noise(description, recording, channel, result.expected_colour);
+      const SensorNoise found = find_sensor_noise(description, recording, channel, result.expected_colour, steps[c]);
+      result.rounding[c] = found.rounded ? steps[c] : 0.0;
       result.channel_noise[c] = found.noise;
       result.noise_factor[c] = found.factor;
       result.noise[c] = found.noise.level;
@@ -81,6 +155,7 @@ void interpolate(SampledRecording& sampled) {
   sampled.recording = interpolated(sampled.recording, sampled.step);
   const auto step = static_cast<double>(sampled.step);
   for (std::size_t c = 0; c < sampled.clipped.size(); ++c) {
+    for (std::size_t& k : sampled.outliers[c].at) k *= sampled.step;
     Flags& clipped = sampled.clipped[c];
     if (!clipped.empty()) {
       Flags finer(sampled.recording.size());
@@ -105,16 +180,24 @@ double SampledRecording::noise_at_every_sample(model::Channel channel) const {
 }
 
 SampledRecording sampled(const firmware::RigDescription& description, firmware::Recording recording) {
+  const model::RigKind kind = description.rig.kind;
   const std::size_t fewer = samples_per_kept(recording.sample_period);
-  if (fewer > 1) recording = picked(recording, fewer);
   SampledRecording result;
   for (std::size_t c = 0; c < model::channel_count; ++c) {
     const model::Channel channel = model::channel_at(c);
-    if (!recording.has(channel)) continue;
-    result.clipped[c] = clipped_samples(description, recording, channel);
-    result.renewals[c] = renewals_of(recording[channel]);
+    if (recording.has(channel)) result.clipped[c] = clipped_samples(description, recording, channel);
   }
-  find_noise(result, description, recording);
+  const Steps steps = quantisation_steps(kind, recording);
+  result.outliers = leave_out_outliers(kind, recording, steps, fewer, result.clipped);
+  if (fewer > 1) {
+    recording = picked(recording, fewer);
+    for (Flags& clipped : result.clipped) clipped = picked(clipped, fewer);
+  }
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    const model::Channel channel = model::channel_at(c);
+    if (recording.has(channel)) result.renewals[c] = renewals_of(recording[channel], steps[c]);
+  }
+  find_noise(result, description, recording, steps);
   result.recording = std::move(recording);
   interpolate(result);
   return result;

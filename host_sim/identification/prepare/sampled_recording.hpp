@@ -8,6 +8,7 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
+#include "host_sim/identification/prepare/sample_faults.hpp"
 #include "host_sim/identification/prepare/sample_hold.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"
 
@@ -20,7 +21,8 @@ namespace host_sim::identification {
 ///           recorded one, is compared with a simulation
 ///
 /// Nothing is filtered: what a sampling folds, the simulation folds in the same way. Sensors are judged by the samples
-/// before the interpolation.
+/// before the interpolation. Outliers (sample_faults.hpp) are looked for in all samples of the recording; each is
+/// replaced by what its neighbours say, so that it drives no simulation, and counts as clipped.
 struct SampledRecording {
   firmware::Recording recording;
   std::size_t step = 1;                              ///< samples for each one that is compared
@@ -28,7 +30,9 @@ struct SampledRecording {
   ChannelNoises channel_noise{};                     ///< the same with its colour
   std::optional<NoiseColour> expected_colour{};      ///< of the recorder: noise_spectrum.hpp
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
-  std::array<std::vector<bool>, model::channel_count> clipped{};  ///< not recorded or out of range; empty: none
+  std::array<std::vector<bool>, model::channel_count> clipped{};  ///< not recorded, out of range, outliers; empty: none
+  std::array<Outliers, model::channel_count> outliers{};
+  std::array<double, model::channel_count> rounding{};  ///< step [SI] that makes its noise louder; 0: none
   std::array<std::optional<Renewals>, model::channel_count> renewals{};
 
   /// rms of white noise at every sample with the density of that of a channel's compared samples.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "host_sim/identification/prepare/sample_faults.hpp"
 #include "host_sim/identification/prepare/sample_hold.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 
@@ -56,6 +57,15 @@ ChannelNoise white(const NoiseEstimate& estimate, double relative_error) {
   return {estimate.rms, {}, relative_error, 0.0, 0.0};
 }
 
+/// Whether rounding makes a channel's noise louder than it is declared, or most of it where nothing is declared.
+bool rounding_is_said(double step, const std::optional<double>& declared, const ChannelNoise& found, double period) {
+  const double power = std::pow(rounding_noise(step), 2), measured = std::pow(found.rms(period), 2);
+  if (!declared) return power >= 0.5 * measured;
+  const double expected = std::pow(*declared, 2);
+  if (power < thresholds::rounding_said * (expected + power)) return false;
+  return !found.is_known() || measured - expected > 0.5 * power;
+}
+
 }  // namespace
 
 ChannelNoise noise_in(const std::vector<double>& samples, double period, model::Channel channel,
@@ -88,16 +98,27 @@ SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, do
 }
 
 SensorNoise find_sensor_noise(const firmware::RigDescription& description, const firmware::Recording& recording,
-                              model::Channel channel, const std::optional<NoiseColour>& expected) {
-  const auto& given = description.noise[index(channel)];
+                              model::Channel channel, const std::optional<NoiseColour>& expected, double step) {
+  const auto& declared = description.noise[index(channel)];
+  const double rounding = rounding_noise(step);
   const auto& samples = recording[channel];
-  if (const auto renewals = renewals_of(samples)) {
-    if (given) return {{*given}, std::nullopt};
+  if (const auto renewals = renewals_of(samples, step)) {
+    if (declared) return {{std::hypot(*declared, rounding)}, std::nullopt};
     const NoiseEstimate estimate = noise_estimate(renewed_values(samples, *renewals));
     return {white(estimate, estimate.relative_error), std::nullopt};
   }
   const double period = recording.sample_period;
-  return with_declared(noise_in(samples, period, channel, expected), given, period, expected);
+  ChannelNoise found = noise_in(samples, period, channel, expected);
+  const bool said = step > 0.0 && rounding_is_said(step, declared, found, period);
+  if (!said) return with_declared(found, declared, period, expected);
+  if (!declared) {
+    // Where a slow signal stays on one step, samples show less noise than rounding makes.
+    if (found.level < rounding) found = white({rounding, 0.0}, thresholds::grid_error);
+    return {found, std::nullopt, true};
+  }
+  SensorNoise noise = with_declared(found, std::hypot(*declared, rounding), period, expected);
+  noise.rounded = true;
+  return noise;
 }
 
 std::optional<NoiseFactor> noise_factor(const firmware::RigDescription& description,

@@ -37,6 +37,7 @@ struct NoiseFactor {
 struct SensorNoise {
   ChannelNoise noise;
   std::optional<NoiseFactor> factor;  ///< nullopt: nothing declared, or its samples say nothing
+  bool rounded = false;               ///< rounding makes it louder than declared, or is most of it; `factor` is without
 };
 
 /// The noise in samples. It is white where (1) of the samples, which weighs the highest third of the frequencies, and
@@ -52,9 +53,12 @@ struct SensorNoise {
                                         const std::optional<NoiseColour>& expected = {});
 
 /// Both for a channel. Of a channel that is held, the new values are looked at, and their noise is taken for white.
+/// `step`: of rounding (sample_faults.hpp), whose noise belongs to that of the channel:
+///
+///   (3)  σ² = declared² + step²/12,  or found, step²/12 at least
 [[nodiscard]] SensorNoise find_sensor_noise(const firmware::RigDescription& description,
                                             const firmware::Recording& recording, model::Channel channel,
-                                            const std::optional<NoiseColour>& expected = {});
+                                            const std::optional<NoiseColour>& expected = {}, double step = 0.0);
 
 /// Its factor.
 [[nodiscard]] std::optional<NoiseFactor> noise_factor(const firmware::RigDescription& description,

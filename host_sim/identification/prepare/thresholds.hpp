@@ -32,6 +32,10 @@ inline constexpr double shortest_period = 1e-3;
 /// of what a recording of 100 Hz says. Twice: beyond half the rate there is nothing.
 inline constexpr double recorded_share_of_rate = 0.45;
 
+/// [SI] A larger sample is refused. Derivation: 10⁸ squares of it, in units of noise down to 1e-20 of it, are below
+/// 1.8e308. Half and twice: no difference.
+inline constexpr double largest_sample = 1e100;
+
 // Simulation --------------------------------------------------------------------------------------------------------
 
 /// [s] Step of the simulation where friction, free play or stops act: inside a step their instant is known only at the
@@ -45,6 +49,11 @@ inline constexpr double step_with_corners = 0.25e-3;
 /// of 16-bit values rarer than 1 in 1000, so 1 is a free-running channel; the fastest hold that shows is 2 samples or,
 /// in turns of 1 and 2, 1.5. Half: every channel is held. Twice: holds of 2 samples pass for noise.
 inline constexpr double held_samples_per_value = 1.5;
+
+/// [steps] Median change of the values of a rounded channel that repeats them since it stays on a step. A channel that
+/// is held moves by many steps, or its rounding does not matter. Half: none is. Twice: changes of 2 steps, a hold of a
+/// coarse channel, pass for rounding where its instants are irregular.
+inline constexpr double rounded_change = 1.5;
 
 // Noise that is not as declared --------------------------------------------------------------------------------------
 
@@ -90,6 +99,59 @@ inline constexpr double colour_price = 10.0;
 /// [−2 ln likelihood] Price of a corner that is not that of the other channels: a recorder's filters are alike, and a
 /// tail is not exactly what (4) of noise_spectrum.hpp says. Half and twice: not measured.
 inline constexpr double other_corner_price = 50.0;
+
+// Single samples -----------------------------------------------------------------------------------------------------
+
+/// [standard deviations] of a sample from its neighbours from which it is an outlier. Derivation: 160 000 samples (20 s
+/// at 1 kHz, eight channels) of normal noise whose scale is known to 10 % reach 5.85 once in a thousand recordings.
+/// Half: 200 samples of noise are left out in each recording. Twice: outliers of 13 … 20 deviations stay in.
+inline constexpr double outlier_deviations = 6.5;
+/// [standard deviations] and that the farthest outlier of a channel must reach. Experiment: contacts of stops and free
+/// play that last a sample stood up to 9.7 deviations off (tests/truth daq, seeds 100 and 110). Half: counts as
+/// outliers what these leave. Twice: a channel with few outliers of 10 … 20 deviations keeps them.
+inline constexpr double surest_outlier = 10.0;
+/// [1] Least scale, relative to the median distance of a channel's samples from their median: an outlier below 2e-4 of
+/// it is less than the simulation's own error (noise::simulation_error). Half and twice: no difference where a channel
+/// has noise.
+inline constexpr double least_outlier_scale = 3e-5;
+/// [1] What samples beside an outlier leave at most, relative to noise. Derivation: a mean of six squares or more is
+/// above 2.5² with a chance of 2e-6. Half: a third of the outliers are taken for motion. Twice: jumps of 20 deviations
+/// count as outliers.
+inline constexpr double quiet_beside_outlier = 2.5;
+/// [standard deviations] by which an outlier must be likelier than a jump. Derivation: of an outlier of 6.5 deviations
+/// the best jump explains a third at most. Half: not measured. Twice: outliers below 8 deviations stay in.
+inline constexpr double no_jump = 4.0;
+/// Outliers of a channel that stand alone, from which two side by side are no pulse but two of them. Half: one knock
+/// and a short pulse suffice. Twice: in one of twelve recordings with five outliers two of them stay in.
+inline constexpr std::size_t strikes_often = 3;
+/// [1] and their size, relative to the median of those that stand alone: one cause makes outliers of one order. Half
+/// and twice: not measured.
+inline constexpr double alike_outliers = 0.5;
+/// [1] Share of a channel's samples that are outliers at most: more is how the channel is. Half and twice: not
+/// measured; recorders with one flipped bit in 300 samples are known.
+inline constexpr double most_outliers = 0.01;
+/// [s] From this sample period on, a knock of the rig may be as short as a sample: an outlier must not show in another
+/// channel. Derivation: contacts of steel last 1 to 5 ms. Half: one outlier in ten beside friction stays in. Twice: a
+/// knock of 3 ms on a channel of 300 Hz counts as outlier.
+inline constexpr double knock_length = 2e-3;
+/// [standard deviations] of another channel from which it shows there.
+inline constexpr double shows_in_another = 4.0;
+
+/// [steps] Error of values that are rounded: text holds six digits, so a step of which a channel has a thousand is
+/// written to a thousandth. Half: not measured. Twice: a fifth of the values of any channel are on any grid.
+inline constexpr double grid_error = 0.05;
+/// [1] Share of the distances that are multiples of the step. The rest is for rows that a recorder filled in itself.
+/// Half and twice of what is missing to 1: not measured.
+inline constexpr double on_the_grid = 0.99;
+/// Distances between different values from which a step is told: eight numbers are multiples of their lowest quarter
+/// by chance once in 0.1⁻⁶.
+inline constexpr std::size_t fewest_distances = 8;
+/// [1] rms of rounding ÷ step: 1/√12.
+inline constexpr double rounding_error = 0.2887;
+/// [1] Share of a channel's noise that is rounding, from which the step is said. Derivation: as noise_named, where the
+/// noise is declared: 1 − e^(−2 · 0.05) of the power is more than the estimate scatters. Half: said of recordings where
+/// nobody sees it. Twice: steps of 1.8 standard deviations are not said.
+inline constexpr double rounding_said = 0.10;
 
 // Two sensors of the foot point ---------------------------------------------------------------------------------------
 

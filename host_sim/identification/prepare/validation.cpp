@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -55,6 +56,21 @@ bool never_moves(const std::vector<double>& values) {
   return !values.empty() && std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
 }
 
+/// InputError where a sample is so large that sums of squares overflow: no sensor of a rig shows it.
+void check_samples(const firmware::Recording& recording) {
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    const auto& values = recording.channels[c];
+    const auto huge = std::find_if(values.begin(), values.end(),
+                                   [](double v) { return !(std::abs(v) <= thresholds::largest_sample); });
+    if (huge == values.end()) continue;
+    char text[160];
+    std::snprintf(text, sizeof text, "%s is %.3g %s at t = %.6g", std::string(model::channel_names[c].name).c_str(),
+                  *huge, std::string(model::unit(model::channel_at(c))).c_str(),
+                  recording.time[static_cast<std::size_t>(huge - values.begin())]);
+    throw firmware::InputError(recording.source, 0, text, "samples that a sensor can show, or an empty cell");
+  }
+}
+
 /// Channels of which one is enough for what they tell, in the order in which a remark names them.
 using Alternatives = std::vector<Channel>;
 std::vector<Alternatives> usual(RigKind kind) {
@@ -79,6 +95,7 @@ std::vector<std::string> validate(const firmware::RigDescription& description,
   std::array<bool, model::channel_count> dead{};
   for (const firmware::Recording* recording : recordings) {
     check_kind(description, *recording);
+    check_samples(*recording);
     if (!recording->remark.empty()) remarks.push_back(recording->remark);
     for (std::size_t c = 0; c < dead.size(); ++c) {
       const Channel channel = model::channel_at(c);

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 
 #include "tests/support/program.hpp"
@@ -34,6 +35,31 @@ TEST(Deploy, TheServiceHasFewRights) {
       shell("systemd-analyze security --offline=true --threshold=30 '" + deployed("rig_controller@.service") + "'");
   if (ended.errors.find("unrecognized option") != std::string::npos) GTEST_SKIP() << "systemd-analyze before 250";
   EXPECT_EQ(ended.status, 0) << ended.output << ended.errors;
+}
+
+// Fault. The times of a unit follow from its rig's description without a hand: the generator writes what --unit-times
+// prints, for each description that can be read, and leaves out a name that systemd would write otherwise.
+TEST(Deploy, TheUnitsTimesFollowFromTheDescription) {
+  const TemporaryFolder folder;
+  const std::string rigs = folder / "rigs", out = folder / "out";
+  std::filesystem::create_directories(rigs);
+  const std::string slow = std::string(support::bench_text) + "\n[limits]\nramp = 0.01\nstroke = 0.4\n";
+  folder.write("rigs/slow.toml", slow);
+  folder.write("rigs/a name.toml", slow);
+  folder.write("rigs/unfit.toml", "kind = 3\n");
+  const auto shell = [&](const std::string& command) {
+    return support::RunningProgram(folder, {"-c", command}, {}, "/bin/sh").wait();
+  };
+  const std::string program = RIG_CONTROLLER_PROGRAM;
+  const support::Ended ended = shell("RIG_CONTROLLER_RIGS='" + rigs + "' RIG_CONTROLLER='" + program + "' '" +
+                                     deployed("rig_controller-generator") + "' '" + out + "'");
+  EXPECT_EQ(ended.status, 0) << ended.errors;
+  const support::Ended printed = shell("'" + program + "' --rig '" + rigs + "/slow.toml' --unit-times");
+  EXPECT_THAT(printed.output, HasSubstr("\nTimeoutStopSec=132\n")) << "3 · 0.4/0.01 + 12 s";
+  EXPECT_EQ(TemporaryFolder::read(out + "/rig_controller@slow.service.d/times.conf"), printed.output);
+  std::size_t written = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(out)) ++written;
+  EXPECT_EQ(written, 1U);
 }
 
 // The group may use no priority above the loop's, which is at most 90 as a service; rules take effect without a reboot.

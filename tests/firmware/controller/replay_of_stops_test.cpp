@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "firmware/controller/run.hpp"
 #include "firmware/description/rig_description.hpp"
@@ -64,6 +65,21 @@ TEST(ReplayOfStops, OpensTheInterlockAgain) {
   hal::simulated::FaultPlan plan;
   plan.open_interlocks = {&open, 1};
   expect_replayed(plan, "interlock oil");
+}
+
+// What ended the run was an output that took nothing more.
+TEST(ReplayOfStops, RefusesTheOutputAgain) {
+  using Device = hal::simulated::DeviceFault::Device;
+  for (const auto& [device, reason] :
+       {std::pair(Device::command, "command_failed"), std::pair(Device::valves, "valves_failed"),
+        std::pair(Device::heartbeat, "heartbeat_failed")}) {
+    const hal::simulated::DeviceFault fault{
+        device, hal::Fault::refused, {hal::milliseconds(1100), hal::milliseconds(100'000)}};
+    hal::simulated::FaultPlan plan;
+    plan.devices = {&fault, 1};
+    SCOPED_TRACE(reason);
+    expect_replayed(plan, reason);
+  }
 }
 
 }  // namespace

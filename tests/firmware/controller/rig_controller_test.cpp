@@ -514,6 +514,26 @@ struct Operated {
   }
 };
 
+// The description may name the socket: the program listens there, and a client that is given the description asks
+// there. A relative path would depend on the folder of the service.
+TEST(RigController, ListensWhereItsDescriptionSays) {
+  const TemporaryFolder folder;
+  const std::string socket = folder / "front.sock";
+  const std::string text = TemporaryFolder::read(patient_rig(folder));
+  const std::string rig =
+      folder.write("front.toml", support::with(text, "[controller]\n", "[controller]\nsocket = \"" + socket + "\"\n"));
+  Controller running({"--rig", rig, "--simulated", "--no-realtime", "--wait", "--out", folder / "run.csv"});
+  ASSERT_TRUE(running.says("waiting for the operator"));
+  EXPECT_THAT(controller({"--rig", rig, "state"}).output, HasSubstr("\"state\": \"idle\""));
+  ::kill(running.program.id(), SIGTERM);
+  EXPECT_EQ(running.program.wait().status, 0);
+  const std::string relative =
+      folder.write("relative.toml", support::with(text, "[controller]\n", "[controller]\nsocket = \"front.sock\"\n"));
+  const Ended refused = controller({"--rig", relative, "state"});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.errors, HasSubstr("controller.socket = 'front.sock' does not fit, expected an absolute path"));
+}
+
 // The operator arms, starts, holds, goes on, scales and stops by the socket; each answer is one line of JSON. A run
 // that was acknowledged is started again by the same program, into a recording of its own.
 TEST(RigController, IsOperatedByItsSocket) {

@@ -78,21 +78,22 @@ TEST(LoopProof, RefusesATextThatItCannotKeep) {
 // said in words why.
 TEST(LoopProof, RefusesALoopThatNobodyFoundStable) {
   const std::string text(hil_text);
-  EXPECT_THAT(firmware::stability_objection(parse_rig(text, "rig.toml")),
+  EXPECT_THAT(firmware::stability_objection(parse_rig(text, "rig.toml")).text,
               HasSubstr("nothing says that this loop is stable ([controller] proven): write it by  rigtwin stability "
                         "--write-limits rig.toml"));
   const std::string proven = with_loop_proof(text, "rig.toml", 0.00125, fingerprint(text));
-  EXPECT_EQ(firmware::stability_objection(parse_rig(proven, "rig.toml")), "");
+  EXPECT_EQ(firmware::stability_objection(parse_rig(proven, "rig.toml")).text, "");
   const std::string changed = with(proven, "virtual_damping = 1140.0", "virtual_damping = 700.0");
-  EXPECT_THAT(firmware::stability_objection(parse_rig(changed, "rig.toml")), HasSubstr("has changed since"));
+  EXPECT_THAT(firmware::stability_objection(parse_rig(changed, "rig.toml")).text, HasSubstr("has changed since"));
   const std::string waiver = "[waivers]\nunproven_stability = \"a bench without oil\"\n";
-  EXPECT_EQ(firmware::stability_objection(parse_rig(changed + waiver, "rig.toml")), "");
+  EXPECT_EQ(firmware::stability_objection(parse_rig(changed + waiver, "rig.toml")).text, "");
 
-  EXPECT_EQ(firmware::delay_objection(parse_rig(proven, "rig.toml"), 0.00125), "");
-  EXPECT_THAT(firmware::delay_objection(parse_rig(proven, "rig.toml"), 0.0013),
+  EXPECT_EQ(firmware::delay_objection(parse_rig(proven, "rig.toml"), 0.00125).text, "");
+  EXPECT_THAT(firmware::delay_objection(parse_rig(proven, "rig.toml"), 0.0013).text,
               HasSubstr("take 1.300 ms (P99.9), [controller] allowed_delay is 1.250 ms"));
-  EXPECT_EQ(firmware::delay_objection(parse_rig(proven + waiver, "rig.toml"), 0.5), "");
-  EXPECT_EQ(firmware::stability_objection(parse_rig(std::string(support::bench_text), "rig.toml")), "") << "no loop";
+  EXPECT_EQ(firmware::delay_objection(parse_rig(proven + waiver, "rig.toml"), 0.5).text, "");
+  EXPECT_EQ(firmware::stability_objection(parse_rig(std::string(support::bench_text), "rig.toml")).text, "")
+      << "no loop";
 }
 
 }  // namespace

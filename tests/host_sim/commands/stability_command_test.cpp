@@ -115,7 +115,7 @@ TEST(StabilityCommand, WritesForWhichLoopItHolds) {
   const std::string written = support::TemporaryFolder::read(file);
   EXPECT_EQ(written.substr(0, text.size()), text);
   const firmware::RigDescription rig = firmware::read_rig(file);
-  EXPECT_EQ(firmware::stability_objection(rig), "");
+  EXPECT_EQ(firmware::stability_objection(rig).text, "");
   const auto analysis = host_sim::stability::analyse(rig);
   ASSERT_TRUE(analysis.sampled && analysis.sampled->critical_delay);
   EXPECT_NEAR(rig.hardware.schedule.allowed_delay, 0.8 * (*analysis.sampled->critical_delay - 0.010), 1e-6);

@@ -92,6 +92,10 @@ TEST(VirtualCarEstimate, ReadsTheEffectsOfItsTyre) {
   EXPECT_LE(car.tyre_error.refitted, car.tyre_error.described);
   EXPECT_GT(car.effects[0].gain, 1e4);
 
+  // Beyond the bounds of its card, −1e12, it is no tyre's.
+  EXPECT_TRUE(
+      identification::estimate_virtual_car(description, {tyre_recording(description, -4e13, never)}).effects.empty());
+
   const double weight = 9.81 * (description.rig.body.mass + description.rig.wheel.mass);
   const auto lifted =
       identification::estimate_virtual_car(description, {tyre_recording(description, 0.0, -weight)}).effects;

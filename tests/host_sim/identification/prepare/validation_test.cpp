@@ -88,4 +88,12 @@ TEST(Validation, RefusesTolerancesThatLetARigBeAnything) {
   EXPECT_NE(with("suspension.damping", 1.5).find("lets suspension.damping be negative"), std::string::npos);
 }
 
+// Fault. A sample whose square overflows is no sensor's: one line with channel, value and time.
+TEST(Validation, RefusesNumbersThatNoSensorShows) {
+  sample::Given rig = sample::given("none:component_bench");
+  rig.recording[model::Channel::F][3000] = -1e302;
+  const std::string line = refusal(rig.description, rig.recording);
+  EXPECT_NE(line.find("F is -1e+302 N at t = "), std::string::npos) << line;
+}
+
 }  // namespace
