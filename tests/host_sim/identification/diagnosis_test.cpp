@@ -327,6 +327,11 @@ TEST(Diagnosis, NamesFrictionOfRealRigs) {
   EXPECT_LT(pooled(found, &identification::PredictionError::after),
             0.7 * pooled(found, &identification::PredictionError::refit));
   for (const auto& [channel, gap] : found.prediction_errors) EXPECT_LT(gap.after, gap.refit) << model::name(channel);
+}
+
+TEST(Diagnosis, NamesFrictionOfRealDampers) {
+  const auto folder = support::shared / "real";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "../shared/real is missing";
   const RigDescription damper = read_rig(folder / "mr_damper.toml");
   for (const char* record : {"mr_damper_A1.csv", "mr_damper_A2.csv", "mr_damper_A3.csv"}) {
     const Diagnosis one = identification::diagnose(
