@@ -67,6 +67,16 @@ TEST(Confusion, KnowsWhatIsRight) {
   d.effects[0].confidence = 0.5;
   EXPECT_TRUE(judged(unknown, strange, d).right());
 
+  // Spikes are outside the catalogue of effects, and outliers are a fault of the recording.
+  const Asked spikes{"unknown:component_bench:spikes", 1};
+  truth::Truth spiky;
+  spiky.unknown = "spikes", spiky.unknown_channel = "F";
+  Diagnosis said;
+  said.recording_faults.push_back({"outliers", {Channel::x_act}, {}, 0.9});
+  EXPECT_FALSE(judged(spikes, spiky, said).right()) << "another channel";
+  said.recording_faults[0].channels = {Channel::F};
+  EXPECT_TRUE(judged(spikes, spiky, said).right());
+
   EXPECT_FALSE(judged(none, {}, d).right());
   d = {};
   d.verdict = Verdict::no_discrepancy;

@@ -33,6 +33,7 @@ struct Outcome {
   double size = 0.0;   ///< of the hidden effect, in noise of a channel
   std::string verdict;
   bool unexplained = false;
+  bool outside_said = false;  ///< what is outside the catalogue is a fault of the recording, and named as that
   std::string rest;
   std::vector<Named> named;
   std::size_t effects_hidden = 0;
@@ -57,8 +58,8 @@ struct Outcome {
   /// A name above 0.5 that is not in the rig.
   [[nodiscard]] bool wrong_name() const;
   [[nodiscard]] bool flagged() const { return verdict == "unexplained" || unexplained; }
-  /// single, pair, triple: exact, verdict named or ambiguous. none: no_discrepancy. unknown: flagged, and no wrong
-  /// name. rough: as README.
+  /// single, pair, triple: exact, verdict named or ambiguous. none: no_discrepancy. unknown: flagged, or named as a
+  /// fault of the recording, and no wrong name. rough: as README.
   [[nodiscard]] bool right() const;
 };
 
