@@ -47,21 +47,21 @@ namespace {
 
 using Task = Options::Task;
 
-constexpr std::array<std::pair<std::string_view, Task>, 6> tasks{{{"--check", Task::check},
-                                                                  {"--unit-times", Task::unit_times},
-                                                                  {"--list", Task::list},
-                                                                  {"--help", Task::help},
-                                                                  {"-h", Task::help},
-                                                                  {"--version", Task::version}}};
+constexpr std::array<std::pair<std::string_view, Task>, 6> task_options{{{"--check", Task::check},
+                                                                         {"--unit-times", Task::unit_times},
+                                                                         {"--list", Task::list},
+                                                                         {"--help", Task::help},
+                                                                         {"-h", Task::help},
+                                                                         {"--version", Task::version}}};
 
-constexpr std::array<std::pair<std::string_view, bool Options::*>, 5> flags{
+constexpr std::array<std::pair<std::string_view, bool Options::*>, 5> flag_options{
     {{"--simulated", &Options::simulated},
      {"--start", &Options::start},
      {"--wait", &Options::wait},
      {"--overwrite", &Options::overwrite},
      {"--virtual-time", &Options::virtual_time}}};
 
-constexpr std::array<std::pair<std::string_view, std::string Options::*>, 7> texts{
+constexpr std::array<std::pair<std::string_view, std::string Options::*>, 7> text_options{
     {{"--rig", &Options::rig},
      {"--out", &Options::out},
      {"--histogram", &Options::histogram},
@@ -92,9 +92,9 @@ auto find(const Table& table, std::string_view word) -> decltype(&table.front().
 
 /// An option without a value. false: `word` is none.
 bool take_flag(std::string_view word, Options& options) {
-  if (const auto* task = find(tasks, word)) {
+  if (const auto* task = find(task_options, word)) {
     options.task = *task;
-  } else if (const auto* flag = find(flags, word)) {
+  } else if (const auto* flag = find(flag_options, word)) {
     options.*(*flag) = true;
   } else if (word == "--no-realtime") {
     options.realtime = false;
@@ -157,7 +157,7 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       continue;
     }
     if (take_flag(word, options)) continue;
-    const auto* text = find(texts, word);
+    const auto* text = find(text_options, word);
     Options unused;
     if (text == nullptr && !take_number(word, {}, unused)) {
       trouble = "unknown option " + std::string(word) + ", see rig_controller --help";
