@@ -144,23 +144,4 @@ TEST(FindFault, SaysWhatIsExpected) {
   EXPECT_EQ(fault->expected, "a finite number > 0");
 }
 
-// Fault. Numbers that would overflow in a step, or that the exact step refuses, are no rig's, as is a wheel of a
-// nanogram; a tyre may have hardly any damping.
-TEST(FindFault, RefusesNumbersBeyondEveryRig) {
-  auto rig = support::linear_rig(RigKind::quarter_car);
-  rig.wheel.mass = 1e-12;
-  const auto thrown = find_fault(rig, 1e-3, longest);
-  ASSERT_TRUE(thrown);
-  EXPECT_EQ(thrown->table, "wheel");
-  EXPECT_EQ(thrown->key, "mass");
-  rig.wheel.mass = 40.0;
-  rig.body.mass = 1e300;
-  const auto huge = find_fault(rig, 1e-3, longest);
-  ASSERT_TRUE(huge);
-  EXPECT_EQ(huge->table, "body");
-  rig.body.mass = 290.0;
-  rig.tyre.damping = 1e-8;
-  EXPECT_FALSE(find_fault(rig, 1e-3, longest));
-}
-
 }  // namespace

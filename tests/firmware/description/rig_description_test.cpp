@@ -322,6 +322,9 @@ TEST(RigDescription, RefusesARigThatNoStepResolves) {
   const std::string bench = std::string(bench_text) + std::string(hil_text.substr(hil_text.find("[fdva]")));
   EXPECT_EQ(refusal_of(bench), "accepted");
   expect_refused(with(bench, "piston_area = 30e-4", "piston_area = 1e-200"), "", "the rig as a whole does not fit");
+  // A bench without a car of its own is commanded as the paper's car would: what throws that is refused as well.
+  expect_refused(with(bench_text, "stiffness = 31500.0", "stiffness = 1e300"), "", "the rig as a whole does not fit");
+  expect_refused(with(hil_text, "mass = 290.0", "mass = 2.9e302"), "mass = 2.9e302", "a mass that a road moves");
 }
 
 // A part that the kind does not have must not be taken along silently.
