@@ -7,7 +7,7 @@
 namespace firmware::controller {
 namespace {
 
-constexpr int periods = 64;
+constexpr int looked_at = 64;
 constexpr std::size_t fewest = 16;  // stamps that differ
 
 /// a modulo b, in 0 … b − 1.
@@ -27,7 +27,7 @@ std::optional<SamplePhase> measured_phase(hal::Clock& clock, hal::SensorSource& 
                                           std::span<const std::size_t> channels, hal::Time period, hal::Time age) {
   std::vector<hal::Time> stamps;
   hal::Time due = clock.now();
-  for (int i = 0; i < periods; ++i) {
+  for (int i = 0; i < looked_at; ++i) {
     const auto frame = sensors.read();
     for (const std::size_t channel : channels) {
       if (!frame || frame->channels[channel].quality == hal::Quality::missing) continue;

@@ -306,19 +306,15 @@ TEST(RigDescription, RefusesADelayBeyondTheLine) {
 // A step that cannot resolve its rig would stop the program (model::require): it is refused before.
 TEST(RigDescription, RefusesARigThatNoStepResolves) {
   for (const auto& [from, to] : std::vector<std::pair<std::string_view, std::string_view>>{
+           {"mass = 40.0", "mass = 1e-300"},
+           {"stiffness = 200e3", "stiffness = 1e300"},
+           {"damping = 100.0", "damping = 1e200"},
            {"duct_diameter = 12e-3", "duct_diameter = 1e-100"},
            {"oil_density = 860.0", "oil_density = 1e-310"},
+           {"minor_loss = 1.5", "minor_loss = 1e300"},
        }) {
     expect_refused(with(hil_text, from, to), "", "the rig as a whole does not fit");
   }
-  // A number that no rig has is refused by itself, with its line.
-  expect_refused(with(hil_text, "mass = 40.0", "mass = 1e-300"), "mass = 1e-300", "wheel.mass = 1e-300 does not fit");
-  expect_refused(with(hil_text, "stiffness = 200e3", "stiffness = 1e300"), "stiffness = 1e300",
-                 "tyre.stiffness = 1e+300 does not fit");
-  expect_refused(with(hil_text, "damping = 100.0", "damping = 1e200"), "damping = 1e200",
-                 "tyre.damping = 1e+200 does not fit");
-  expect_refused(with(hil_text, "minor_loss = 1.5", "minor_loss = 1e300"), "minor_loss = 1e300",
-                 "fdva.minor_loss = 1e+300 does not fit");
   const std::string bench = std::string(bench_text) + std::string(hil_text.substr(hil_text.find("[fdva]")));
   EXPECT_EQ(refusal_of(bench), "accepted");
   expect_refused(with(bench, "piston_area = 30e-4", "piston_area = 1e-200"), "", "the rig as a whole does not fit");
