@@ -3,11 +3,11 @@
 #include <cmath>
 #include <fstream>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
-#include "firmware/description/quantity.hpp"
 #include "firmware/description/rig_description_controller.hpp"
-#include "firmware/description/rig_description_table.hpp"
+#include "firmware/description/table/rig_description_table.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/quantity.hpp"
 
 namespace firmware {
 namespace {

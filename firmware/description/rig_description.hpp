@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/hardware_description.hpp"
+#include "firmware/description/values/channel_map.hpp"
+#include "firmware/description/values/hardware_description.hpp"
 #include "firmware/loop/settings.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"

@@ -2,10 +2,10 @@
 
 #include <cstdio>
 
-#include "firmware/description/effects_by_name.hpp"
-#include "firmware/description/loop_settings.hpp"
-#include "firmware/description/number_text.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/quantity.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
+#include "firmware/description/values/loop_settings.hpp"
 
 namespace firmware {
 namespace {
