@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "firmware/description/laws/law_reader.hpp"
 #include "firmware/description/rig_description_controller.hpp"
 #include "firmware/description/table/rig_description_table.hpp"
 #include "firmware/description/text/input_error.hpp"
@@ -262,6 +263,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   }
   read_parameters(top, description.rig);
   read_effects(top, description.rig);
+  description.laws = read_laws(top, description.rig);
   read_sensors(top, description);
   read_waivers(top, description.waivers);
   read_controller(top, description.rig, description.controller);

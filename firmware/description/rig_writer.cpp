@@ -97,6 +97,13 @@ void write_effects(Text& out, const model::RigParameters<double>& rig) {
   }
 }
 
+void write_laws(Text& out, const RigDescription& description) {
+  for (const LawDescription& law : named_laws(description.laws, description.rig)) {
+    out.table("laws." + law.name);
+    for (const auto& [key, value] : law_lines(law, description.rig)) out.line(key, value);
+  }
+}
+
 void write_sensors(Text& out, const RigDescription& description) {
   out.table("noise");
   for (std::size_t c = 0; c < model::channel_count; ++c) {
@@ -239,6 +246,7 @@ std::string format_rig(const RigDescription& description) {
   out.line("sample_rate", real(description.sample_rate));
   write_parameters(out, description);
   write_effects(out, description.rig);
+  write_laws(out, description);
   out.table("tolerance");
   for (const auto& [path, bound] : description.tolerance) out.line(basic_string_of(path), real(bound));
   write_sensors(out, description);
