@@ -180,6 +180,9 @@ std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateM
   std::erase_if(next,
                 [this](const CandidateModel& model) { return !stays_finite(fitter_.problem(), model.fit.hypothesis); });
   sort(next);
+  if (next.empty()) return next;
+  const double left = std::max(beyond_noise(next.front().fit), criterion_.effect);
+  std::erase_if(next, [left](const CandidateModel& m) { return beyond_noise(m.fit) > thresholds::far_behind * left; });
   return next;
 }
 
