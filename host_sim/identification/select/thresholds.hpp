@@ -17,6 +17,11 @@ inline constexpr double leaves_noise = 4.0;
 /// [χ²] by which another candidate must be better to replace an effect: above the solver's own 0.01 and below what any
 /// parameter costs. Half and twice: no difference expected.
 inline constexpr double replaces = 1.0;
+/// [χ²] by which an effect may be worse than a fault of the recording and still takes its place: a delay of the drive
+/// and a late clock of its command are the same to every channel, and a rig has drives more often than two clocks.
+/// Derivation: 2 ln 20, odds that count as not told apart (assess/thresholds.hpp). Half and twice: odds of 4.5 and of
+/// 400; equal causes differ by less than 1.
+inline constexpr double tie = 6.0;
 /// Rounds of elimination and swaps at most: each round that changes something lowers the criterion, so it ends anyway.
 inline constexpr int most_rounds = 4;
 /// [1] Of the promise that makes an effect worth its penalty, the share from which a candidate is fitted: promises are
