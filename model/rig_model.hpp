@@ -259,8 +259,8 @@ class RigModel {
   void apply_laws(const LawColumns<N>& columns, State& x, const Motion<S>& foot_point) const;
   void finish_laws(State& x, bool start) const;
   [[nodiscard]] bool law_acts(LawPlace place) const;
-  [[nodiscard]] Stroke<S> at_place(LawPlace place, const Column<S, core_states>& core,
-                                   const Motion<S>& foot_point) const;
+  template <int first, class Part>
+  [[nodiscard]] Stroke<S> at_place(LawPlace place, const Part& part, const Motion<S>& foot_point) const;
   [[nodiscard]] Stroke<S> seen_by_law(LawPlace place, const State& x, Stroke<S> motion) const;
   /// What a sensor with a curve of its own shows; F gets it in the step, because it goes around the loop.
   [[nodiscard]] S shown_by_law(Channel channel, S truth) const {

@@ -348,27 +348,30 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::apply_friction(const Bl
   x.core.template segment<N>(first) = all;
 }
 
-/// Position and velocity at a place where a law acts, linear in core and foot point. Behind a top mount e has no mass,
-/// hence no velocity of its own.
+/// Position and velocity at a place where a law acts, linear in core and foot point; `part` is the core from `first`
+/// on. Behind a top mount e has no mass, hence no velocity of its own.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
-Stroke<S> RigModel<S, D, variant, capacity>::at_place(LawPlace place, const Column<S, core_states>& core,
-                                                      const Motion<S>& foot_point) const {
-  switch (place) {
-    case LawPlace::suspension:
-      if (equations_.has_mount()) return {core(CoreIndex::inner_deflection), S(0)};
-      return {core(CoreIndex::wheel_position) - core(CoreIndex::body_position),
-              core(CoreIndex::wheel_velocity) - core(CoreIndex::body_velocity)};
-    case LawPlace::tyre:
-      return {foot_point.position - core(CoreIndex::wheel_position),
-              foot_point.velocity - core(CoreIndex::wheel_velocity)};
-    case LawPlace::piston:
-      return {core(CoreIndex::piston_travel), core(CoreIndex::piston_velocity)};
-    case LawPlace::body_guide:
-      return {core(CoreIndex::body_position), core(CoreIndex::body_velocity)};
-    case LawPlace::wheel_guide:
-      return {core(CoreIndex::wheel_position), core(CoreIndex::wheel_velocity)};
-    case LawPlace::sensor:
-      break;
+template <int first, class Part>
+RIGTWIN_INLINE Stroke<S> RigModel<S, D, variant, capacity>::at_place(LawPlace place, const Part& part,
+                                                                     const Motion<S>& foot_point) const {
+  constexpr int end = first + Part::RowsAtCompileTime;
+  if constexpr (end > CoreIndex::inner_deflection) {
+    if (place == LawPlace::suspension && equations_.has_mount()) {
+      return {part(CoreIndex::inner_deflection - first), S(0)};
+    }
+  }
+  if constexpr (end > CoreIndex::piston_velocity) {
+    if (place == LawPlace::piston) {
+      return {part(CoreIndex::piston_travel - first), part(CoreIndex::piston_velocity - first)};
+    }
+  }
+  if constexpr (first == 0) {
+    const S z_w = part(CoreIndex::wheel_position), v_w = part(CoreIndex::wheel_velocity);
+    const S z_b = part(CoreIndex::body_position), v_b = part(CoreIndex::body_velocity);
+    if (place == LawPlace::suspension) return {z_w - z_b, v_w - v_b};
+    if (place == LawPlace::tyre) return {foot_point.position - z_w, foot_point.velocity - v_w};
+    if (place == LawPlace::wheel_guide) return {z_w, v_w};
+    if (place == LawPlace::body_guide) return {z_b, v_b};
   }
   return {};
 }
@@ -412,25 +415,24 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::apply_laws(const LawCol
     if (place == LawPlace::suspension) return has_component && (has_wheel || equations_.has_mount());
     return has_wheel;
   };
+  Column<S, N> core = x.core.template segment<N>(first);
   for (std::size_t p = 0; p < force_places; ++p) {
-    if (!moves(static_cast<LawPlace>(p))) continue;
-    x.core.template segment<N>(first) += columns.held.col(static_cast<int>(p)) * x.laws.force[p];
+    if (moves(static_cast<LawPlace>(p))) core += columns.held.col(static_cast<int>(p)) * x.laws.force[p];
   }
   for (std::size_t p = 0; p < force_places; ++p) {
     const auto place = static_cast<LawPlace>(p);
     if (!moves(place)) continue;
-    Column<S, core_states> growing = Column<S, core_states>::Zero(), held = growing;
-    growing.template segment<N>(first) = columns.ramp.col(static_cast<int>(p));
-    held.template segment<N>(first) = columns.held.col(static_cast<int>(p));
-    const auto response = [&](const Column<S, core_states>& unit) {
-      Stroke<S> motion = at_place(place, unit, Motion<S>{});
+    const auto growing = columns.ramp.col(static_cast<int>(p)), held = columns.held.col(static_cast<int>(p));
+    const auto response = [&](const auto& unit) {
+      Stroke<S> motion = at_place<first>(place, unit, Motion<S>{});
       if (place == LawPlace::suspension && equations_.has_mount()) motion.velocity = motion.position / period_;
       return motion;
     };
-    const Stroke<S> free = seen_by_law(place, x, at_place(place, x.core, foot_point));
+    const Stroke<S> free = seen_by_law(place, x, at_place<first>(place, core, foot_point));
     const auto change = laws_.change(place, x.laws, free, response(growing), response(held));
-    x.core += (growing + (held - growing) * change.weight) * change.delta;
+    core += (growing + (held - growing) * change.weight) * change.delta;
   }
+  x.core.template segment<N>(first) = core;
 }
 
 /// The laws at the end of a step, or (`start`) where a simulation begins.
@@ -441,7 +443,7 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::finish_laws(State& x, b
       const auto place = static_cast<LawPlace>(p);
       if (!law_acts(place)) continue;
       const bool prescribed = place == LawPlace::suspension && !joined() && !equations_.has_mount();
-      const Stroke<S> motion = prescribed ? x.reached : at_place(place, x.core, x.foot_point);
+      const Stroke<S> motion = prescribed ? x.reached : at_place<0>(place, x.core, x.foot_point);
       if (start) {
         Stroke<S> seen = seen_by_law(place, x, motion);
         if (place == LawPlace::suspension && equations_.has_mount()) seen.velocity = S(0);

@@ -86,6 +86,9 @@ std::string loop_text(const RigDescription& description) {
     if (effect.values.empty()) line("effects", std::string(effect.entry->name));
     for (std::size_t i = 0; i < effect.values.size(); ++i) line(effect_path(effect, i), shortest(effect.values[i]));
   }
+  for (const LawDescription& law : named_laws(copy.laws, copy.rig)) {
+    for (const auto& [key, value] : law_lines(law, copy.rig)) line("laws." + law.name + "." + key, value);
+  }
   line("delay_budget.sensor_age", shortest(copy.delay_budget.sensor_age));
   line("delay_budget.transport", shortest(copy.delay_budget.transport));
   line("delay_budget.computation", shortest(copy.delay_budget.computation));

@@ -63,7 +63,7 @@ class Curve {
   [[nodiscard]] RIGTWIN_INLINE S operator()(S x) const {
     const Piece& p = pieces_[interval(x)];
     const S t = x - p.from;
-    return p.value + t * (p.slope + t * (p.square + t * p.cube));
+    return (p.value + t * p.slope) + t * t * (p.square + t * p.cube);
   }
   /// df/dx
   [[nodiscard]] S slope(S x) const {

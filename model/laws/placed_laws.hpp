@@ -81,8 +81,8 @@ class PlacedLaws {
   };
 
   /// (2), (3) for a step from x.at[place] to `free`; `growing`, `held`: r and q.
-  [[nodiscard]] Change change(LawPlace place, const State& x, const Stroke<S>& free, const Stroke<S>& growing,
-                              const Stroke<S>& held) const {
+  [[nodiscard]] RIGTWIN_INLINE Change change(LawPlace place, const State& x, const Stroke<S>& free,
+                                             const Stroke<S>& growing, const Stroke<S>& held) const {
     const Stroke<S>& start = x.at[index(place)];
     const S moved = free.position - start.position, faster = free.velocity - start.velocity;
     S delta = S(0), stiffness = S(0), damping = S(0);  // Σ c over deflection and velocity
@@ -120,7 +120,7 @@ class PlacedLaws {
   }
 
   /// The end of a step: the motion that it reached.
-  void finish(LawPlace place, State& x, const Stroke<S>& end) const {
+  RIGTWIN_INLINE void finish(LawPlace place, State& x, const Stroke<S>& end) const {
     const S moved = end.position - x.at[index(place)].position;
     S force = S(0);
     for (std::size_t i = 0; i < curve_count_; ++i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "model/laws/surface.hpp"
 #include "model/machine.hpp"
 #include "model/rig_equations.hpp"
 #include "model/subsystems.hpp"
@@ -196,8 +197,83 @@ std::array<Polynomial, 2> LinearRig::component_response() const {
   return {by_displacement(component, 0), component.denominator()};
 }
 
+namespace {
+
+using model::LawPlace;
+using Laws = model::Laws<double>;
+
+/// Laws of the loop with a slope at rest, as the parameters that they are there. A sensor's curve is a gain.
+void add_law_slopes(const Laws& laws, model::RigParameters<double>& linear) {
+  const auto add = [&linear](LawPlace place, double stiffness, double damping) {
+    if (place == LawPlace::suspension) {
+      linear.suspension.stiffness += stiffness;
+      linear.suspension.damping += damping;
+    } else if (place == LawPlace::tyre) {
+      linear.tyre.stiffness += stiffness;
+      linear.tyre.damping += damping;
+    }
+  };
+  for (std::size_t i = 0; i < laws.curve_count; ++i) {
+    const auto& table = laws.curves[i];
+    const double slope = model::Curve<double>(table.at, table.value, table.count).slope(0.0);
+    const bool velocity = table.over == model::LawOver::velocity;
+    add(table.place, velocity ? 0.0 : slope, velocity ? slope : 0.0);
+    if (table.place != LawPlace::sensor || table.channel != model::Channel::F) continue;
+    auto& gain = linear.effects.get<model::SensorGain>(model::Channel::F);
+    gain.effect.gain = (gain.active ? gain.effect.gain : 1.0) * slope;
+    gain.active = true;
+  }
+  for (std::size_t i = 0; i < laws.surface_count; ++i) {
+    const model::Surface<double> surface(laws.surfaces[i]);
+    add(laws.surfaces[i].place, surface.over_deflection(0.0, 0.0), surface.over_velocity(0.0, 0.0));
+  }
+  const auto& gain = linear.effects.get<model::SensorGain>(model::Channel::F);
+  if (linear.suspension.stiffness < 0.0 || linear.suspension.damping < 0.0 || !(linear.tyre.stiffness > 0.0) ||
+      linear.tyre.damping < 0.0 || (gain.active && !(gain.effect.gain > 0.0))) {
+    throw UnfitLoop("[laws] make a stiffness, a damping or the gain of F negative at rest");
+  }
+  auto& relaxation = linear.effects.get<model::Relaxation>();
+  for (std::size_t i = 0; i < laws.branch_count; ++i) {
+    const auto& branch = laws.branches[i];
+    if (branch.slip_force > 0.0) {
+      add(branch.place, branch.stiffness, 0.0);  // at rest a slider sticks
+    } else if (branch.place == LawPlace::suspension && !relaxation.active) {
+      relaxation = {true, {branch.stiffness, branch.time_constant}};
+    }
+  }
+}
+
+/// What add_law_slopes() cannot say by a parameter: laws of the piston, and all Maxwell branches but the first of a
+/// suspension without the effect relaxation.
+std::vector<std::string> laws_left_out(const model::RigParameters<double>& rig) {
+  const Laws& laws = rig.laws;
+  std::vector<std::string> names;
+  bool has_relaxation = rig.effects.get<model::Relaxation>().active;
+  const auto name = [&names](std::string_view kind, std::size_t i, LawPlace place) {
+    names.push_back("laws: " + std::string(kind) + " " + std::to_string(i + 1) + " of the " +
+                    std::string(model::name(place)));
+  };
+  for (std::size_t i = 0; i < laws.curve_count; ++i) {
+    if (laws.curves[i].place == LawPlace::piston) name("curve", i, LawPlace::piston);
+  }
+  for (std::size_t i = 0; i < laws.surface_count; ++i) {
+    if (laws.surfaces[i].place == LawPlace::piston) name("surface", i, LawPlace::piston);
+  }
+  for (std::size_t i = 0; i < laws.branch_count; ++i) {
+    const auto& branch = laws.branches[i];
+    const bool maxwell = branch.time_constant > 0.0;
+    const bool taken = maxwell && branch.place == LawPlace::suspension && !has_relaxation;
+    if (taken) has_relaxation = true;
+    if (branch.place == LawPlace::piston || (maxwell && !taken)) name("branch", i, branch.place);
+  }
+  return names;
+}
+
+}  // namespace
+
 model::RigParameters<double> linear_part(const model::RigParameters<double>& rig) {
   model::RigParameters<double> linear = rig;
+  linear.laws = {};
   linear.fdva.minor_loss = 0.0;
   linear.effects.for_each([](auto& slot) {
     if (slot.effect.card.linearisation == Linearisation::left_out) slot.active = false;
@@ -207,6 +283,7 @@ model::RigParameters<double> linear_part(const model::RigParameters<double>& rig
       slot.active = false;
     }
   });
+  add_law_slopes(rig.laws, linear);
   return linear;
 }
 
@@ -234,6 +311,8 @@ LinearRig linearise(const model::RigParameters<double>& rig) {
       result.outside_loop.push_back(name);
     }
   });
+
+  for (std::string& law : laws_left_out(rig)) result.left_out.push_back(std::move(law));
 
   const model::RigParameters<double> linear = linear_part(rig);
   const Equations equations(linear);

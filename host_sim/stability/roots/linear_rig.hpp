@@ -73,7 +73,8 @@ struct LinearRig {
 [[nodiscard]] LinearRig linearise(const model::RigParameters<double>& rig);
 
 /// The rig without minor losses and without the effects whose card says that they have no linear part. Its step is
-/// linear.
+/// linear. Laws from tables are the parameters that they are at rest: the slope of a curve at 0, an elastic slider that
+/// sticks, a Maxwell branch as the effect relaxation, a sensor's curve as a gain.
 [[nodiscard]] model::RigParameters<double> linear_part(const model::RigParameters<double>& rig);
 
 }  // namespace host_sim::stability
