@@ -56,14 +56,14 @@ TEST(Laws, TheExamplesOfTheContractAreRead) {
 
 // Law. Written and read again it is the same rig, under the same names.
 TEST(Laws, AreWrittenAsTheyWereRead) {
-  const RigDescription first =
-      with(std::string(damper) +
-           "branches = [{ stiffness = 8e3, time_constant = 0.02 }]\n"
-           "[laws.ball]\nplace = \"tyre\"\nover = [\"deflection\", \"velocity\"]\nat = [-0.01, 0.0, 0.02]\n"
-           "at_2 = [-1.0, 1.0]\nvalue = [[-3.0, 1.0], [-1.0, 1.0], [-1.5, 7.0]]\n"
-           "[laws.bent]\nplace = \"sensor F_w\"\nat = [-1e4, 0.0, 1e4]\nvalue = [-9e3, 0.0, 1.1e4]\n"
-           "[laws.spring]\nplace = \"body_guide\"\nover = \"deflection\"\nat = [0.0, 0.1]\nvalue = [0.0, -5.0]\n"
-           "feeds_energy = true\n");
+  const std::string rest =
+      "branches = [{ stiffness = 8e3, time_constant = 0.02 }]\n"
+      "[laws.ball]\nplace = \"tyre\"\nover = [\"deflection\", \"velocity\"]\nat = [-0.01, 0.0, 0.02]\n"
+      "at_2 = [-1.0, 1.0]\nvalue = [[-3.0, 1.0], [-1.0, 1.0], [-1.5, 7.0]]\n"
+      "[laws.bent]\nplace = \"sensor F_w\"\nat = [-1e4, 0.0, 1e4]\nvalue = [-9e3, 0.0, 1.1e4]\n"
+      "[laws.spring]\nplace = \"body_guide\"\nover = \"deflection\"\nat = [0.0, 0.1]\nvalue = [0.0, -5.0]\n"
+      "feeds_energy = true\n";
+  const RigDescription first = with(damper + rest);
   const std::string text = format_rig(first);
   const RigDescription second = parse_rig(text, "again.toml");
   EXPECT_EQ(format_rig(second), text);
