@@ -127,6 +127,18 @@ struct ColourFit {
   double corner_error = 0.0;                               ///< relative standard error
 };
 
+/// Relative standard error of a corner from the curvature of the deviance, which rises by 1 at one of them; at most 1.
+double corner_error(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, bool has_tail) {
+  constexpr double difference = 0.02;
+  const auto deviance_at = [&](double logarithm) {
+    NoiseColour tried = colour;
+    tried.corner *= std::exp(logarithm);
+    return fit_level(levels, tried, period, has_tail).deviance;
+  };
+  const double curvature = (deviance_at(difference) + deviance_at(-difference) - 2.0 * deviance_at(0.0)) / 2.0;
+  return curvature > 0.0 ? std::min(difference / std::sqrt(curvature), 1.0) : 1.0;
+}
+
 /// The best corner of one kind of low-pass: a scan, then golden section.
 ColourFit fit_corner(const std::vector<BandLevel>& levels, NoiseColour colour, double period, bool has_tail) {
   const auto deviance_at = [&](double logarithm) {
@@ -151,11 +163,7 @@ ColourFit fit_corner(const std::vector<BandLevel>& levels, NoiseColour colour, d
   ColourFit fit{colour, {}, 0.0, 0.0};
   fit.colour.corner = std::exp(found.at);
   fit.level = fit_level(levels, fit.colour, period, has_tail);
-  // The curvature of the deviance: it rises by 1 at one standard error.
-  constexpr double difference = 0.02;
-  const double curvature =
-      (deviance_at(found.at + difference) + deviance_at(found.at - difference) - 2.0 * found.value) / 2.0;
-  fit.corner_error = curvature > 0.0 ? difference / std::sqrt(curvature) : 1.0;
+  fit.corner_error = corner_error(levels, fit.colour, period, has_tail);
   return fit;
 }
 
@@ -192,7 +200,11 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
   const double corner_price = expected ? thresholds::other_corner_price / thresholds::colour_price : 1.0;
   for (const bool has_tail : {false, true}) {
     const double tail = has_tail ? 1.0 : 0.0;
-    if (expected) consider({*expected, fit_level(levels, *expected, period, has_tail), 0.0, 0.0}, tail);
+    if (expected) {
+      // Whose own spectrum hardly shows the corner takes it from the others, and says little of it.
+      const double error = std::min(corner_error(levels, *expected, period, has_tail), thresholds::corner_known / 2.0);
+      consider({*expected, fit_level(levels, *expected, period, has_tail), 0.0, error}, tail);
+    }
     consider({{}, fit_level(levels, {}, period, has_tail), 0.0, 0.0}, tail);
     for (int order = 1; order <= thresholds::highest_filter_order; ++order) {
       using enum NoiseColour::Filter;

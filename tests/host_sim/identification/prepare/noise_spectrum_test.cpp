@@ -72,6 +72,18 @@ TEST(NoiseSpectrum, FindsLevelAndCornerUnderAMotion) {
   }
 }
 
+// Law. A corner that other channels have is believed where the channel's own spectrum says little against it; its
+// interval is that of this spectrum, and holds the truth.
+TEST(NoiseSpectrum, KnowsAnExpectedCornerNoBetterThanItsSpectrum) {
+  const std::vector<double> samples = low_passed(normal(1e-3, 20'000, 5), 150.0);
+  const auto fit =
+      identification::fit_noise_spectrum(samples, period, true, NoiseColour{152.0, 1, NoiseColour::Filter::digital});
+  ASSERT_TRUE(fit);
+  EXPECT_EQ(fit->noise.colour.corner, 152.0) << "seed 5";
+  EXPECT_GT(fit->noise.corner_half_width, 2.0) << "seed 5";
+  EXPECT_LT(fit->noise.corner_half_width, 0.15 * 152.0) << "seed 5";
+}
+
 // Law. Steps of a force at every reversal are a tail, no colour and no noise: the level of the white noise below them
 // is found, while sixth differences take the tail for noise.
 TEST(NoiseSpectrum, TellsTheTailOfStepsFromNoise) {

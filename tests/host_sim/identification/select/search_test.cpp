@@ -1,10 +1,17 @@
-// What is found where a channel is held. The recordings come from tests/truth, which shares no code with the model.
+// What is found where a channel is held, and where two causes are the same to every channel. The recordings come from
+// tests/truth, which shares no code with the model.
 #include "host_sim/identification/select/search.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
 #include "tests/truth/truth.hpp"
 
 namespace {
@@ -13,10 +20,10 @@ using namespace firmware;
 using namespace host_sim;
 using identification::Diagnosis;
 
-/// Ten seconds of a bench whose force is held for 5 ms, five samples exactly.
-Diagnosis held_in_step(std::uint64_t noise_seed) {
+/// Ten seconds of a bench with these effects.
+Diagnosis of_bench(std::vector<truth::Effect> effects, std::uint64_t noise_seed) {
   truth::Truth truth = truth::draw("none:component_bench", 3);
-  truth.effects = {{"sensor_hold", "F", {{"period", 5e-3}}}};
+  truth.effects = std::move(effects);
   truth.records.resize(1);
   truth.records[0].duration = 10.0;
   truth.records[0].warm = 0.0;
@@ -31,11 +38,37 @@ Diagnosis held_in_step(std::uint64_t noise_seed) {
 // would leave a delay.
 TEST(Search, FindsWhenAHoldInStepWithTheRecorderTakesItsValues) {
   for (const std::uint64_t noise_seed : {1U, 2U, 3U}) {
-    const Diagnosis found = held_in_step(noise_seed);
+    const Diagnosis found = of_bench({{"sensor_hold", "F", {{"period", 5e-3}}}}, noise_seed);  // five samples exactly
     ASSERT_EQ(found.effects.size(), 1U) << "noise seed " << noise_seed;
     EXPECT_EQ(found.effects[0].effect.entry->name, "sensor_hold") << "noise seed " << noise_seed;
     EXPECT_NEAR(found.effects[0].effect.values[0], 5e-3, 1e-6) << "noise seed " << noise_seed;
     EXPECT_FALSE(found.unexplained) << "noise seed " << noise_seed;
+  }
+}
+
+// Journey. A late clock of the command is the same to every channel as a delay of the drive, and a filter of all that
+// moves the same as its lag: the drive is named.
+TEST(Search, NamesTheDriveRatherThanTheRecorder) {
+  const std::vector<std::vector<truth::Effect>> rigs{
+      {{"actuator_lag", "", {{"time_constant", 3.4e-3}}},
+       {"actuator_resonance", "", {{"frequency", 35.0}, {"damping_ratio", 0.43}}},
+       {"sensor_offset", "F", {{"offset", -78.0}}},
+       {"viscous_damping", "", {{"damping", 360.0}}}},
+      {{"actuator_delay", "", {{"delay", 4.1e-3}}},
+       {"actuator_resonance", "", {{"frequency", 33.7}, {"damping_ratio", 0.49}}},
+       {"actuator_rate_limit", "", {{"velocity", 0.33}}},
+       {"progressive_spring", "", {{"cubic_stiffness", 2e8}}},
+       {"relaxation", "", {{"stiffness", 1.4e4}, {"time_constant", 0.05}}}}};
+  for (const std::vector<truth::Effect>& rig : rigs) {
+    const Diagnosis found = of_bench(rig, 1);
+    const std::string said = identification::sentence(found);
+    EXPECT_TRUE(found.recording_faults.empty()) << said;
+    ASSERT_EQ(found.effects.size(), rig.size()) << said;
+    for (const truth::Effect& hidden : rig) {
+      EXPECT_TRUE(std::any_of(found.effects.begin(), found.effects.end(),
+                              [&](const auto& effect) { return effect.effect.entry->name == hidden.name; }))
+          << hidden.name << ": " << said;
+    }
   }
 }
 
