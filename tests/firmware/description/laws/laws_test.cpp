@@ -37,9 +37,10 @@ constexpr const char* damper =
 
 // Point. Both laws of contract.md arrive in the model with place, points and branches.
 TEST(Laws, TheExamplesOfTheContractAreRead) {
-  const RigDescription rig = with(std::string(damper) +
-                                  "[laws.bushing]\nplace = \"suspension\"\nbranches = [{ stiffness = 8e3, "
-                                  "time_constant = 0.02 }, { stiffness = 20e3, slip_force = 60.0 }]\n");
+  const std::string bushing =
+      "[laws.bushing]\nplace = \"suspension\"\nbranches = [{ stiffness = 8e3, time_constant = 0.02 }, "
+      "{ stiffness = 20e3, slip_force = 60.0 }]\n";
+  const RigDescription rig = with(damper + bushing);
   const auto& laws = rig.rig.laws;
   ASSERT_EQ(laws.curve_count, 1);
   EXPECT_EQ(laws.curves[0].place, LawPlace::suspension);
