@@ -269,13 +269,17 @@ class RigModel {
     }
     return truth;
   }
-  [[nodiscard]] Signals<S> shown_by_laws(Signals<S> s) const {
-    if (!laws_.at(LawPlace::sensor)) return s;
+  void show_by_laws(Signals<S>& s) const {
     for (std::size_t c = 0; c < channel_count; ++c) {
       if (channel_at(c) != Channel::F) s[c] = shown_by_law(channel_at(c), s[c]);
     }
+  }
+  [[nodiscard]] Signals<S> shown_by_laws(Signals<S> s) const {
+    if (law_readings()) show_by_laws(s);
     return s;
   }
+  [[nodiscard]] bool law_forces() const { return LawsInSteps::possible && has_law_forces_; }
+  [[nodiscard]] bool law_readings() const { return LawsInSteps::possible && has_law_readings_; }
   [[nodiscard]] S law_force(const State& x, LawPlace place) const {
     if constexpr (LawsInSteps::possible) {
       return law_acts(place) ? x.laws.force[index(place)] : S(0);
@@ -329,8 +333,9 @@ class RigModel {
   bool has_delay_ = false;
   bool has_free_play_ = false;
   bool has_moving_mass_ = false;
+  bool has_law_forces_ = false;
+  bool has_law_readings_ = false;
   Friction contacts_;
-  [[no_unique_address]] LawsInSteps laws_{};
   [[no_unique_address]] UnlessCarAlone<Machine<S>> machine_{};
   [[no_unique_address]] IfSensors<Sensors<S>> sensors_{};
   typename DuctFlows<S>::Step duct_step_{};
@@ -339,6 +344,7 @@ class RigModel {
   [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<plain_core_states>, counts>> joined_{};
   [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<component_states>, counts>> elaborate_component_{};
   [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<core_states>, counts>> elaborate_joined_{};
+  [[no_unique_address]] LawsInSteps laws_{};
 };
 
 /// The computed car of a hil rig, for the controller: RigModel's own code without the other parts.

@@ -52,7 +52,11 @@ RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPa
   const auto& guides = equations_.guides();
   contacts_ = Friction({equations_.suspension().dry_friction, equations_.piston().dry_friction,
                         guides.wheel_dry_friction, guides.body_dry_friction});
-  if constexpr (LawsInSteps::possible) laws_ = LawsInSteps(rig.laws, period);
+  if constexpr (LawsInSteps::possible) {
+    laws_ = LawsInSteps(rig.laws, period);
+    has_law_forces_ = laws_.any();
+    has_law_readings_ = laws_.at(LawPlace::sensor);
+  }
   if (has_car()) car_ = car_step();
   if constexpr (car_alone) {
     needs_general_step_ = has_tyre_law_ || laws_.any();
@@ -178,7 +182,7 @@ auto RigModel<S, D, variant, capacity>::start(const Column<S, plain_core_states>
   x.reached = reached;
   if constexpr (car_alone) {
     if (has_tyre_law_) x.tyre_load.start(tyre_law(x));
-    if (laws_.any()) finish_laws(x, true);
+    if (law_forces()) finish_laws(x, true);
   } else {
     start_machine(x, reached);
   }
@@ -296,11 +300,11 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_joined(const Join
   }
   if (equations_.has_fdva()) m.losses.add_to(next, newest_four(x.ducts.losses()));
   next = next + m.state.times(entries<N>(x.core, CoreIndex::wheel_position));
-  if (General && (contacts_.any() || laws_.any())) {
+  if (General && (contacts_.any() || law_forces())) {
     const Column<S, core_states> before = x.core;
     next.store(x.core);
     if constexpr (LawsInSteps::possible) {
-      if (laws_.any()) apply_laws<0, N>(m.tables, x, in.foot_point);
+      if (law_forces()) apply_laws<0, N>(m.tables, x, in.foot_point);
     }
     if (contacts_.any()) apply_friction(m.friction, x, before);
   } else {
@@ -468,7 +472,7 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_car(State& x, con
   }
   x.foot_point = in.foot_point;
   if (General && has_tyre_law_) x.tyre_load.push(tyre_law(x));
-  if (General && laws_.any() && !has_machine()) finish_laws(x, false);
+  if (General && law_forces() && !has_machine()) finish_laws(x, false);
 }
 
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
@@ -519,11 +523,11 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_component(const C
       m.free_play[1].add_to(c, newest_three(x.free_play_rate));
     }
   }
-  if (General && (contacts_.any() || laws_.any())) {
+  if (General && (contacts_.any() || law_forces())) {
     const Column<S, core_states> before = x.core;
     c.store(x.core.template segment<N>(CoreIndex::piston_travel));
     if constexpr (LawsInSteps::possible) {
-      if (laws_.any()) apply_laws<CoreIndex::piston_travel, N>(m.tables, x, x.foot_point);
+      if (law_forces()) apply_laws<CoreIndex::piston_travel, N>(m.tables, x, x.foot_point);
     }
     if (contacts_.any()) apply_friction(m.friction, x, before);
   } else {
@@ -589,7 +593,7 @@ auto RigModel<S, D, variant, capacity>::component_input(const State& x) const ->
   S parallel = x.friction[Friction::suspension];
   S piston = x.friction[Friction::piston];
   if (has_suspension_law_) parallel += x.suspension_load.now;
-  if (laws_.any()) {
+  if (law_forces()) {
     parallel += law_force(x, LawPlace::suspension);
     piston += law_force(x, LawPlace::piston);
   }
@@ -615,13 +619,13 @@ void RigModel<S, D, variant, capacity>::refresh_laws(State& x) const {
     }
     if (has_suspension_law_) x.suspension_load.push(suspension_law(seen));
   }
-  if (laws_.any()) finish_laws(x, false);
+  if (law_forces()) finish_laws(x, false);
 }
 
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 void RigModel<S, D, variant, capacity>::start_laws(State& x) const {
   if (has_tyre_law_ && has_car()) x.tyre_load.start(tyre_law(x));
-  if (laws_.any()) finish_laws(x, true);
+  if (law_forces()) finish_laws(x, true);
   constexpr int samples = 4;  // now, before, earlier, earliest
   for (int i = 0; i < samples; ++i) {
     refresh_laws(x);
@@ -679,7 +683,8 @@ Signals<S> RigModel<S, D, variant, capacity>::signals(const State& x) const {
 
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 Signals<S> RigModel<S, D, variant, capacity>::measured(const State& x, const Signals<S>* noise) const {
-  Signals<S> s = shown_by_laws(channels(x, x.received_force, mass_beyond_sensor_));
+  Signals<S> s = channels(x, x.received_force, mass_beyond_sensor_);
+  if (law_readings()) show_by_laws(s);
   if (noise != nullptr) {
     for (std::size_t c = 0; c < channel_count; ++c) s[c] += (*noise)[c];
     if (!joined() && has_machine()) s[index(Channel::F)] = x.received_force;  // got its noise in the step
@@ -716,7 +721,7 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::fill_car(Signals<S>& s, c
                                                                 S mass_beyond) const {
   S law = has_tyre_law_ ? x.tyre_load.now : S(0);
   S wheel_guide = x.friction[Friction::wheel_guide], body_guide = x.friction[Friction::body_guide];
-  if (laws_.any()) {
+  if (law_forces()) {
     law += law_force(x, LawPlace::tyre);
     wheel_guide += law_force(x, LawPlace::wheel_guide);
     body_guide += law_force(x, LawPlace::body_guide);
