@@ -37,8 +37,8 @@ template <class Effect, class S>
 }
 
 /// The first effect whose delay does not fit into the delay lines of machine and sensors.
-template <class S>
-std::optional<RigFault> find_long_delay(const RigParameters<S>& rig, S period, std::size_t longest_delay) {
+template <class S, LawCapacity laws>
+std::optional<RigFault> find_long_delay(const RigParameters<S, laws>& rig, S period, std::size_t longest_delay) {
   constexpr std::string_view expected = "a delay within the capacity of the delay line at this sample rate";
   std::optional<RigFault> fault;
   rig.effects.for_each([&](const auto& slot) {
@@ -66,8 +66,84 @@ std::optional<RigFault> find_long_delay(const RigParameters<S>& rig, S period, s
   return fault;
 }
 
-template <class S>
-std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::size_t longest_delay) {
+/// Whether the first `count` of these numbers are finite and ascend.
+template <class Numbers>
+[[nodiscard]] bool ascends(const Numbers& at, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(at[i] - at[i] == 0) || (i > 0 && !(at[i] > at[i - 1]))) return false;
+  }
+  return true;
+}
+
+/// Whether this kind of rig has the place of a law.
+[[nodiscard]] constexpr bool has_place(RigKind kind, bool has_fdva, LawPlace place, Channel channel) {
+  switch (place) {
+    case LawPlace::suspension:
+      return true;
+    case LawPlace::tyre:
+      return kind != RigKind::component_bench;
+    case LawPlace::piston:
+      return has_fdva;
+    case LawPlace::body_guide:
+    case LawPlace::wheel_guide:
+      return kind == RigKind::quarter_car;
+    case LawPlace::sensor:
+      return has_sensor(kind, channel);
+  }
+  return false;
+}
+
+/// The first law that is none.
+template <class S, LawCapacity capacity>
+std::optional<RigFault> find_law_fault(const RigParameters<S, capacity>& rig) {
+  std::optional<RigFault> fault;
+  if constexpr (capacity.any()) {
+    const auto demand = [&fault](bool holds, std::string_view key, std::string_view expected) {
+      if (!holds && !fault) fault = RigFault{"laws", key, expected};
+    };
+    const auto finite = [](S value) { return value - value == S(0); };
+    const auto place = [&](LawPlace p, Channel channel = {}) {
+      demand(has_place(rig.kind, rig.has_fdva, p, channel), "place", "a place that this kind of rig has");
+    };
+    const auto& laws = rig.laws;
+    demand(laws.curve_count <= capacity.curves && laws.surface_count <= capacity.surfaces &&
+               laws.branch_count <= capacity.branches,
+           "", "at most as many laws as there is room for");
+    for (std::size_t i = 0; i < laws.curve_count && !fault; ++i) {
+      const CurveTable<S>& curve = laws.curves[i];
+      place(curve.place, curve.channel);
+      demand(curve.count >= 2 && curve.count <= curve_points && ascends(curve.at, curve.count), "at",
+             "2 to 33 ascending numbers");
+      for (std::size_t j = 0; j < curve.count && !fault; ++j) demand(finite(curve.value[j]), "value", "finite numbers");
+    }
+    for (std::size_t i = 0; i < laws.surface_count && !fault; ++i) {
+      const SurfaceTable<S>& surface = laws.surfaces[i];
+      place(surface.place);
+      demand(surface.place != LawPlace::sensor, "place", "a place where a force acts");
+      demand(surface.rows >= 2 && surface.rows <= surface_points && ascends(surface.deflection, surface.rows), "at",
+             "2 to 17 ascending numbers");
+      demand(surface.columns >= 2 && surface.columns <= surface_points && ascends(surface.velocity, surface.columns),
+             "at_2", "2 to 17 ascending numbers");
+      for (std::size_t j = 0; j < surface.rows && !fault; ++j) {
+        for (std::size_t k = 0; k < surface.columns; ++k)
+          demand(finite(surface.value[j][k]), "value", "finite numbers");
+      }
+    }
+    for (std::size_t i = 0; i < laws.branch_count && !fault; ++i) {
+      const BranchNumbers<S>& branch = laws.branches[i];
+      place(branch.place);
+      demand(branch.place != LawPlace::sensor, "place", "a place where a force acts");
+      demand(finite(branch.stiffness) && branch.stiffness > S(0), "stiffness", "a finite number > 0");
+      demand(finite(branch.time_constant) && finite(branch.slip_force) &&
+                 (branch.time_constant > S(0)) != (branch.slip_force > S(0)),
+             "time_constant", "either time_constant or slip_force > 0");
+    }
+  }
+  return fault;
+}
+
+template <class S, LawCapacity laws>
+std::optional<RigFault> find_fault(const RigParameters<S, laws>& rig, S period, std::size_t longest_delay) {
   std::optional<RigFault> fault;
   const auto demand = [&fault](bool holds, std::string_view table, std::string_view key, std::string_view expected) {
     if (!holds && !fault) fault = RigFault{table, key, expected};
@@ -131,6 +207,7 @@ std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::s
     }
   });
 
+  if (!fault) fault = find_law_fault(rig);
   if (!fault) fault = find_long_delay(rig, period, longest_delay);
   return fault;
 }

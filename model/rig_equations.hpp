@@ -60,7 +60,8 @@ class RigEquations {
     S free_play{}, free_play_rate{};                                     ///< δ [m], δ̇ [m/s]
   };
 
-  explicit RigEquations(const RigParameters<S>& rig)
+  template <LawCapacity capacity>
+  explicit RigEquations(const RigParameters<S, capacity>& rig)
       : car_{.body_mass = rig.body.mass,
              .wheel_mass = rig.wheel.mass,
              .tyre_stiffness = rig.tyre.stiffness,

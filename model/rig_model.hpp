@@ -12,6 +12,7 @@
 #include "model/delay_line.hpp"
 #include "model/duct_flows.hpp"
 #include "model/friction_contacts.hpp"
+#include "model/laws/placed_laws.hpp"
 #include "model/machine.hpp"
 #include "model/motion.hpp"
 #include "model/pair.hpp"
@@ -56,8 +57,9 @@ struct RigFault {
 };
 
 /// The first fault of `rig` with this period [s] and this delay capacity [samples]; nullopt: none.
-template <class S>
-[[nodiscard]] std::optional<RigFault> find_fault(const RigParameters<S>& rig, S period, std::size_t longest_delay);
+template <class S, LawCapacity laws>
+[[nodiscard]] std::optional<RigFault> find_fault(const RigParameters<S, laws>& rig, S period,
+                                                 std::size_t longest_delay);
 
 /// A rig of any kind with its effects, in fixed steps.
 ///
@@ -71,6 +73,7 @@ template <class S>
 ///   stiffer laws (exponential Adams–Bashforth). Global error ∝ h⁴ and h³, smaller by the ratio of the nonlinear to the
 ///   linear force; at a kink of a law ∝ h².
 /// * Dry friction: implicit, sharp (FrictionContacts).
+/// * Laws from tables: implicit, second order (PlacedLaws).
 ///
 /// Kinds of rig and their parts:
 ///   quarter_car, whole_rig      foot_point, actuator_force → z_r … dz_b, F_w
@@ -81,10 +84,13 @@ template <class S>
 ///
 /// Memory: all inside; DelayCapacity [samples] bounds the delay of the machine. After every 64 steps values that have
 /// decayed below 1e-100 become zero: a rig at rest never computes with denormal numbers.
-template <class S = double, std::size_t DelayCapacity = 512, ModelVariant variant = ModelVariant::every_part>
+template <class S = double, std::size_t DelayCapacity = 512, ModelVariant variant = ModelVariant::every_part,
+          LawCapacity capacity = law_capacity<S>>
 class RigModel {
  public:
   using Line = DelayLine<Stroke<S>, DelayCapacity, S>;
+  using Rig = RigParameters<S, capacity>;
+  using LawsInSteps = PlacedLaws<S, capacity>;
   static constexpr bool car_alone = variant == ModelVariant::virtual_car;
   template <class Part>
   using UnlessCarAlone = std::conditional_t<car_alone, Without<Part>, Part>;
@@ -114,6 +120,7 @@ class RigModel {
     DuctFlows<S> ducts{};
     Recent<S> tyre_load{}, suspension_load{};  ///< of laws, added to (3) and (5) [N]
     typename FrictionContacts<S>::Forces friction{};
+    [[no_unique_address]] typename LawsInSteps::State laws{};
     [[no_unique_address]] UnlessCarAlone<Line> line{};
     Stroke<S> delayed{};  ///< x_cmd behind the delay
     typename Machine<S>::State machine = Machine<S>::State::Zero();
@@ -123,7 +130,7 @@ class RigModel {
     std::uint32_t steps = 0;
   };
 
-  RigModel(const RigParameters<S>& rig, S period,
+  RigModel(const Rig& rig, S period,
            ModelledPart part = car_alone ? ModelledPart::virtual_car : ModelledPart::whole_rig);
 
   /// At rest in the static equilibrium above a foot point at `z_r`, or with the machine resting at `deflection` (the
@@ -166,7 +173,7 @@ class RigModel {
   /// Behind the delay of the test machine.
   [[nodiscard]] const UnlessCarAlone<Machine<S>>& machine() const { return machine_; }
   [[nodiscard]] const RigEquations<S>& equations() const { return equations_; }
-  [[nodiscard]] const RigParameters<S>& parameters() const { return rig_; }
+  [[nodiscard]] const Rig& parameters() const { return rig_; }
   [[nodiscard]] S period() const { return period_; }
   [[nodiscard]] ModelledPart part() const { return part_; }
 
@@ -175,11 +182,21 @@ class RigModel {
   using Friction = FrictionContacts<S>;
   static constexpr std::size_t counts = duct_capacity + 1;  ///< 0 … 6 ducts open
 
+  /// By place: force held at f₀, and its change Δ, straight through the step.
+  template <int N>
+  struct LawColumns {
+    Block<S, N, static_cast<int>(force_places)> held = Block<S, N, static_cast<int>(force_places)>::Zero();
+    Block<S, N, static_cast<int>(force_places)> ramp = held;
+  };
+  template <int N>
+  using IfLaws = std::conditional_t<LawsInSteps::possible, LawColumns<N>, Without<LawColumns<N>>>;
+
   struct CarStep {
     PackedColumns<S, car_states, car_states> state;
     PackedColumns<S, car_states, 4> foot_point;
     PackedColumns<S, car_states, 1> force;
     PackedColumns<S, car_states, 3> tyre;
+    [[no_unique_address]] IfLaws<car_states> tables{};
   };
   template <int N>  // plain_component_states or component_states
   struct ComponentStep {
@@ -189,6 +206,7 @@ class RigModel {
     PackedColumns<S, N, 3> laws;
     std::array<PackedColumns<S, N, 3>, 2> free_play;
     Block<S, N, Friction::contacts> friction;
+    [[no_unique_address]] IfLaws<N> tables{};
   };
   template <int N>  // plain_core_states or core_states
   struct JoinedStep {
@@ -199,6 +217,7 @@ class RigModel {
     PackedColumns<S, N, 3> suspension, tyre;
     std::array<PackedColumns<S, N, 3>, 2> free_play;
     Block<S, N, Friction::contacts> friction;
+    [[no_unique_address]] IfLaws<N> tables{};
   };
 
   [[nodiscard]] bool joined() const { return !car_alone && rig_.kind == RigKind::quarter_car; }
@@ -236,6 +255,34 @@ class RigModel {
   template <int N>
   void apply_friction(const Block<S, N, Friction::contacts>& columns, State& x,
                       const Column<S, core_states>& before) const;
+  template <int first, int N>
+  void apply_laws(const LawColumns<N>& columns, State& x, const Motion<S>& foot_point) const;
+  void finish_laws(State& x, bool start) const;
+  [[nodiscard]] bool law_acts(LawPlace place) const;
+  [[nodiscard]] Stroke<S> at_place(LawPlace place, const Column<S, core_states>& core,
+                                   const Motion<S>& foot_point) const;
+  [[nodiscard]] Stroke<S> seen_by_law(LawPlace place, const State& x, Stroke<S> motion) const;
+  /// What a sensor with a curve of its own shows; F gets it in the step, because it goes around the loop.
+  [[nodiscard]] S shown_by_law(Channel channel, S truth) const {
+    if constexpr (LawsInSteps::possible) {
+      if (laws_.at(LawPlace::sensor)) return laws_.reading(channel, truth);
+    }
+    return truth;
+  }
+  [[nodiscard]] Signals<S> shown_by_laws(Signals<S> s) const {
+    if (!laws_.at(LawPlace::sensor)) return s;
+    for (std::size_t c = 0; c < channel_count; ++c) {
+      if (channel_at(c) != Channel::F) s[c] = shown_by_law(channel_at(c), s[c]);
+    }
+    return s;
+  }
+  [[nodiscard]] S law_force(const State& x, LawPlace place) const {
+    if constexpr (LawsInSteps::possible) {
+      return law_acts(place) ? x.laws.force[index(place)] : S(0);
+    } else {
+      return S(0);
+    }
+  }
   void refresh_laws(State& x) const;
   void start_machine(State& x, const Stroke<S>& reached) const;
   void start_laws(State& x) const;
@@ -268,7 +315,7 @@ class RigModel {
   [[nodiscard]] S prescribed_force(const State& x) const;
   [[nodiscard]] S inertia_force(const State& x) const;
 
-  RigParameters<S> rig_;
+  Rig rig_;
   Equations equations_;
   S period_;
   ModelledPart part_;
@@ -283,6 +330,7 @@ class RigModel {
   bool has_free_play_ = false;
   bool has_moving_mass_ = false;
   Friction contacts_;
+  [[no_unique_address]] LawsInSteps laws_{};
   [[no_unique_address]] UnlessCarAlone<Machine<S>> machine_{};
   [[no_unique_address]] IfSensors<Sensors<S>> sensors_{};
   typename DuctFlows<S>::Step duct_step_{};

@@ -5,8 +5,15 @@
 
 namespace model {
 
-template <class S, std::size_t D, ModelVariant variant>
-RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, ModelledPart part)
+/// How a force that enters by column b moves the state in a step: held, and growing from 0 to 1.
+template <class Columns, class S, int N>
+void law_columns(Columns& columns, const ExactDiscretisation<S, N>& step, LawPlace place, const Column<S, N>& b) {
+  columns.held.col(static_cast<int>(place)) = step.held(b);
+  columns.ramp.col(static_cast<int>(place)) = step.monomial(b, 1);
+}
+
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPart part)
     : rig_(rig),
       equations_(rig),
       period_(period),
@@ -45,12 +52,14 @@ RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, Modelle
   const auto& guides = equations_.guides();
   contacts_ = Friction({equations_.suspension().dry_friction, equations_.piston().dry_friction,
                         guides.wheel_dry_friction, guides.body_dry_friction});
+  if constexpr (LawsInSteps::possible) laws_ = LawsInSteps(rig.laws, period);
   if (has_car()) car_ = car_step();
   if constexpr (car_alone) {
-    needs_general_step_ = has_tyre_law_;
+    needs_general_step_ = has_tyre_law_ || laws_.any();
   } else {
     needs_general_step_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
-                          any_sensor() || !equations_.plain() || has_moving_mass_;
+                          any_sensor() || !equations_.plain() || has_moving_mass_ || laws_.any() ||
+                          laws_.at(LawPlace::sensor);
     if (equations_.has_fdva()) {
       duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
     }
@@ -68,21 +77,23 @@ RigModel<S, D, variant>::RigModel(const RigParameters<S>& rig, S period, Modelle
   }
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-auto RigModel<S, D, variant>::car_step() const -> CarStep {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+auto RigModel<S, D, variant, capacity>::car_step() const -> CarStep {
   using CarInput = typename Equations::CarInput;
   const auto rates = [this](const Column<S, car_states>& x, const CarInput& in) { return equations_.car(x, in); };
   using Columns = StepColumns<S, car_states>;
   const ExactDiscretisation<S, car_states> step = Columns(CarInput{}, rates, period_).step();
-  return {step.transition(),
-          step.hermite(Columns::entry(CarInput{.z_r = S(1)}, rates), Columns::entry(CarInput{.v_r = S(1)}, rates)),
-          step.held(Columns::entry(CarInput{.suspension_force = S(1)}, rates)),
-          step.template continued<3>(Columns::entry(CarInput{.tyre_force = S(1)}, rates))};
+  const Column<S, car_states> tyre = Columns::entry(CarInput{.tyre_force = S(1)}, rates);
+  CarStep m{step.transition(),
+            step.hermite(Columns::entry(CarInput{.z_r = S(1)}, rates), Columns::entry(CarInput{.v_r = S(1)}, rates)),
+            step.held(Columns::entry(CarInput{.suspension_force = S(1)}, rates)), step.template continued<3>(tyre)};
+  if constexpr (LawsInSteps::possible) law_columns(m.tables, step, LawPlace::tyre, tyre);
+  return m;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <int N>
-auto RigModel<S, D, variant>::component_step(int open) const -> ComponentStep<N> {
+auto RigModel<S, D, variant, capacity>::component_step(int open) const -> ComponentStep<N> {
   using ComponentInput = typename Equations::ComponentInput;
   const auto rates = [this, open](const Column<S, N>& c, const ComponentInput& in) -> Column<S, N> {
     typename Equations::ComponentState all = Equations::ComponentState::Zero();
@@ -100,14 +111,19 @@ auto RigModel<S, D, variant>::component_step(int open) const -> ComponentStep<N>
                      {step.template continued<3>(Columns::entry(ComponentInput{.free_play = S(1)}, rates)),
                       step.template continued<3>(Columns::entry(ComponentInput{.free_play_rate = S(1)}, rates))},
                      Block<S, N, Friction::contacts>::Zero()};
+  const Column<S, N> piston = Columns::entry(ComponentInput{.piston_friction = S(1)}, rates);
   m.friction.col(Friction::suspension) = step.held(parallel);
-  m.friction.col(Friction::piston) = step.held(Columns::entry(ComponentInput{.piston_friction = S(1)}, rates));
+  m.friction.col(Friction::piston) = step.held(piston);
+  if constexpr (LawsInSteps::possible) {
+    law_columns(m.tables, step, LawPlace::suspension, parallel);
+    law_columns(m.tables, step, LawPlace::piston, piston);
+  }
   return m;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <int N>
-auto RigModel<S, D, variant>::joined_step(int open) const -> JoinedStep<N> {
+auto RigModel<S, D, variant, capacity>::joined_step(int open) const -> JoinedStep<N> {
   using JoinedInput = typename Equations::JoinedInput;
   const auto rates = [this, open](const Column<S, N>& x, const JoinedInput& in) -> Column<S, N> {
     typename Equations::JoinedState all = Equations::JoinedState::Zero();
@@ -127,15 +143,25 @@ auto RigModel<S, D, variant>::joined_step(int open) const -> JoinedStep<N> {
       {step.template continued<3>(Columns::entry(JoinedInput{.free_play = S(1)}, rates)),
        step.template continued<3>(Columns::entry(JoinedInput{.free_play_rate = S(1)}, rates))},
       {}};
+  const Column<S, N> piston = Columns::entry(JoinedInput{.piston_friction = S(1)}, rates);
+  const Column<S, N> body_guide = Columns::entry(JoinedInput{.body_guide_friction = S(1)}, rates);
+  const Column<S, N> wheel_guide = Columns::entry(JoinedInput{.wheel_guide_friction = S(1)}, rates);
   m.friction.col(Friction::suspension) = step.held(parallel);
-  m.friction.col(Friction::piston) = step.held(Columns::entry(JoinedInput{.piston_friction = S(1)}, rates));
-  m.friction.col(Friction::body_guide) = step.held(Columns::entry(JoinedInput{.body_guide_friction = S(1)}, rates));
-  m.friction.col(Friction::wheel_guide) = step.held(Columns::entry(JoinedInput{.wheel_guide_friction = S(1)}, rates));
+  m.friction.col(Friction::piston) = step.held(piston);
+  m.friction.col(Friction::body_guide) = step.held(body_guide);
+  m.friction.col(Friction::wheel_guide) = step.held(wheel_guide);
+  if constexpr (LawsInSteps::possible) {
+    law_columns(m.tables, step, LawPlace::suspension, parallel);
+    law_columns(m.tables, step, LawPlace::tyre, Columns::entry(JoinedInput{.tyre_force = S(1)}, rates));
+    law_columns(m.tables, step, LawPlace::piston, piston);
+    law_columns(m.tables, step, LawPlace::body_guide, body_guide);
+    law_columns(m.tables, step, LawPlace::wheel_guide, wheel_guide);
+  }
   return m;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-auto RigModel<S, D, variant>::start(S z_r, S deflection) const -> State {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+auto RigModel<S, D, variant, capacity>::start(S z_r, S deflection) const -> State {
   const S resting = joined() || has_car() ? S(0) : deflection;
   Column<S, plain_core_states> core = Column<S, plain_core_states>::Zero();
   core(CoreIndex::wheel_position) = core(CoreIndex::body_position) = z_r;
@@ -143,15 +169,16 @@ auto RigModel<S, D, variant>::start(S z_r, S deflection) const -> State {
   return start(core, Motion<S>{z_r, S(0), S(0)}, Stroke<S>{resting, S(0)});
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-auto RigModel<S, D, variant>::start(const Column<S, plain_core_states>& core, const Motion<S>& foot_point,
-                                    const Stroke<S>& reached) const -> State {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+auto RigModel<S, D, variant, capacity>::start(const Column<S, plain_core_states>& core, const Motion<S>& foot_point,
+                                              const Stroke<S>& reached) const -> State {
   State x;
   x.core.template head<plain_core_states>() = core;
   x.foot_point = foot_point;
   x.reached = reached;
   if constexpr (car_alone) {
     if (has_tyre_law_) x.tyre_load.start(tyre_law(x));
+    if (laws_.any()) finish_laws(x, true);
   } else {
     start_machine(x, reached);
   }
@@ -159,8 +186,8 @@ auto RigModel<S, D, variant>::start(const Column<S, plain_core_states>& core, co
 }
 
 /// Machine and component of a state that has car, foot point and stroke.
-template <class S, std::size_t D, ModelVariant variant>
-void RigModel<S, D, variant>::start_machine(State& x, const Stroke<S>& reached) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+void RigModel<S, D, variant, capacity>::start_machine(State& x, const Stroke<S>& reached) const {
   if constexpr (!car_alone) {
     x.line.start(reached, delay_);
     for (std::size_t i = 0; i <= Line::longest; ++i) {
@@ -184,33 +211,33 @@ void RigModel<S, D, variant>::start_machine(State& x, const Stroke<S>& reached) 
       x.core(CoreIndex::relaxed_deflection) = x.core(CoreIndex::inner_deflection) = -at_zero / per_metre;
     }
     start_laws(x);
-    x.received_force = has_machine() ? component_force<true>(x) : S(0);
+    x.received_force = has_machine() ? shown_by_law(Channel::F, component_force<true>(x)) : S(0);
     if constexpr (has_sensors) {
       if (!sensors_.any()) return;
-      sensors_.start(x.sensors, channels(x, x.received_force, mass_beyond_sensor_), nullptr);
+      sensors_.start(x.sensors, shown_by_laws(channels(x, x.received_force, mass_beyond_sensor_)), nullptr);
       if (has_machine()) x.received_force = sensors_.reading(x.sensors, Channel::F, x.received_force);
     }
   }
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-void RigModel<S, D, variant>::step(State& x, const Input& in) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+void RigModel<S, D, variant, capacity>::step(State& x, const Input& in) const {
   if (needs_general_step_) return general_step(x, in);
   advance<false>(x, in);
   if ((++x.steps & 63U) == 0U) flush(x);
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-RIGTWIN_NOINLINE void RigModel<S, D, variant>::general_step(State& x, const Input& in) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::general_step(State& x, const Input& in) const {
   advance<true>(x, in);
   if ((++x.steps & 63U) == 0U) flush(x);
 }
 
 /// General = false: the rig has a linear component with quadratic duct losses and a machine with no more than a delay.
 /// Its step has no branches.
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General>
-RIGTWIN_INLINE void RigModel<S, D, variant>::advance(State& x, const Input& in) const {
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance(State& x, const Input& in) const {
   if constexpr (car_alone) {
     advance_car<General>(x, in);
   } else {
@@ -218,9 +245,9 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance(State& x, const Input& in) 
   }
 }
 
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General>
-RIGTWIN_INLINE void RigModel<S, D, variant>::advance_rig(State& x, const Input& in) const {
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_rig(State& x, const Input& in) const {
   if (joined()) {
     if (General && !equations_.plain()) {
       advance_joined<General>(elaborate_joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
@@ -236,7 +263,7 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_rig(State& x, const Input& 
     if (has_machine()) {
       advance_machine<General>(x, command);
       x.received_force = component_force<General>(x);
-      if (General) x.received_force += inertia_force(x);
+      if (General) x.received_force = shown_by_law(Channel::F, x.received_force + inertia_force(x));
       if (in.noise != nullptr && !(General && any_sensor())) x.received_force += (*in.noise)[index(Channel::F)];
     }
   }
@@ -244,20 +271,21 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_rig(State& x, const Input& 
 }
 
 /// The readings of this instant; the reading of F goes around the loop.
-template <class S, std::size_t D, ModelVariant variant>
-RIGTWIN_NOINLINE void RigModel<S, D, variant>::sense(State& x, const Signals<S>* noise) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::sense(State& x, const Signals<S>* noise) const {
   if constexpr (has_sensors) {
     const S force = x.received_force;
-    sensors_.step(x.sensors, channels(x, force, mass_beyond_sensor_), noise);
+    sensors_.step(x.sensors, shown_by_laws(channels(x, force, mass_beyond_sensor_)), noise);
     if (!has_machine()) return;
     x.received_force =
         sensors_.reading(x.sensors, Channel::F, noise != nullptr ? force + (*noise)[index(Channel::F)] : force);
   }
 }
 
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General, int N>
-RIGTWIN_INLINE void RigModel<S, D, variant>::advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const {
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_joined(const JoinedStep<N>& m, State& x,
+                                                                      const Input& in) const {
   Packed<S, N> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
   m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
   if (General && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load));
@@ -268,10 +296,13 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_joined(const JoinedStep<N>&
   }
   if (equations_.has_fdva()) m.losses.add_to(next, newest_four(x.ducts.losses()));
   next = next + m.state.times(entries<N>(x.core, CoreIndex::wheel_position));
-  if (General && contacts_.any()) {
+  if (General && (contacts_.any() || laws_.any())) {
     const Column<S, core_states> before = x.core;
     next.store(x.core);
-    apply_friction(m.friction, x, before);
+    if constexpr (LawsInSteps::possible) {
+      if (laws_.any()) apply_laws<0, N>(m.tables, x, in.foot_point);
+    }
+    if (contacts_.any()) apply_friction(m.friction, x, before);
   } else {
     next.store(x.core);
   }
@@ -283,10 +314,11 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_joined(const JoinedStep<N>&
 
 /// Adds dry friction to the step that led from `before` to x without it. With a top mount the friction acts behind the
 /// mount, on e, which has no mass: the distance that e moves in the step takes the place of a velocity.
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <int N>
-RIGTWIN_NOINLINE void RigModel<S, D, variant>::apply_friction(const Block<S, N, Friction::contacts>& columns, State& x,
-                                                              const Column<S, core_states>& before) const {
+RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::apply_friction(const Block<S, N, Friction::contacts>& columns,
+                                                                        State& x,
+                                                                        const Column<S, core_states>& before) const {
   using Layout = StateLayout<N>;
   constexpr int first = Layout::has_car ? 0 : int{CoreIndex::piston_travel};  // of these N in the core
   constexpr int piston_velocity = Layout::component + ComponentIndex::piston_velocity;
@@ -316,21 +348,130 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant>::apply_friction(const Block<S, N, 
   x.core.template segment<N>(first) = all;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
+/// Position and velocity at a place where a law acts, linear in core and foot point. Behind a top mount e has no mass,
+/// hence no velocity of its own.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+Stroke<S> RigModel<S, D, variant, capacity>::at_place(LawPlace place, const Column<S, core_states>& core,
+                                                      const Motion<S>& foot_point) const {
+  switch (place) {
+    case LawPlace::suspension:
+      if (equations_.has_mount()) return {core(CoreIndex::inner_deflection), S(0)};
+      return {core(CoreIndex::wheel_position) - core(CoreIndex::body_position),
+              core(CoreIndex::wheel_velocity) - core(CoreIndex::body_velocity)};
+    case LawPlace::tyre:
+      return {foot_point.position - core(CoreIndex::wheel_position),
+              foot_point.velocity - core(CoreIndex::wheel_velocity)};
+    case LawPlace::piston:
+      return {core(CoreIndex::piston_travel), core(CoreIndex::piston_velocity)};
+    case LawPlace::body_guide:
+      return {core(CoreIndex::body_position), core(CoreIndex::body_velocity)};
+    case LawPlace::wheel_guide:
+      return {core(CoreIndex::wheel_position), core(CoreIndex::wheel_velocity)};
+    case LawPlace::sensor:
+      break;
+  }
+  return {};
+}
+
+/// The motion that a law sees: behind the free play, and behind a top mount with the mean velocity of the step in place
+/// of a velocity.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+Stroke<S> RigModel<S, D, variant, capacity>::seen_by_law(LawPlace place, const State& x, Stroke<S> motion) const {
+  if constexpr (LawsInSteps::possible) {
+    if (place != LawPlace::suspension) return motion;
+    if (has_free_play_) {
+      const Stroke<S> taken = offset(motion);
+      motion = {motion.position + taken.position, motion.velocity + taken.velocity};
+    }
+    if (equations_.has_mount()) {
+      motion.velocity = (motion.position - x.laws.at[index(LawPlace::suspension)].position) / period_;
+    }
+  }
+  return motion;
+}
+
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+bool RigModel<S, D, variant, capacity>::law_acts(LawPlace place) const {
+  if (!laws_.at(place)) return false;
+  if (place == LawPlace::tyre) return joined() || has_car();
+  if (place == LawPlace::suspension || place == LawPlace::piston) return joined() || has_machine();
+  return joined();
+}
+
+/// Adds the laws to the step that led to x without them, one place after the other. The state's part of N entries
+/// begins at `first`. A motion that is prescribed is left to finish_laws().
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+template <int first, int N>
+RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::apply_laws(const LawColumns<N>& columns, State& x,
+                                                                    const Motion<S>& foot_point) const {
+  constexpr bool has_wheel = first == CoreIndex::wheel_position;
+  constexpr bool has_component = first + N > CoreIndex::piston_travel;
+  const auto moves = [this](LawPlace place) {
+    if (!law_acts(place)) return false;
+    if (place == LawPlace::piston) return has_component;
+    if (place == LawPlace::suspension) return has_component && (has_wheel || equations_.has_mount());
+    return has_wheel;
+  };
+  for (std::size_t p = 0; p < force_places; ++p) {
+    if (!moves(static_cast<LawPlace>(p))) continue;
+    x.core.template segment<N>(first) += columns.held.col(static_cast<int>(p)) * x.laws.force[p];
+  }
+  for (std::size_t p = 0; p < force_places; ++p) {
+    const auto place = static_cast<LawPlace>(p);
+    if (!moves(place)) continue;
+    Column<S, core_states> growing = Column<S, core_states>::Zero(), held = growing;
+    growing.template segment<N>(first) = columns.ramp.col(static_cast<int>(p));
+    held.template segment<N>(first) = columns.held.col(static_cast<int>(p));
+    const auto response = [&](const Column<S, core_states>& unit) {
+      Stroke<S> motion = at_place(place, unit, Motion<S>{});
+      if (place == LawPlace::suspension && equations_.has_mount()) motion.velocity = motion.position / period_;
+      return motion;
+    };
+    const Stroke<S> free = seen_by_law(place, x, at_place(place, x.core, foot_point));
+    const auto change = laws_.change(place, x.laws, free, response(growing), response(held));
+    x.core += (growing + (held - growing) * change.weight) * change.delta;
+  }
+}
+
+/// The laws at the end of a step, or (`start`) where a simulation begins.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::finish_laws(State& x, bool start) const {
+  if constexpr (LawsInSteps::possible) {
+    for (std::size_t p = 0; p < force_places; ++p) {
+      const auto place = static_cast<LawPlace>(p);
+      if (!law_acts(place)) continue;
+      const bool prescribed = place == LawPlace::suspension && !joined() && !equations_.has_mount();
+      const Stroke<S> motion = prescribed ? x.reached : at_place(place, x.core, x.foot_point);
+      if (start) {
+        Stroke<S> seen = seen_by_law(place, x, motion);
+        if (place == LawPlace::suspension && equations_.has_mount()) seen.velocity = S(0);
+        laws_.start(place, x.laws, seen);
+      } else {
+        laws_.finish(place, x.laws, seen_by_law(place, x, motion));
+      }
+    }
+  }
+}
+
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General>
-RIGTWIN_INLINE void RigModel<S, D, variant>::advance_car(State& x, const Input& in) const {
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_car(State& x, const Input& in) const {
   Packed<S, 4> next = car_.foot_point.times(driven_by(x.foot_point, in.foot_point));
   if (General && has_tyre_law_) car_.tyre.add_to(next, newest_three(x.tyre_load));
   car_.force.add_to(next, {x.received_force});
   next = next + car_.state.times(entries<car_states>(x.core, CoreIndex::wheel_position));
   next.store(x.core.template head<car_states>());
+  if constexpr (General && LawsInSteps::possible) {
+    if (laws_.at(LawPlace::tyre)) apply_laws<0, car_states>(car_.tables, x, in.foot_point);
+  }
   x.foot_point = in.foot_point;
   if (General && has_tyre_law_) x.tyre_load.push(tyre_law(x));
+  if (General && laws_.any() && !has_machine()) finish_laws(x, false);
 }
 
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General>
-RIGTWIN_INLINE void RigModel<S, D, variant>::advance_machine(State& x, const Stroke<S>& command) const {
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_machine(State& x, const Stroke<S>& command) const {
   if (!has_car()) x.command = command;
   Stroke<S> reached = command;
   if (has_delay_) {
@@ -354,10 +495,10 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_machine(State& x, const Str
   if constexpr (General) refresh_laws(x);
 }
 
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General, int N>
-RIGTWIN_INLINE void RigModel<S, D, variant>::advance_component(const ComponentStep<N>& m, State& x,
-                                                               const Stroke<S>& reached) const {
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_component(const ComponentStep<N>& m, State& x,
+                                                                         const Stroke<S>& reached) const {
   Packed<S, N> c = m.state.times(entries<N>(x.core, CoreIndex::piston_travel));
   if (equations_.has_fdva()) m.losses.add_to(c, newest_four(x.ducts.losses()));
   if (General && has_free_play_ && !equations_.has_mount()) {
@@ -376,25 +517,28 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::advance_component(const ComponentSt
       m.free_play[1].add_to(c, newest_three(x.free_play_rate));
     }
   }
-  if (General && contacts_.any()) {
+  if (General && (contacts_.any() || laws_.any())) {
     const Column<S, core_states> before = x.core;
     c.store(x.core.template segment<N>(CoreIndex::piston_travel));
-    apply_friction(m.friction, x, before);
+    if constexpr (LawsInSteps::possible) {
+      if (laws_.any()) apply_laws<CoreIndex::piston_travel, N>(m.tables, x, x.foot_point);
+    }
+    if (contacts_.any()) apply_friction(m.friction, x, before);
   } else {
     c.store(x.core.template segment<N>(CoreIndex::piston_travel));
   }
   if (equations_.has_fdva()) x.ducts.advance(x.core(CoreIndex::piston_velocity), duct_step_);
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-void RigModel<S, D, variant>::open_ducts(State& x, OpenDucts open) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+void RigModel<S, D, variant, capacity>::open_ducts(State& x, OpenDucts open) const {
   require(equations_.has_fdva() && (open >> equations_.fdva().ducts) == 0, "only installed ducts can be opened");
   if (open != x.ducts.open())
     x.core(CoreIndex::piston_velocity) = x.ducts.switch_to(open, x.core(CoreIndex::piston_velocity), duct_step_);
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-S RigModel<S, D, variant>::tyre_law(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+S RigModel<S, D, variant, capacity>::tyre_law(const State& x) const {
   const S deflection = x.foot_point.position - x.core(CoreIndex::wheel_position);
   const S linear =
       equations_.tyre_force(x.core.template head<car_states>(), x.foot_point.position, x.foot_point.velocity);
@@ -407,8 +551,8 @@ S RigModel<S, D, variant>::tyre_law(const State& x) const {
   return force - linear;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-S RigModel<S, D, variant>::suspension_law(const Stroke<S>& seen) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+S RigModel<S, D, variant, capacity>::suspension_law(const Stroke<S>& seen) const {
   S force = S(0);
   rig_.effects.for_each([&](const auto& slot) {
     if constexpr (requires { slot.effect.suspension_force(seen.position, seen.velocity); }) {
@@ -419,8 +563,8 @@ S RigModel<S, D, variant>::suspension_law(const Stroke<S>& seen) const {
 }
 
 /// The part of an inner stroke that free play takes: all of it inside, half the gap outside.
-template <class S, std::size_t D, ModelVariant variant>
-Stroke<S> RigModel<S, D, variant>::offset(const Stroke<S>& inner) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+Stroke<S> RigModel<S, D, variant, capacity>::offset(const Stroke<S>& inner) const {
   const S half = S(0.5) * equations_.suspension().free_play;
   const auto above = inner.position > half, below = inner.position < -half;
   return {select(above, S(-half), select(below, half, S(-inner.position))),
@@ -428,8 +572,8 @@ Stroke<S> RigModel<S, D, variant>::offset(const Stroke<S>& inner) const {
 }
 
 /// e and ė: behind the top mount, before the free play.
-template <class S, std::size_t D, ModelVariant variant>
-Stroke<S> RigModel<S, D, variant>::inner_stroke(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+Stroke<S> RigModel<S, D, variant, capacity>::inner_stroke(const State& x) const {
   if (!equations_.has_mount()) return outer_stroke(x);
   const auto rate =
       equations_.component(x.core.template tail<component_states>(), component_input(x), x.ducts.open_count());
@@ -437,37 +581,45 @@ Stroke<S> RigModel<S, D, variant>::inner_stroke(const State& x) const {
 }
 
 /// The loads of this instant on the component.
-template <class S, std::size_t D, ModelVariant variant>
-auto RigModel<S, D, variant>::component_input(const State& x) const -> typename Equations::ComponentInput {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+auto RigModel<S, D, variant, capacity>::component_input(const State& x) const -> typename Equations::ComponentInput {
   const Stroke<S> outside = outer_stroke(x);
   S parallel = x.friction[Friction::suspension];
+  S piston = x.friction[Friction::piston];
   if (has_suspension_law_) parallel += x.suspension_load.now;
+  if (laws_.any()) {
+    parallel += law_force(x, LawPlace::suspension);
+    piston += law_force(x, LawPlace::piston);
+  }
   return {.deflection = outside.position,
           .velocity = outside.velocity,
           .minor_losses = x.ducts.losses().now,
-          .piston_friction = x.friction[Friction::piston],
+          .piston_friction = piston,
           .parallel_force = parallel,
           .free_play = x.free_play.now,
           .free_play_rate = x.free_play_rate.now};
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-void RigModel<S, D, variant>::refresh_laws(State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+void RigModel<S, D, variant, capacity>::refresh_laws(State& x) const {
   if (has_tyre_law_ && joined()) x.tyre_load.push(tyre_law(x));
-  if (!has_suspension_law_ && !has_free_play_) return;
-  Stroke<S> seen = inner_stroke(x);
-  if (has_free_play_) {
-    const Stroke<S> taken = offset(seen);
-    x.free_play.push(taken.position);
-    x.free_play_rate.push(taken.velocity);
-    seen = {seen.position + taken.position, seen.velocity + taken.velocity};
+  if (has_suspension_law_ || has_free_play_) {
+    Stroke<S> seen = inner_stroke(x);
+    if (has_free_play_) {
+      const Stroke<S> taken = offset(seen);
+      x.free_play.push(taken.position);
+      x.free_play_rate.push(taken.velocity);
+      seen = {seen.position + taken.position, seen.velocity + taken.velocity};
+    }
+    if (has_suspension_law_) x.suspension_load.push(suspension_law(seen));
   }
-  if (has_suspension_law_) x.suspension_load.push(suspension_law(seen));
+  if (laws_.any()) finish_laws(x, false);
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-void RigModel<S, D, variant>::start_laws(State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+void RigModel<S, D, variant, capacity>::start_laws(State& x) const {
   if (has_tyre_law_ && has_car()) x.tyre_load.start(tyre_law(x));
+  if (laws_.any()) finish_laws(x, true);
   constexpr int samples = 4;  // now, before, earlier, earliest
   for (int i = 0; i < samples; ++i) {
     refresh_laws(x);
@@ -479,15 +631,15 @@ void RigModel<S, D, variant>::start_laws(State& x) const {
 }
 
 /// F of a test machine's component. Where the deflection is prescribed dry friction follows the sign of its velocity.
-template <class S, std::size_t D, ModelVariant variant>
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General>
-RIGTWIN_INLINE S RigModel<S, D, variant>::component_force(const State& x) const {
+RIGTWIN_INLINE S RigModel<S, D, variant, capacity>::component_force(const State& x) const {
   if (!General) return equations_.plain_force(x.core(CoreIndex::piston_travel), x.reached.position, x.reached.velocity);
   return prescribed_force(x);
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-RIGTWIN_NOINLINE S RigModel<S, D, variant>::prescribed_force(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_NOINLINE S RigModel<S, D, variant, capacity>::prescribed_force(const State& x) const {
   S force = equations_.component_force(x.core.template tail<component_states>(), component_input(x));
   if (equations_.has_mount()) return force;
   const S friction = contacts_.limits()[Friction::suspension];
@@ -499,8 +651,8 @@ RIGTWIN_NOINLINE S RigModel<S, D, variant>::prescribed_force(const State& x) con
 }
 
 /// Of the mass between load cell and component.
-template <class S, std::size_t D, ModelVariant variant>
-RIGTWIN_INLINE S RigModel<S, D, variant>::inertia_force(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_INLINE S RigModel<S, D, variant, capacity>::inertia_force(const State& x) const {
   if constexpr (car_alone) {
     return S(0);
   } else {
@@ -508,8 +660,8 @@ RIGTWIN_INLINE S RigModel<S, D, variant>::inertia_force(const State& x) const {
   }
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-RIGTWIN_INLINE S RigModel<S, D, variant>::suspension_force(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_INLINE S RigModel<S, D, variant, capacity>::suspension_force(const State& x) const {
   if (!joined()) return has_machine() ? component_force<true>(x) : x.received_force;
   if (!needs_general_step_) {
     const Stroke<S> d = deflection(x);
@@ -518,14 +670,14 @@ RIGTWIN_INLINE S RigModel<S, D, variant>::suspension_force(const State& x) const
   return equations_.component_force(x.core.template tail<component_states>(), component_input(x)) + x.actuator_force;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-Signals<S> RigModel<S, D, variant>::signals(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+Signals<S> RigModel<S, D, variant, capacity>::signals(const State& x) const {
   return channels(x, has_machine() ? component_force<true>(x) : x.received_force, S(0));
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-Signals<S> RigModel<S, D, variant>::measured(const State& x, const Signals<S>* noise) const {
-  Signals<S> s = channels(x, x.received_force, mass_beyond_sensor_);
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+Signals<S> RigModel<S, D, variant, capacity>::measured(const State& x, const Signals<S>* noise) const {
+  Signals<S> s = shown_by_laws(channels(x, x.received_force, mass_beyond_sensor_));
   if (noise != nullptr) {
     for (std::size_t c = 0; c < channel_count; ++c) s[c] += (*noise)[c];
     if (!joined() && has_machine()) s[index(Channel::F)] = x.received_force;  // got its noise in the step
@@ -537,8 +689,8 @@ Signals<S> RigModel<S, D, variant>::measured(const State& x, const Signals<S>* n
 }
 
 /// `force`: F of a rig with a test machine; `mass_beyond`: between the sensor of F_w and the wheel spring.
-template <class S, std::size_t D, ModelVariant variant>
-RIGTWIN_INLINE Signals<S> RigModel<S, D, variant>::channels(const State& x, S force, S mass_beyond) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_INLINE Signals<S> RigModel<S, D, variant, capacity>::channels(const State& x, S force, S mass_beyond) const {
   Signals<S> s;
   if (joined()) {
     fill_car(s, x, suspension_force(x), mass_beyond);
@@ -557,14 +709,19 @@ RIGTWIN_INLINE Signals<S> RigModel<S, D, variant>::channels(const State& x, S fo
   return s;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-RIGTWIN_INLINE void RigModel<S, D, variant>::fill_car(Signals<S>& s, const State& x, S suspension_force,
-                                                      S mass_beyond) const {
-  const S law = has_tyre_law_ ? x.tyre_load.now : S(0);
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::fill_car(Signals<S>& s, const State& x, S suspension_force,
+                                                                S mass_beyond) const {
+  S law = has_tyre_law_ ? x.tyre_load.now : S(0);
+  S wheel_guide = x.friction[Friction::wheel_guide], body_guide = x.friction[Friction::body_guide];
+  if (laws_.any()) {
+    law += law_force(x, LawPlace::tyre);
+    wheel_guide += law_force(x, LawPlace::wheel_guide);
+    body_guide += law_force(x, LawPlace::body_guide);
+  }
   const Column<S, car_states> car = x.core.template head<car_states>();
   const S z_r = x.foot_point.position, v_r = x.foot_point.velocity;
-  const Column<S, car_states> rate = equations_.car(
-      car, {z_r, v_r, suspension_force, law, x.friction[Friction::wheel_guide], x.friction[Friction::body_guide]});
+  const Column<S, car_states> rate = equations_.car(car, {z_r, v_r, suspension_force, law, wheel_guide, body_guide});
   s[index(Channel::z_r)] = z_r;
   s[index(Channel::z_w)] = car(CoreIndex::wheel_position);
   s[index(Channel::z_b)] = car(CoreIndex::body_position);
@@ -577,8 +734,8 @@ RIGTWIN_INLINE void RigModel<S, D, variant>::fill_car(Signals<S>& s, const State
   s[index(Channel::F_act)] = x.actuator_force;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-S RigModel<S, D, variant>::energy(const State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+S RigModel<S, D, variant, capacity>::energy(const State& x) const {
   S e = S(0);
   Stroke<S> d = x.reached;
   if (joined() || has_car()) {
@@ -597,13 +754,14 @@ S RigModel<S, D, variant>::energy(const State& x) const {
   return e;
 }
 
-template <class S, std::size_t D, ModelVariant variant>
-RIGTWIN_NOINLINE void RigModel<S, D, variant>::flush(State& x) const {
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::flush(State& x) const {
   const S least = S(1e-100);
   const auto flush_one = [least](S& value) { value = select(value < least && value > -least, S(0), value); };
   for (int i = 0; i < core_states; ++i) flush_one(x.core(i));
   for (int i = 0; i < Machine<S>::states; ++i) flush_one(x.machine(i));
   flush_one(x.received_force);
+  if constexpr (LawsInSteps::possible) laws_.flush(x.laws, least);
   for (Stroke<S>* stroke : {&x.command, &x.reached, &x.delayed}) {
     flush_one(stroke->position);
     flush_one(stroke->velocity);

@@ -6,11 +6,12 @@
 #include "model/channel.hpp"
 #include "model/effects/catalogue.hpp"
 #include "model/fdva.hpp"
+#include "model/laws/law_tables.hpp"
 
 namespace model {
 
-/// The physical part of a rig description: parameters and effects.
-template <class S>
+/// The physical part of a rig description: parameters, effects and laws.
+template <class S, LawCapacity capacity = law_capacity<S>>
 struct RigParameters {
   RigKind kind = RigKind::quarter_car;
   struct {
@@ -33,9 +34,10 @@ struct RigParameters {
   bool has_fdva = false;
   typename Fdva<S>::Parameters fdva{};
   Effects<S> effects;
+  [[no_unique_address]] Laws<S, capacity> laws{};
 };
 
-/// visit(number) for every number of a rig but those of sensor effects, of effects that are not active, too.
+/// visit(number) for every number of a rig but those of sensor effects and laws, of effects that are not active, too.
 template <class Rig, class Visit>
 constexpr void for_each_number(Rig& rig, const Visit& visit) {
   visit(rig.body.mass);

@@ -14,8 +14,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/loop/reference_player.hpp"
 
 namespace firmware::controller {

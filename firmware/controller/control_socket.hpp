@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/controller/recording_thread.hpp"
+#include "firmware/controller/recording/recording_thread.hpp"
 #include "firmware/loop/control_loop.hpp"
 
 namespace firmware::controller {

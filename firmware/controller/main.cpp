@@ -4,8 +4,8 @@
 
 #include "firmware/controller/control_socket.hpp"
 #include "firmware/controller/run.hpp"
-#include "firmware/description/input_error.hpp"
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/description/version.hpp"
 
 namespace {

@@ -9,14 +9,14 @@
 #include <memory>
 #include <string>
 
-#include "firmware/controller/delay_check.hpp"
-#include "firmware/controller/devices.hpp"
-#include "firmware/controller/real_time.hpp"
+#include "firmware/controller/devices/devices.hpp"
+#include "firmware/controller/real_time/delay_check.hpp"
+#include "firmware/controller/real_time/real_time.hpp"
 #include "firmware/controller/session.hpp"
 #include "firmware/description/control_settings.hpp"
-#include "firmware/description/input_error.hpp"
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/loop/control_loop.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/run_objection.hpp"

@@ -1,7 +1,7 @@
 // One run of rig_controller, from its options to its exit status.
 #pragma once
 
-#include "firmware/controller/options.hpp"
+#include "firmware/controller/devices/options.hpp"
 
 namespace firmware::controller {
 

@@ -9,12 +9,12 @@
 #include <cstdio>
 #include <cstring>
 
-#include "firmware/controller/delay_check.hpp"
-#include "firmware/controller/heap_seal.hpp"
-#include "firmware/controller/systemd_notify.hpp"
+#include "firmware/controller/real_time/delay_check.hpp"
+#include "firmware/controller/real_time/heap_seal.hpp"
+#include "firmware/controller/safety/systemd_notify.hpp"
 #include "firmware/description/control_settings.hpp"
-#include "firmware/description/input_error.hpp"
 #include "firmware/description/loop_proof.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <ctime>
 
-#include "firmware/controller/emergency.hpp"
-#include "firmware/controller/systemd_notify.hpp"
+#include "firmware/controller/safety/emergency.hpp"
+#include "firmware/controller/safety/systemd_notify.hpp"
 
 namespace firmware::controller {
 

@@ -6,9 +6,9 @@
 #include <atomic>
 #include <cstdint>
 
-#include "firmware/controller/auxiliary_thread.hpp"
 #include "firmware/controller/control_socket.hpp"
-#include "firmware/controller/recording_thread.hpp"
+#include "firmware/controller/real_time/auxiliary_thread.hpp"
+#include "firmware/controller/recording/recording_thread.hpp"
 #include "firmware/loop/control_loop.hpp"
 #include "firmware/loop/journal.hpp"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 
 namespace firmware {
 

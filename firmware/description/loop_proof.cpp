@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <vector>
 
-#include "firmware/description/effects_by_name.hpp"
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
 #include "firmware/description/rig_writer.hpp"
-#include "firmware/description/sha256.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/sha256.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 
 namespace firmware {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fstream>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/rig_description_table.hpp"
+#include "firmware/description/table/rig_description_table.hpp"
+#include "firmware/description/text/input_error.hpp"
 
 namespace firmware {
 namespace {

@@ -3,11 +3,12 @@
 #include <cmath>
 #include <fstream>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/laws/law_reader.hpp"
 #include "firmware/description/rig_description_controller.hpp"
-#include "firmware/description/rig_description_table.hpp"
+#include "firmware/description/table/rig_description_table.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/quantity.hpp"
 
 namespace firmware {
 namespace {
@@ -262,6 +263,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   }
   read_parameters(top, description.rig);
   read_effects(top, description.rig);
+  description.laws = read_laws(top, description.rig);
   read_sensors(top, description);
   read_waivers(top, description.waivers);
   read_controller(top, description.rig, description.controller);

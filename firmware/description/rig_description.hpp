@@ -11,8 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/hardware_description.hpp"
+#include "firmware/description/laws/law_description.hpp"
+#include "firmware/description/values/channel_map.hpp"
+#include "firmware/description/values/hardware_description.hpp"
 #include "firmware/loop/settings.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
@@ -63,6 +64,7 @@ struct DelayBudget {
 /// The rig, the tolerances of its parameters, and the format of its recordings.
 struct RigDescription {
   model::RigParameters<double> rig;
+  std::vector<LawDescription> laws;                               ///< names of rig.laws
   double sample_rate = 0.0;                                       ///< of the loop and of its recordings [Hz]
   std::map<std::string, double> tolerance;                        ///< parameter path → relative hard bound
   std::array<std::optional<double>, model::channel_count> noise;  ///< rms of the sensor's noise [SI]

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/loop_settings.hpp"
-#include "firmware/description/number_text.hpp"
-#include "firmware/description/spelling.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/spelling.hpp"
+#include "firmware/description/values/loop_settings.hpp"
 #include "firmware/loop/valve_plan.hpp"
 #include "hal/interlocks.hpp"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "firmware/description/rig_description.hpp"
-#include "firmware/description/rig_description_table.hpp"
+#include "firmware/description/table/rig_description_table.hpp"
 
 namespace firmware {
 

@@ -2,10 +2,10 @@
 
 #include <cstdio>
 
-#include "firmware/description/effects_by_name.hpp"
-#include "firmware/description/loop_settings.hpp"
-#include "firmware/description/number_text.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/quantity.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
+#include "firmware/description/values/loop_settings.hpp"
 
 namespace firmware {
 namespace {
@@ -94,6 +94,13 @@ void write_effects(Text& out, const model::RigParameters<double>& rig) {
     for (std::size_t i = 0; i < effect.values.size(); ++i) {
       out.line(std::string(effect.entry->parameters[i].name), real(effect.values[i]));
     }
+  }
+}
+
+void write_laws(Text& out, const RigDescription& description) {
+  for (const LawDescription& law : named_laws(description.laws, description.rig)) {
+    out.table("laws." + law.name);
+    for (const auto& [key, value] : law_lines(law, description.rig)) out.line(key, value);
   }
 }
 
@@ -239,6 +246,7 @@ std::string format_rig(const RigDescription& description) {
   out.line("sample_rate", real(description.sample_rate));
   write_parameters(out, description);
   write_effects(out, description.rig);
+  write_laws(out, description);
   out.table("tolerance");
   for (const auto& [path, bound] : description.tolerance) out.line(basic_string_of(path), real(bound));
   write_sensors(out, description);

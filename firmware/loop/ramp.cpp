@@ -4,7 +4,9 @@ namespace firmware {
 
 SmoothMove::SmoothMove(double from, double to, double rate, double period) : from_(from), to_(to), period_(period) {
   const double way = to > from ? to - from : from - to;
-  const double periods = 1.5 * way / (rate * period);
+  constexpr double most = 9007199254740992.0;  // 2⁵³: the count stays exact; beyond, the move has no end
+  const double wanted = 1.5 * way / (rate * period);
+  const double periods = wanted < most ? wanted : most;
   steps_ = static_cast<std::uint64_t>(periods);
   if (static_cast<double>(steps_) < periods) ++steps_;
 }

@@ -13,6 +13,7 @@ namespace firmware {
 ///   (1)  x(s) = x₀ + (x₁ − x₀)(3s² − 2s³),   s = 0 … 1 over T = 1.5 |x₁ − x₀| / rate, rounded up to whole periods
 ///
 /// At rest at both ends; the highest speed, in the middle, is 1.5 |x₁ − x₀| / T ≤ rate; |ẍ| ≤ 6 |x₁ − x₀| / T².
+/// A move of more than 2⁵³ periods is taken to last 2⁵³.
 class SmoothMove {
  public:
   SmoothMove() = default;

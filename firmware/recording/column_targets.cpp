@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 
 namespace firmware {
 namespace {

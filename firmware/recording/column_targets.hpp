@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/quantity.hpp"
+#include "firmware/description/values/channel_map.hpp"
 
 namespace firmware {
 

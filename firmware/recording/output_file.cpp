@@ -14,7 +14,7 @@
 #include <initializer_list>
 #include <system_error>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 
 namespace firmware {
 namespace {

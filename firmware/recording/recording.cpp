@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 
 namespace firmware {
 namespace {

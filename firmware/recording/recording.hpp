@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/quantity.hpp"
 #include "model/channel.hpp"
 
 namespace firmware {

@@ -15,9 +15,9 @@
 #include <system_error>
 #include <utility>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/quantity.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/loop/mode.hpp"
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/recording.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/description/channel_map.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_gaps.hpp"
 #include "firmware/recording/run_columns.hpp"

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 
 namespace firmware {
 namespace {

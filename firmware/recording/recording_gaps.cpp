@@ -8,9 +8,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/quantity.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/sample_checks.hpp"
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "firmware/description/number_text.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/quantity.hpp"
 
 namespace firmware {
 namespace {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/quantity.hpp"
 #include "firmware/recording/recording.hpp"
 
 namespace firmware {

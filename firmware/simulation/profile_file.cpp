@@ -4,8 +4,8 @@
 #include <fstream>
 #include <string>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/values/channel_map.hpp"
 
 namespace firmware {
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "firmware/description/channel_map.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/road.hpp"
 

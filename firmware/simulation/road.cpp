@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/simulation/gaussian.hpp"
 #include "model/rig_model.hpp"
 #include "model/road_filter.hpp"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 
 namespace firmware {
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "firmware/description/control_settings.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/loop/command_guard.hpp"
 #include "model/rig_model.hpp"
 

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <new>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"

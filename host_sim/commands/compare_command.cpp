@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/comparison/refit.hpp"

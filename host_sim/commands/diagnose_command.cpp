@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/spelling.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/spelling.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/commands/progress.hpp"

@@ -9,9 +9,9 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/frf/response_estimate.hpp"

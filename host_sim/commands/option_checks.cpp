@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 
 namespace host_sim {
 

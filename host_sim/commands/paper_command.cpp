@@ -8,7 +8,7 @@
 #include <cstring>
 #include <system_error>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/paper/paper_report.hpp"

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/road_choice.hpp"
 #include "host_sim/commands/option_checks.hpp"

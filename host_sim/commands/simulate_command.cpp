@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <string>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/road_choice.hpp"

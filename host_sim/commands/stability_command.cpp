@@ -8,8 +8,8 @@
 #include <optional>
 #include <set>
 
-#include "firmware/description/input_error.hpp"
 #include "firmware/description/loop_proof.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/signal/spectrum.hpp"

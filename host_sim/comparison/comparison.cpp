@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/comparison/model_rate.hpp"
 #include "host_sim/comparison/start_state.hpp"
 

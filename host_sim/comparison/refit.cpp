@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/least_squares/gauss_newton.hpp"
 
 namespace host_sim {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/quantity.hpp"
 
 namespace host_sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "host_sim/frf/delay.hpp"
 
 namespace host_sim::frf {

@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/quantity.hpp"
 
 namespace host_sim::frf {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/assess/assess.hpp"
 #include "host_sim/identification/learn/learn_laws.hpp"
 #include "host_sim/identification/parity/parity_residual.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/common/multisine.hpp"
 #include "host_sim/identification/common/parallel.hpp"

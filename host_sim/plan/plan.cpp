@@ -8,7 +8,7 @@
 #include <mutex>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/common/wording.hpp"
 #include "host_sim/plan/thresholds.hpp"

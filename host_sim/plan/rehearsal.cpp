@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/simulation/simulated_rig.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"

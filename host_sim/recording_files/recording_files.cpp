@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cctype>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/quantity.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"

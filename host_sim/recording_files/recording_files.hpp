@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/description/channel_map.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
 
 namespace host_sim {

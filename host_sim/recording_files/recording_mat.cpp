@@ -27,9 +27,9 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/quantity.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"

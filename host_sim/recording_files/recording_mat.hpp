@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "firmware/description/channel_map.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_gaps.hpp"
 

@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "firmware/controller/devices.hpp"
-#include "firmware/controller/heap_seal.hpp"
+#include "firmware/controller/devices/devices.hpp"
+#include "firmware/controller/real_time/heap_seal.hpp"
 #include "firmware/controller/session.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording_csv.hpp"

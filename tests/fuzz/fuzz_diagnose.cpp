@@ -19,7 +19,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
 

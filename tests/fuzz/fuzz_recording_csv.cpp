@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 

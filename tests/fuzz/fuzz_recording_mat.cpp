@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 
 namespace {

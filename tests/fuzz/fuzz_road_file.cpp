@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/simulation/profile_file.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/controller/recorder.hpp"
+#include "firmware/controller/recording/recorder.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/simulated_rig.hpp"

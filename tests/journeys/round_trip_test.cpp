@@ -5,7 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 

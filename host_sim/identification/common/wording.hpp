@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 
 namespace host_sim::identification {
 

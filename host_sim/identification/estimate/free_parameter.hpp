@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "host_sim/identification/predict/hypothesis.hpp"
 
 namespace host_sim::identification {

@@ -99,6 +99,10 @@ inline constexpr double least_entry = 0.1, alike_entries = 0.1;
 inline constexpr double law_takes_away = 0.5;
 /// [1] and moves F_w by this share of its rms: five times what velocities by differences leave.
 inline constexpr double law_moves = 1e-3;
+/// [1] Rounding of the sums may be this share of the variance of a law's parameter. Derivation: the share by which
+/// the interval may be wrong. Half and twice: the same laws, as deflections tell a cubic law from a line by 1e-1 or,
+/// where they stand still, by rounding alone.
+inline constexpr double rounding_share = 1e-3;
 /// Lowest values of F_w that are equal as written, from which a wheel flew; and the distance of that value from the
 /// bound of the law [1]. Two equal samples happen by rounding. Half and twice: not measured.
 inline constexpr int equal_lowest_loads = 4;

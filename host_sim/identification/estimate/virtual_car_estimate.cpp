@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "host_sim/identification/estimate/thresholds.hpp"
@@ -179,8 +180,17 @@ struct TyreFit {
     const Eigen::Vector3d high(given.upper(k_t) / scale(0), given.upper(b_t) / scale(1), far);
     return bounded_step(hessian, gradient, {low, high});
   }
+  /// Of p, in units of `scale` and of the variance of a sample.
+  [[nodiscard]] double variance_of_parameter() const { return hessian.inverse()(2, 2); }
+  /// Whether the deflections tell p from a linear tyre: beyond that, rounding of the sums decides more than
+  /// thresholds::rounding_share of its variance.
+  [[nodiscard]] bool determines_parameter() const {
+    const double rounded = variance_of_parameter() * std::numeric_limits<double>::epsilon();
+    return rounded > 0.0 && rounded < thresholds::rounding_share;
+  }
   /// Whether the law takes away half of what a linear tyre leaves and moves F_w, with a parameter that a tyre may have.
   [[nodiscard]] bool is_found(const Given& given) const {
+    if (!determines_parameter()) return false;
     const Eigen::Vector3d all = solve(given, true);
     const double moves = std::sqrt(hessian(2, 2)) * std::abs(all(2)), parameter = all(2) * scale(2);
     const model::EffectParameter& card = law->parameters.front();
@@ -272,7 +282,7 @@ void find_tyre_effects(const firmware::RigDescription& description, const std::v
   if (bounding != nullptr) add(bounding, fit.error_bounded / variance);
   if (found) {
     const double parameter = all(2) * fit.scale(2);
-    const double deviation = std::sqrt(variance * fit.hessian.inverse()(2, 2)) * fit.scale(2);
+    const double deviation = std::sqrt(variance * fit.variance_of_parameter()) * fit.scale(2);
     TyreEffect& tyre = add(fit.law, (fit.left(linear) - fit.left(all)) / variance);
     tyre.effect.values.push_back(parameter);
     tyre.parameters.push_back({parameter, deviation + thresholds::law_difference_error * std::abs(parameter)});

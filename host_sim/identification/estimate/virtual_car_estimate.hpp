@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "host_sim/identification/prepare/prepared_recording.hpp"
 
 namespace host_sim::identification {

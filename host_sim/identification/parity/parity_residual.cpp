@@ -4,7 +4,7 @@
 #include <cmath>
 #include <complex>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "host_sim/identification/parity/describe_residual.hpp"
 #include "host_sim/identification/parity/relation_fit.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"

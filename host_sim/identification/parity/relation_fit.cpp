@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "firmware/simulation/gaussian.hpp"
 #include "host_sim/comparison/simulation.hpp"
 #include "host_sim/identification/parity/thresholds.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 
 namespace host_sim::identification {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/prepare/validation.hpp"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "host_sim/comparison/start_state.hpp"
 #include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/input_fusion.hpp"

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/description/effects_by_name.hpp"
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/comparison/simulation.hpp"
 #include "host_sim/identification/prepare/recording_window.hpp"

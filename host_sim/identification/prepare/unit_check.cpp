@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <span>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "host_sim/comparison/simulation.hpp"
 #include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/prepared_recording.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "firmware/description/input_error.hpp"
 #include "firmware/description/rig_writer.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/report/report.hpp"
 

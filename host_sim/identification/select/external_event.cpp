@@ -95,6 +95,18 @@ bool leaves_rest(const IdentificationProblem& problem, const Hypothesis& hypothe
   return find_rest(problem, hypothesis).found();
 }
 
+/// Σ r² − n over the whole record.
+double power_beyond_noise(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  double beyond = 0.0;
+  for (const StretchPower& s : stretch_powers(problem, read_all(problem, hypothesis), thresholds::event_stretch)) {
+    for (std::size_t c = 0; c < problem.channels().size(); ++c) {
+      const Power power = s.of_channel(c);
+      beyond += power.squares - power.count;
+    }
+  }
+  return beyond;
+}
+
 /// Stretches that were left out, and what their residuals counted.
 struct LeftOut {
   std::vector<ExternalEvent> events;
@@ -143,16 +155,25 @@ LeftOut leave_out_all(const firmware::RigDescription& description, Identificatio
 void leave_out_events(const firmware::RigDescription& description, IdentificationProblem& problem,
                       const SearchSpace& space, const ProgressCallback& progress, SearchResult& found) {
   if (!leaves_rest(problem, found.best.fit.hypothesis)) return;
+  // No effect explains a push: however bent, the best model leaves it, and it is most of what that leaves.
+  IdentificationProblem beside_effects = problem;
+  const LeftOut of_best = leave_out_all(description, beside_effects, space, found.best);
+  if (of_best.events.empty()) return;
+  const double left = power_beyond_noise(beside_effects, of_best.model.fit.hypothesis);
+  if (left > thresholds::left_beside_events * power_beyond_noise(problem, found.best.fit.hypothesis)) return;
+  const auto is_there = [&](const ExternalEvent& event) {
+    return std::any_of(of_best.events.begin(), of_best.events.end(), [&](const ExternalEvent& other) {
+      return event.recording == other.recording && event.from < other.to && event.to > other.from;
+    });
+  };
   const SelectionCriterion criterion;
-  bool searched = false;
   // Without effects first: they may have been bent to explain an event.
-  for (const CandidateModel* const model : {&found.nothing, &found.best}) {
-    IdentificationProblem without = problem;
-    const LeftOut out = leave_out_all(description, without, space, *model);
-    if (out.events.empty()) continue;
-    if (searched && leaves_rest(without, out.model.fit.hypothesis)) continue;
-    searched = true;
-    SearchResult again = select_model(without, space, progress);
+  for (const bool bare : {true, false}) {
+    IdentificationProblem without = bare ? problem : beside_effects;
+    const LeftOut out = bare ? leave_out_all(description, without, space, found.nothing) : of_best;
+    if (bare && std::none_of(out.events.begin(), out.events.end(), is_there)) continue;
+    if (!bare && leaves_rest(without, out.model.fit.hypothesis)) continue;
+    SearchResult again = select_in_noise(without, space, progress);
     found.simulations += again.simulations;
     found.candidates += again.candidates;
     if (leaves_rest(without, again.best.fit.hypothesis)) continue;

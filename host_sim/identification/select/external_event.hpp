@@ -7,8 +7,10 @@ namespace host_sim::identification {
 
 /// Looked for only where the best model leaves a rest (estimate/residual_over_time.hpp). A stretch of the recording
 /// whose residuals stand far above those of all others, of a channel or of all together, is marked as not recorded,
-/// until the motion that it left has died away; then the next one beside it, at most thresholds::most_events. The model
-/// is selected again. The events are believed where that is better by more than they cost,
+/// until the motion that it left has died away; then the next one beside it, at most thresholds::most_events. If that
+/// takes most of what the best model leaves away (thresholds::left_beside_events), the model is selected again, first
+/// from a rig without effects: these may have been bent to explain an event. The events are believed where that is
+/// better by more than they cost,
 ///
 ///   (1)  χ²_again + penalties + Σ (n + effect + parameter · (2 + 2 B d)) < χ² + penalties
 ///   (2)  and where nothing but noise is left outside of them

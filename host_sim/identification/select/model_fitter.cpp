@@ -255,10 +255,10 @@ void ModelFitter::bend_drift(CandidateModel& model) const {
   if (criterion_.prefers(bent, model)) model = std::move(bent);
 }
 
-CandidateModel ModelFitter::without_fault(const CandidateModel& whole, std::size_t leave_out) const {
+CandidateModel ModelFitter::without_fault(const CandidateModel& whole, std::size_t leave_out, int most) const {
   Hypothesis hypothesis = whole.fit.hypothesis;
   hypothesis.faults.erase(hypothesis.faults.begin() + static_cast<std::ptrdiff_t>(leave_out));
-  return refitted(hypothesis, whole.effects, 6);
+  return refitted(hypothesis, whole.effects, most);
 }
 
 std::optional<CandidateModel> ModelFitter::held(const CandidateModel& base, const Scales& scales,

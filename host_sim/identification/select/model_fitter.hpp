@@ -59,8 +59,8 @@ class ModelFitter {
   /// that are worth their penalty. nullopt: none promises as much.
   [[nodiscard]] std::optional<CandidateModel> extended_by_fault(const CandidateModel& base, double least) const;
 
-  /// Refitted without one of the faults.
-  [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t leave_out) const;
+  /// Without one of the faults, after at most so many steps of a fit. 0: everything else as it was.
+  [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t leave_out, int most = 6) const;
 
   /// With the hold of a channel whose renewals are regular, where it is not there yet.
   [[nodiscard]] std::optional<CandidateModel> held(const CandidateModel& base, const Scales& scales,

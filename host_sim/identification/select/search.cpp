@@ -180,6 +180,9 @@ std::vector<CandidateModel> Search::one_effect_more(const std::vector<CandidateM
   std::erase_if(next,
                 [this](const CandidateModel& model) { return !stays_finite(fitter_.problem(), model.fit.hypothesis); });
   sort(next);
+  if (next.empty()) return next;
+  const double left = std::max(beyond_noise(next.front().fit), criterion_.effect);
+  std::erase_if(next, [left](const CandidateModel& m) { return beyond_noise(m.fit) > thresholds::far_behind * left; });
   return next;
 }
 
@@ -356,15 +359,28 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
   }
   FaultSupport& support = found.faults[fault];
   support.gain = reduced.fit.chi_squared - best.fit.chi_squared;
-  for (const CandidateModel& other : fitter_.extended(reduced, found.scales, thresholds::fault_rivals)) {
-    if (other.penalised_chi_squared(criterion_) < to_beat) {
+  // A component of the rig explains as much as a fault: the rig's name is the answer.
+  const double as_good = value + thresholds::tie;
+  auto others = fitter_.extended(reduced, found.scales, thresholds::fault_rivals);
+  // What the fault was may be bent into other parameters by then: also from where these are.
+  for (CandidateModel& other :
+       fitter_.extended(fitter_.without_fault(best, fault, 0), found.scales, thresholds::fault_rivals)) {
+    others.push_back(std::move(other));
+  }
+  sort(others);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const CandidateModel& other = others[i];
+    Rival rival{other.effects.back(), other.penalised_chi_squared(criterion_), other.fit.hypothesis};
+    if (i == 0 || rival.penalised_chi_squared < as_good) {
       CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 6);
-      if (full.penalised_chi_squared(criterion_) < to_beat) {
+      rival.penalised_chi_squared = full.penalised_chi_squared(criterion_);
+      rival.hypothesis = full.fit.hypothesis;
+      if (rival.penalised_chi_squared < as_good) {
         best = std::move(full);
         return true;
       }
     }
-    support.rivals.push_back({other.effects.back(), other.penalised_chi_squared(criterion_), other.fit.hypothesis});
+    support.rivals.push_back(std::move(rival));
   }
   return false;
 }

@@ -25,6 +25,16 @@ double explained_share(double refit_per_residual, double after_per_residual, dou
   return 1.0 - std::max(after_per_residual - 1.0, 0.0) / std::max(refit_per_residual - 1.0, 1.0 / count);
 }
 
+SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,
+                             const ProgressCallback& progress) {
+  const SearchOptions options{{}, true, progress};
+  SearchResult found = search(problem, space, options);
+  compare(problem, space, options, found);
+  compare_parameters(problem, space, progress, found);
+  found.constancy = law_constancy(problem, found);
+  return found;
+}
+
 SearchResult select_model(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress) {
   const SearchOptions options{{}, true, progress};
   SearchResult found = search(problem, space, options);

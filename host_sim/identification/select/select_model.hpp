@@ -19,4 +19,8 @@ namespace host_sim::identification {
 [[nodiscard]] SearchResult select_model(IdentificationProblem& problem, const SearchSpace& space,
                                         const ProgressCallback& progress);
 
+/// Steps 1, 2 and 4: where only a model that leaves nothing but noise is of use.
+[[nodiscard]] SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,
+                                           const ProgressCallback& progress);
+
 }  // namespace host_sim::identification

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "host_sim/identification/estimate/fit.hpp"
 
 namespace host_sim::identification {

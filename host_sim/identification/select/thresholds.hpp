@@ -17,6 +17,11 @@ inline constexpr double leaves_noise = 4.0;
 /// [χ²] by which another candidate must be better to replace an effect: above the solver's own 0.01 and below what any
 /// parameter costs. Half and twice: no difference expected.
 inline constexpr double replaces = 1.0;
+/// [χ²] by which an effect may be worse than a fault of the recording and still takes its place: a delay of the drive
+/// and a late clock of its command are the same to every channel, and a rig has drives more often than two clocks.
+/// Derivation: 2 ln 20, odds that count as not told apart (assess/thresholds.hpp). Half and twice: odds of 4.5 and of
+/// 400; equal causes differ by less than 1.
+inline constexpr double tie = 6.0;
 /// Rounds of elimination and swaps at most: each round that changes something lowers the criterion, so it ends anyway.
 inline constexpr int most_rounds = 4;
 /// [1] Of the promise that makes an effect worth its penalty, the share from which a candidate is fitted: promises are
@@ -110,6 +115,11 @@ inline constexpr double mains_frequencies[] = {50.0, 60.0, 16.7};
 /// one of 10⁷ bins (χ² of 14). And the deviations of an amplitude from which a channel holds the line.
 inline constexpr double line_above_neighbours = 5.0, least_line = 5.0;
 
+/// [times what the best model leaves beyond noise] from which another model is not extended by a further effect.
+/// Derivation: the further effect would have to explain nine tenths of what is left, where the best model's own next
+/// effect stands against one tenth. Half and twice: TO_MEASURE
+inline constexpr double far_behind = 10.0;
+
 // Events from outside (external_event.hpp) ----------------------------------------------------------------------------
 
 /// Events of one diagnosis at most: each costs a refit, all together one or two searches. A record with more of them is
@@ -117,6 +127,9 @@ inline constexpr double line_above_neighbours = 5.0, least_line = 5.0;
 inline constexpr std::size_t most_events = 4;
 /// [s] Length of the stretches whose power is compared.
 inline constexpr double event_stretch = 0.25;
+/// [1] of the power beyond noise is left beside events, at most, for them to be looked at: a law that is missing is
+/// left in every stretch. Derivation: half. Half and twice: TO_MEASURE
+inline constexpr double left_beside_events = 0.5;
 /// [1] Power of the loudest stretch, relative to that of three quarters of the stretches: where these are noise (below
 /// `only_noise_else`), 2 is 15 standard deviations of 300 residuals; beside a missing effect the road itself makes
 /// stretches up to eight times as loud (tests/truth, seeds 1 to 3). Half: searches for nothing. Twice: weak pushes are

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "firmware/description/input_error.hpp"
 #include "firmware/description/rig_description.hpp"
-#include "firmware/description/spelling.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/spelling.hpp"
 #include "host_sim/stability/map/boundary.hpp"
 #include "host_sim/stability/map/stability_map.hpp"
 #include "host_sim/stability/margins/crossings.hpp"

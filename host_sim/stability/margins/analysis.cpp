@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 
 namespace host_sim::stability {
 namespace {

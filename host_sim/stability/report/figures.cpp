@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/map/boundary.hpp"
 

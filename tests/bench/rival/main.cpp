@@ -20,8 +20,8 @@
 #include <memory>
 #include <utility>
 
-#include "firmware/controller/spans.hpp"
-#include "firmware/controller/wake_lead.hpp"
+#include "firmware/controller/real_time/wake_lead.hpp"
+#include "firmware/controller/recording/spans.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "firmware/controller/devices.hpp"
-#include "firmware/controller/programme_reference.hpp"
-#include "firmware/description/input_error.hpp"
+#include "firmware/controller/devices/devices.hpp"
+#include "firmware/controller/reference/programme_reference.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/loop/reference_player.hpp"
 
 namespace {

@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "firmware/description/sha256.hpp"
+#include "firmware/description/text/sha256.hpp"
 #include "firmware/loop/mode.hpp"
 #include "firmware/loop/trip.hpp"
 #include "firmware/recording/recording.hpp"

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "tests/support/rig_texts.hpp"
 
 namespace {

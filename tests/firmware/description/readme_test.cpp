@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/description/effects_by_name.hpp"
-#include "firmware/description/loop_settings.hpp"
-#include "firmware/description/number_text.hpp"
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
+#include "firmware/description/values/loop_settings.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "firmware/description/control_settings.hpp"
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/loop_settings.hpp"
-#include "firmware/description/number_text.hpp"
 #include "firmware/description/rig_writer.hpp"
-#include "firmware/description/spelling.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/spelling.hpp"
+#include "firmware/description/values/loop_settings.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -50,6 +50,16 @@ TEST(SmoothMove, NeverExceedsItsRate) {
   }
 }
 
+// Edge. A way that no time suffices for (a road in wrong units) is a move without end, not a count that overflows.
+TEST(SmoothMove, OfAnEndlessWayNeverArrives) {
+  for (const double rate : {0.05, 1e-300, 0.0}) {
+    SmoothMove move(0.0, 1e300, rate, h);
+    const hal::Command first = move.next();
+    EXPECT_FALSE(move.arrived()) << rate;
+    EXPECT_TRUE(std::isfinite(first.position)) << rate;
+  }
+}
+
 TEST(SmoothMove, OfNoWayHasArrived) {
   SmoothMove move(0.01, 0.01, 0.05, h);
   EXPECT_TRUE(move.arrived());

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/temporary_folder.hpp"

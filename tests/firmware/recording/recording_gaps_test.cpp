@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 

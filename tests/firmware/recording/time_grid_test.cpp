@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording_csv.hpp"
 
 namespace {

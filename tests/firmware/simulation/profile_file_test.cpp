@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "model/rig_model.hpp"
 #include "tests/support/rig_texts.hpp"

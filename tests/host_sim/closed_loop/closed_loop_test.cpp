@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "firmware/description/control_settings.hpp"
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/quantity.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/simulated_rig.hpp"
 #include "tests/support/rig_texts.hpp"

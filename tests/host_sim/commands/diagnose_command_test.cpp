@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "firmware/description/effects_by_name.hpp"
 #include "firmware/description/rig_writer.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/program.hpp"

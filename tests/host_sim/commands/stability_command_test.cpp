@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "firmware/description/input_error.hpp"
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/commands/command_line.hpp"
 #include "host_sim/stability/margins/analysis.hpp"
 #include "tests/support/rig_texts.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/simulated_rig.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "tests/host_sim/frf/scipy_numbers.hpp"

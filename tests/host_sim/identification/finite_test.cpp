@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"

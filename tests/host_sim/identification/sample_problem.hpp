@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/identification/noise/identification_problem.hpp"
 #include "tests/support/reference_road.hpp"

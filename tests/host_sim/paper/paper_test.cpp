@@ -3,7 +3,7 @@
 #include <numbers>
 #include <random>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/paper/paper_report.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/report_page.hpp"

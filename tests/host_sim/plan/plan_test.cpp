@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/plan/plan_json.hpp"
 #include "host_sim/plan/plan_report.hpp"
 #include "tests/support/rig_texts.hpp"

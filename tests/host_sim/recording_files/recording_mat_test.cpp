@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -15,10 +15,10 @@
 #include <random>
 #include <string>
 
-#include "firmware/description/channel_map.hpp"
-#include "firmware/description/input_error.hpp"
-#include "firmware/description/number_text.hpp"
-#include "firmware/description/quantity.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/quantity.hpp"
+#include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/gaussian.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "firmware/description/effects_by_name.hpp"
+#include "firmware/description/values/effects_by_name.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "tests/truth/truth.hpp"

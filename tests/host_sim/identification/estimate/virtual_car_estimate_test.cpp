@@ -108,6 +108,18 @@ TEST(VirtualCarEstimate, ReadsTheEffectsOfItsTyre) {
   EXPECT_NEAR(both[1].effect.values.at(0) / 4e8, 1.0, 1e-4);
 }
 
+// Edge. One deflection of 100 m beside tenths of a micrometre cannot tell a cubic law from a line.
+TEST(VirtualCarEstimate, NamesNoLawThatOneSampleShows) {
+  RigDescription description = parse_rig(support::hil_text, "rig");
+  constexpr double never = -1e9;
+  auto recording = tyre_recording(description, -4e8, never);
+  for (double& z : recording.recording[Channel::z_r]) z *= 1e-7;
+  for (double& z : recording.recording[Channel::z_w]) z *= 1e-7;
+  recording.recording[Channel::z_r][100] = 100.0;
+  recording.recording[Channel::F_w][100] = 200.0 * description.rig.tyre.stiffness;
+  EXPECT_TRUE(identification::estimate_virtual_car(description, {recording}).effects.empty());
+}
+
 // Law. What is held out is not fitted: its quarter of F_w is doubled, which moves neither the cubic term nor its gain,
 // and all of it is error there: |2 F_w − F_w| ÷ |2 F_w| is one half.
 TEST(VirtualCarEstimate, JudgesItsTyreOnWhatIsHeldOut) {

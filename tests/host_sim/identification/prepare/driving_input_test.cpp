@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/diagnosis.hpp"
 #include "tests/host_sim/identification/truth_recording.hpp"
 

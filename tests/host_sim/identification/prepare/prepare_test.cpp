@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/prepare/prepared_recording.hpp"
 #include "host_sim/identification/prepare/recording_window.hpp"
 #include "tests/host_sim/identification/sample_problem.hpp"

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "tests/host_sim/identification/truth_recording.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
 namespace {

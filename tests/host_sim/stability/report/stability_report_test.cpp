@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/description/input_error.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "host_sim/commands/command_line.hpp"
 #include "host_sim/stability/report/figures.hpp"
 #include "tests/host_sim/stability/rigs.hpp"

@@ -1,0 +1,96 @@
+// Laws of a rig description: curves, surfaces and branches, as numbers.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "model/channel.hpp"
+#include "model/select.hpp"
+
+namespace model {
+
+/// Where a law acts and what it adds to.
+///
+///   suspension   (5)  F_s += f        over dz_b, ḋz_b (behind the top mount and the free play)
+///   tyre         (3)  F_w += f        over dz_w, ḋz_w
+///   piston       (8)  F_c += f        over y, ẏ: against the piston of the FDVA
+///   body_guide        m_b z̈_b −= f    over z_b, ż_b
+///   wheel_guide       m_w z̈_w −= f    over z_w, ż_w
+///   sensor            what goes into the sensor of one channel = f(true value), before gain, offset, noise
+enum class LawPlace : std::uint8_t { suspension, tyre, piston, body_guide, wheel_guide, sensor };
+inline constexpr std::size_t force_places = 5;
+inline constexpr std::array<std::string_view, force_places + 1> law_place_names{"suspension", "tyre",        "piston",
+                                                                                "body_guide", "wheel_guide", "sensor"};
+
+/// What a curve is a function of; sensors: the true value of the channel.
+enum class LawOver : std::uint8_t { velocity, deflection };
+
+[[nodiscard]] constexpr std::size_t index(LawPlace place) { return static_cast<std::size_t>(place); }
+[[nodiscard]] constexpr std::string_view name(LawPlace place) { return law_place_names[index(place)]; }
+
+inline constexpr std::size_t curve_points = 33;    ///< 2 … 33
+inline constexpr std::size_t surface_points = 17;  ///< in each direction, 2 … 17
+
+/// How many laws of each kind a rig has room for. Without room they cost neither code nor memory.
+struct LawCapacity {
+  std::size_t curves = 0, surfaces = 0, branches = 0;
+  [[nodiscard]] constexpr bool any() const { return curves + surfaces + branches > 0; }
+  friend constexpr bool operator==(const LawCapacity&, const LawCapacity&) = default;
+};
+inline constexpr LawCapacity no_laws{};
+#if defined(RIGTWIN_WITHOUT_LAWS)
+inline constexpr LawCapacity usual_laws = no_laws;  // a microcontroller's programs, which choose for themselves
+#else
+inline constexpr LawCapacity usual_laws{.curves = 8, .surfaces = 1, .branches = 8};
+#endif
+/// Rigs side by side in lanes have no laws.
+template <class S>
+inline constexpr LawCapacity law_capacity = lane_count<S> == 1 ? usual_laws : no_laws;
+
+/// A curve through points, f(at[i]) = value[i].
+template <class S>
+struct CurveTable {
+  LawPlace place = LawPlace::suspension;
+  LawOver over = LawOver::velocity;
+  Channel channel{};                    ///< of a sensor
+  std::uint8_t count = 0;               ///< points in use, 2 … 33
+  std::array<S, curve_points> at{};     ///< [m/s], [m]; of a sensor [unit of the channel]; ascending
+  std::array<S, curve_points> value{};  ///< [N]; of a sensor [unit of the channel]
+};
+
+/// A surface through a grid of points, f(deflection[i], velocity[j]) = value[i][j].
+template <class S>
+struct SurfaceTable {
+  LawPlace place = LawPlace::suspension;
+  std::uint8_t rows = 0, columns = 0;                                 ///< in use, 2 … 17
+  std::array<S, surface_points> deflection{}, velocity{};             ///< [m], [m/s]; ascending
+  std::array<std::array<S, surface_points>, surface_points> value{};  ///< [N]
+};
+
+/// A spring in series with a dashpot (time_constant > 0) or with a dry slider (slip_force > 0), over the deflection.
+template <class S>
+struct BranchNumbers {
+  LawPlace place = LawPlace::suspension;
+  S stiffness{};      ///< [N/m], > 0
+  S time_constant{};  ///< [s] of a Maxwell branch, > 0; else 0
+  S slip_force{};     ///< [N] of an elastic slider, > 0; else 0
+};
+
+/// The laws of a rig, each kind in the order of the description.
+template <class S, LawCapacity capacity = law_capacity<S>>
+struct Laws {
+  std::array<CurveTable<S>, capacity.curves> curves{};
+  std::array<SurfaceTable<S>, capacity.surfaces> surfaces{};
+  std::array<BranchNumbers<S>, capacity.branches> branches{};
+  std::uint8_t curve_count = 0, surface_count = 0, branch_count = 0;
+
+  [[nodiscard]] constexpr bool any() const { return curve_count + surface_count + branch_count > 0; }
+};
+template <class S>
+struct Laws<S, no_laws> {
+  [[nodiscard]] static constexpr bool any() { return false; }
+};
+
+}  // namespace model
