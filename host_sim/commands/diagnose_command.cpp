@@ -1,6 +1,7 @@
 #include "host_sim/commands/diagnose_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 
@@ -63,6 +65,11 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                   other.separate_by.empty() ? "" : "; to be separated by ", other.separate_by.c_str());
     }
   }
+  for (const identification::DescribedLaw& law : diagnosis.laws) {
+    std::printf("  law at the %s   confidence %.3f\n", identification::words(law).c_str(), law.confidence);
+    for (const identification::LawNumber& number : law.numbers)
+      std::printf("    %s = %.5g (%.5g … %.5g)\n", number.name.c_str(), number.value, number.lower, number.upper);
+  }
   for (const identification::ParameterOff& off : diagnosis.parameters_off) {
     std::printf("  %s is %.6g (%.6g … %.6g), described as %.6g ± %.3g %%   confidence %.3f\n", off.path.c_str(),
                 off.value.value, off.value.lower, off.value.upper, off.described, 100.0 * off.tolerance,
@@ -100,6 +107,34 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
   std::printf("%s: verdict.json, report.html, rig.toml\n", folder.string().c_str());
 }
 
+/// UsageError unless a law of that name can be written beside those of the description.
+void check_name(const std::string& name, const firmware::RigDescription& description) {
+  const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+  if (!plain) {
+    throw firmware::UsageError("--keep-law: " + firmware::in_quotes(name) +
+                               " is no name of a table (letters, digits, _ and - are)");
+  }
+  for (const firmware::LawDescription& law : description.laws) {
+    if (law.name != name) continue;
+    throw firmware::UsageError("--keep-law: the rig description has a law " + firmware::in_quotes(name) + " already");
+  }
+}
+
+/// The learned laws under a name of the user's: NAME, NAME_2 …
+void keep_laws(const std::string& name, identification::Diagnosis& diagnosis) {
+  if (name.empty()) return;
+  for (std::size_t i = 0; i < diagnosis.laws.size(); ++i) {
+    firmware::LawDescription law;
+    law.name = i == 0 ? name : name + "_" + std::to_string(i + 1);
+    law.curve = diagnosis.laws[i].law.slot;
+    law.feeds_energy = true;  // it stands beside damping of the rig, of which it may take away
+    diagnosis.rig.laws.push_back(std::move(law));
+  }
+  if (diagnosis.laws.empty()) diagnosis.remarks.push_back("no law was learned: nothing is kept as " + name);
+}
+
 }  // namespace
 
 void run_diagnosis(const DiagnoseOptions& options) {
@@ -119,6 +154,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
     throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --explain EFFECT");
   }
   const firmware::RigDescription description = firmware::read_rig(options.rig);
+  check_name(options.keep_law, description);
   std::vector<identification::Record> records;
   const identification::Use use = options.holdout.empty() ? identification::Use::shared : identification::Use::fitted;
   const auto read = [&](const std::vector<fs::path>& files, identification::Use as) {
@@ -132,7 +168,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
   read(options.holdout, identification::Use::held_out);
   prepare_folder(options.out);
   std::optional<Progress> progress(std::in_place, "diagnose");
-  const identification::Diagnosis diagnosis = identification::diagnose(
+  identification::Diagnosis diagnosis = identification::diagnose(
       description, std::move(records),
       [&, begun = std::chrono::steady_clock::now()](double share, const std::string& what, std::size_t simulations,
                                                     std::size_t candidates) {
@@ -143,6 +179,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
         progress->show(share, what + tried);
       });
   progress.reset();
+  keep_laws(options.keep_law, diagnosis);
 
   // All three files or none: each is written under a temporary name first.
   firmware::OutputFile verdict(options.out / "verdict.json"), report(options.out / "report.html"),
@@ -164,6 +201,7 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
   command->add_option("--holdout", options.holdout,
                       "Recording for validation, not used for fitting (default: the last quarter of each --data)");
   command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
+  command->add_option("--keep-law", options.keep_law, "Name of a learned law in rig.toml, as [laws.NAME]");
   command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
   command->callback([&options] { run_diagnosis(options); });
 }

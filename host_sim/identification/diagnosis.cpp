@@ -4,6 +4,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/assess/assess.hpp"
+#include "host_sim/identification/learn/learn_laws.hpp"
 #include "host_sim/identification/parity/parity_residual.hpp"
 #include "host_sim/identification/select/external_event.hpp"
 #include "host_sim/identification/select/select_model.hpp"
@@ -34,7 +35,9 @@ Diagnosis diagnose(const firmware::RigDescription& description, std::vector<Reco
   const SearchSpace space = search_space(description, problem.samples(), given);             // estimate/
   SearchResult found = select_model(problem, space, progress);                               // select/
   leave_out_events(description, problem, space, progress, found);
-  Diagnosis diagnosis = assess(description, problem, space, std::move(relations), std::move(found));  // assess/
+  const Learned learned = learn_laws(problem, space, progress, found);  // learn/
+  Diagnosis diagnosis =
+      assess(description, problem, space, std::move(relations), std::move(found), learned);  // assess/
   diagnosis.remarks.insert(diagnosis.remarks.begin(), data.remarks.begin(), data.remarks.end());
   return diagnosis;  // report/ writes it down
 }

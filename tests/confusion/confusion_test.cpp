@@ -67,6 +67,22 @@ TEST(Confusion, KnowsWhatIsRight) {
   d.effects[0].confidence = 0.5;
   EXPECT_TRUE(judged(unknown, strange, d).right());
 
+  // A law learned where the hidden one acts is an answer; where an effect of the catalogue hides it is a wrong name.
+  d.unexplained = false;
+  d.effects.clear();
+  host_sim::identification::DescribedLaw law;
+  law.shape = "power law";
+  law.confidence = 0.9;
+  d.laws = {law};
+  strange.unknown_parameters = {{"cubic_damping", 1000.0}};
+  EXPECT_TRUE(judged(unknown, strange, d).right());
+  EXPECT_FALSE(judged(single, gain_of_force(), d).right());
+  EXPECT_TRUE(judged(single, gain_of_force(), d).wrong_name());
+  d.laws.front().law.place = host_sim::identification::CurvePlace::tyre;
+  EXPECT_FALSE(judged(unknown, strange, d).right()) << "at another place";
+  d.laws.clear();
+  d.unexplained = true;
+
   // Spikes are outside the catalogue of effects, and outliers are a fault of the recording.
   const Asked spikes{"unknown:component_bench:spikes", 1};
   truth::Truth spiky;

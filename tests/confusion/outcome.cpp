@@ -16,6 +16,7 @@
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/confusion/rough.hpp"
 
@@ -65,6 +66,9 @@ std::string found_words(const Diagnosis& diagnosis) {
     }
     text += " [" + number(named.confidence) + "]";
   }
+  for (const auto& law : diagnosis.laws)
+    text += (text.empty() ? "" : " and ") + ("law at " + host_sim::identification::words(law)) + " [" +
+            number(law.confidence) + "]";
   return text.empty() ? "nothing" : text;
 }
 
@@ -94,6 +98,17 @@ bool says_what_is_outside(const std::string& id, const truth::Truth& truth, cons
       const auto here = [&](model::Channel c) { return model::name(c) == truth.unknown_channel; };
       if (said.name == fault && std::any_of(said.channels.begin(), said.channels.end(), here)) return true;
     }
+  }
+  return false;
+}
+
+/// Whether a law that was learned is the one that hides: a curve at the suspension, which all of these are there.
+bool is_hidden_law(const truth::Truth& truth, const host_sim::identification::DescribedLaw& law) {
+  if (truth.unknown_parameters.empty() || !truth.unknown_channel.empty()) return false;
+  if (law.law.place != host_sim::identification::CurvePlace::suspension) return false;
+  for (const char* value : {"wen_force", "stribeck_force", "cubic_damping", "asymmetry", "leaf_friction", "lopsided",
+                            "stroke_damping", "power", "smooth_friction", "bristle", "blow_off"}) {
+    if (truth.unknown_parameters.contains(value)) return true;
   }
   return false;
 }
@@ -135,7 +150,15 @@ Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& d
   outcome.residual_power = diagnosis.residual_power.after;
   std::vector<std::string> missed;
   for (const truth::Effect& effect : truth.effects) missed.push_back(words(effect));
+  bool stribeck = false;  // is dry friction that falls: the friction beside the law is part of it
+  for (const auto& law : diagnosis.laws) {
+    const bool right = is_hidden_law(truth, law);
+    outcome.outside_said = outcome.outside_said || right;
+    stribeck = stribeck || (right && law.shape == "stribeck");
+    if (!right) outcome.named.push_back({"law " + law.shape, law.confidence, false});
+  }
   for (const NamedEffect& named : diagnosis.effects) {
+    if (stribeck && named.effect.entry->name == "coulomb_friction") continue;
     const std::string name = host_sim::identification::words(named.effect);
     const auto it = std::find_if(truth.effects.begin(), truth.effects.end(),
                                  [&](const truth::Effect& effect) { return words(effect) == name; });

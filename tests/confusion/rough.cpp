@@ -82,7 +82,7 @@ bool is_right(const Outcome& o, const truth::Truth& truth) {
   // What stands beside the catalogue must at least be seen.
   if (unseen_counts(truth.rough.condition)) {
     const bool said = o.faults_hidden > 0 && o.faults_found == o.faults_hidden;
-    return o.flagged() || said;
+    return o.flagged() || said || o.outside_said;
   }
   if (o.named.size() != o.effects_hidden + o.same_thing) return false;
   if (o.effects_hidden + o.off_hidden > 0) return o.verdict == "named" || o.verdict == "ambiguous";

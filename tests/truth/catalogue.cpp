@@ -237,6 +237,28 @@ const std::vector<Candidate>& neighbour_laws() {
   return all;
 }
 
+const std::vector<Candidate>& laws() {
+  static const std::vector<Candidate> all = [] {
+    std::vector<Candidate> list = neighbour_laws();
+    for (const Candidate& c : outside_effects()) {
+      if (c.name == "cubic_damping" || c.name == "lopsided_spring" || c.name == "hysteresis" ||
+          c.name == "leaf_friction")
+        list.push_back(c);
+    }
+    list.push_back({"blow_off",
+                    "qhb",
+                    {{"blow_off", 150, 600}, {"blow_off_velocity", 0.03, 0.15}},
+                    "blow_off",
+                    1,
+                    20,
+                    3000,
+                    false,
+                    "damping whose valve opens at a velocity: beyond it a seventh of the slope"});
+    return list;
+  }();
+  return all;
+}
+
 const std::vector<Candidate>& outside_sensors() {
   // hum, rounding, spikes and zero drift in noise rms; drifts are over the whole run; bend at the channel's rms.
   static const std::vector<Candidate> all{

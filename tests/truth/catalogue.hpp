@@ -25,8 +25,9 @@ struct Candidate {
   bool joins = true;  ///< drawn for pairs and triples too; false for effects added later: the draws of a seed stay
 };
 
-[[nodiscard]] const std::vector<Candidate>& rig_effects();      ///< of the contract, without a channel
-[[nodiscard]] const std::vector<Candidate>& sensor_effects();   ///< of the contract, with a channel
+[[nodiscard]] const std::vector<Candidate>& rig_effects();     ///< of the contract, without a channel
+[[nodiscard]] const std::vector<Candidate>& sensor_effects();  ///< of the contract, with a channel
+[[nodiscard]] const std::vector<Candidate>& laws();  ///< of force over velocity or deflection, for group "law"
 [[nodiscard]] const std::vector<Candidate>& outside_effects();  ///< not of the contract, in rig or component
 [[nodiscard]] const std::vector<Candidate>& outside_sensors();  ///< not of the contract, in a channel
 [[nodiscard]] const std::vector<Candidate>& neighbour_laws();   ///< not of the contract, but near one of its laws

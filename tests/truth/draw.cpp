@@ -402,9 +402,9 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   std::vector<std::string> parts = split(group);
   const std::string what = parts.front();
   parts.erase(parts.begin());
-  const std::map<std::string, int> sizes{{"none", 0},      {"single", 1},    {"unknown", 1},
-                                         {"pair", 2},      {"triple", 3},    {"quadruple", 4},
-                                         {"quintuple", 5}, {"neighbour", 1}, {"neighbour_beside", 2}};
+  const std::map<std::string, int> sizes{
+      {"none", 0},      {"single", 1},    {"unknown", 1},          {"pair", 2}, {"triple", 3}, {"quadruple", 4},
+      {"quintuple", 5}, {"neighbour", 1}, {"neighbour_beside", 2}, {"law", 1}};
   if (!sizes.contains(what)) throw std::invalid_argument("no such group: " + group);
 
   std::vector<Kind> possible(kinds.begin(), kinds.end());
@@ -415,6 +415,11 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   const std::string channel = parts.size() > 1 ? parts[1] : "";
   const auto fitting = [&](Kind kind) {
     std::vector<std::pair<Candidate, std::string>> fit;
+    if (what == "law") {
+      for (const Candidate& c : laws())
+        if (exists(c, kind) && (name.empty() || c.name == name)) fit.emplace_back(c, "");
+      return fit;
+    }
     for (const auto& [c, its_channel] : candidates_of(kind, what == "unknown"))
       if ((name.empty() ? c.joins : c.name == name) && (channel.empty() || channel == its_channel))
         fit.emplace_back(c, its_channel);

@@ -106,6 +106,8 @@ void put_outside(const Truth& truth, Numbers& n) {
   n.exponent = outside("exponent", 1.0);
   n.smooth_friction = outside("smooth_friction");
   n.smooth_velocity = outside("smooth_velocity", 1.0);
+  n.blow_off = outside("blow_off");
+  n.blow_off_velocity = outside("blow_off_velocity", 1.0);
   n.bristle = outside("bristle");
   n.bristle_excess = outside("bristle_excess");
   n.bristle_stiffness = outside("bristle_stiffness");
@@ -416,6 +418,10 @@ void Rig::dissipative(const State& s, double e, double ev, double spring, double
 void Rig::velocity_laws(const State& s, double ev, Rates& r) const {
   if (n_.power > 0.0) r.force += n_.power * sign(ev) * std::pow(std::abs(ev), n_.exponent);
   if (n_.smooth_friction > 0.0) r.force += n_.smooth_friction * std::tanh(ev / n_.smooth_velocity);
+  if (n_.blow_off > 0.0) {
+    const double slow = std::min(std::abs(ev), n_.blow_off_velocity);
+    r.force += n_.blow_off * sign(ev) * (slow + (std::abs(ev) - slow) / 7.0);
+  }
   if (n_.bristle > 0.0) {
     // ż = v − σ₀|v| z / g(v), F = σ₀ z; g falls from the largest to the sliding force.
     const double ratio = ev / n_.bristle_velocity;

@@ -34,6 +34,7 @@ struct Numbers {
   // near the catalogue
   double power = 0, exponent = 1;                   ///< F = power |v|^exponent sgn v
   double smooth_friction = 0, smooth_velocity = 1;  ///< F = force tanh(v / velocity)
+  double blow_off = 0, blow_off_velocity = 1;       ///< damping, a seventh of it beyond the velocity
   double bristle = 0, bristle_excess = 0, bristle_stiffness = 0, bristle_velocity = 1;  ///< LuGre
   double machine_play = 0;                                                              ///< [m] whole width
   double tyre_drift = 0;                                                                ///< relative, over the record

@@ -13,6 +13,7 @@
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/estimate/uncertainty.hpp"
+#include "host_sim/identification/learn/describe_law.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
@@ -88,7 +89,9 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
 /// Where no effect is named, a relation that fails counts as a residual: what drives the simulation, or is computed by
 /// the program, shows in the relations alone.
 void add_failed_relations(Diagnosis& result) {
-  if (!result.effects.empty() || !result.parameters_off.empty() || result.has_cause_in_recording()) return;
+  if (!result.effects.empty() || !result.laws.empty() || !result.parameters_off.empty() ||
+      result.has_cause_in_recording())
+    return;
   for (const ParityResidual& r : result.relations) {
     if (!r.significant()) continue;
     result.unexplained = true;
@@ -110,7 +113,8 @@ void add_inconstant_laws(const SearchResult& found, double temper, Diagnosis& re
 }
 
 Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
-  if (result.effects.empty() && result.parameters_off.empty() && !result.has_cause_in_recording())
+  if (result.effects.empty() && result.laws.empty() && result.parameters_off.empty() &&
+      !result.has_cause_in_recording())
     return result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
   if (result.unexplained && explained < thresholds::explains_all) return Verdict::unexplained;
   return close ? Verdict::ambiguous : Verdict::named;
@@ -163,6 +167,7 @@ void put_into_rig(const firmware::RigDescription& description, const Hypothesis&
     if (double* const parameter = firmware::find_parameter(result.rig.rig, path)) *parameter = value.value;
   }
   for (const NamedEffect& named : result.effects) firmware::put_effect(result.rig.rig, named.effect);
+  put_laws(found.laws, result.rig.rig);
   result.rig.rig = drifted(result.rig.rig, found.faults, 0.5);
 }
 
@@ -174,7 +179,8 @@ std::string_view name(Verdict verdict) {
 }
 
 Diagnosis assess(const firmware::RigDescription& description, const IdentificationProblem& problem,
-                 const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found) {
+                 const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found,
+                 const Learned& learned) {
   estimate_held_out_starts(found.nothing.fit.hypothesis, description, problem.samples());
   estimate_held_out_starts(found.best.fit.hypothesis, description, problem.samples());
   const bool diverges = !stays_finite(problem, found.best.fit.hypothesis);
@@ -212,6 +218,8 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const std::vector<FreeParameter>& tolerated = fitted_space.tolerated;
   for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];
   result.parameters_off = parameters_off(description, found, result.parameters, certainty);
+  result.laws = describe_laws(problem, found.best.fit, known.half_widths);
+  for (DescribedLaw& law : result.laws) law.confidence = confidence(learned.odds_against, learned.gain, certainty);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
   result.recording_faults = recording_causes(problem, found, criterion, parameters, certainty);

@@ -3,6 +3,7 @@
 
 #include "host_sim/identification/assess/diagnosis_result.hpp"
 #include "host_sim/identification/estimate/virtual_car_estimate.hpp"
+#include "host_sim/identification/learn/learned_law.hpp"
 
 namespace host_sim::identification {
 
@@ -17,6 +18,7 @@ namespace host_sim::identification {
 ///                named           else
 ///   5  where the disagreement sits, prediction errors on held-out data, curves for figures, the rig with all of it
 [[nodiscard]] Diagnosis assess(const firmware::RigDescription& description, const IdentificationProblem& problem,
-                               const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found);
+                               const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found,
+                               const Learned& learned);
 
 }  // namespace host_sim::identification

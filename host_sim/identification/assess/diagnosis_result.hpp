@@ -14,6 +14,7 @@
 #include "host_sim/identification/assess/power_over_time.hpp"
 #include "host_sim/identification/assess/prediction_error.hpp"
 #include "host_sim/identification/estimate/uncertainty.hpp"
+#include "host_sim/identification/learn/learned_law.hpp"
 #include "host_sim/identification/parity/parity_residual.hpp"
 
 namespace host_sim::identification {
@@ -55,6 +56,7 @@ struct Diagnosis {
   std::vector<BandPower> left_by_refit, left_after;  ///< tolerances refitted; effects, too
   std::vector<PowerOverTime> power_over_time;        ///< of the same two models
   std::vector<NamedEffect> effects;
+  std::vector<DescribedLaw> laws;  ///< learned
   std::vector<ParameterOff> parameters_off;
   std::vector<RecordingFault> recording_faults;
   std::map<model::Channel, PredictionError> prediction_errors;

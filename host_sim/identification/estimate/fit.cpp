@@ -51,7 +51,7 @@ void find_sensor_columns(const IdentificationProblem& problem, Fit& at, const st
 /// half of the steps.
 void find_simulated_columns(const IdentificationProblem& problem, Fit& at, const std::vector<std::size_t>& columns) {
   if (columns.empty()) return;
-  const bool halved = has_corners(at.hypothesis.rig);
+  const bool halved = is_stepped_finely(at.hypothesis.rig);
   std::vector<Variation> variations;
   std::vector<double> steps;
   for (const std::size_t column : columns) {

@@ -19,6 +19,9 @@ void FreeParameter::put(Hypothesis& hypothesis, double u) const {
     hypothesis.starts[recording](state) = value(u);
   } else if (role == Role::fault) {
     hypothesis.faults[fault].values[number] = value(u);
+  } else if (role == Role::law) {
+    hypothesis.laws[law].values[number] = value(u);
+    put_laws(hypothesis.laws, hypothesis.rig);
   } else if (double* const parameter = firmware::find_parameter(hypothesis.rig, path)) {
     *parameter = value(u);
   }
@@ -27,6 +30,7 @@ void FreeParameter::put(Hypothesis& hypothesis, double u) const {
 double FreeParameter::get(const Hypothesis& hypothesis) const {
   if (role == Role::start) return coordinate(hypothesis.starts[recording](state));
   if (role == Role::fault) return coordinate(hypothesis.faults[fault].values[number]);
+  if (role == Role::law) return coordinate(hypothesis.laws[law].values[number]);
   model::RigParameters<double> rig = hypothesis.rig;
   const double* const parameter = firmware::find_parameter(rig, path);
   return parameter != nullptr ? coordinate(*parameter) : 0.0;
@@ -40,7 +44,7 @@ bool FreeParameter::at_bound(const Hypothesis& hypothesis) const {
 double FreeParameter::trust_radius(double u) const {
   if (role == Role::start) return thresholds::start_trust_radius;
   if (role == Role::tolerated || (sensor && !logarithmic)) return INFINITY;
-  if (role == Role::fault && is_linear) return INFINITY;
+  if ((role == Role::fault || role == Role::law) && is_linear) return INFINITY;
   return logarithmic ? thresholds::effect_trust_radius : std::max(thresholds::effect_trust_radius, std::abs(u));
 }
 
@@ -167,6 +171,37 @@ std::vector<FreeParameter> fault_parameters(const std::vector<PlacedFault>& faul
           break;
       }
       parameters.push_back(std::move(u));
+    }
+  }
+  return parameters;
+}
+
+std::vector<FreeParameter> law_parameters(const std::vector<PlacedLaw>& laws) {
+  std::vector<FreeParameter> parameters;
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    const PlacedLaw& law = laws[l];
+    for (std::size_t v = 0; v < law.values.size(); ++v) {
+      if (law.family == LawFamily::points && law.at[v] == 0.0) continue;
+      FreeParameter u{.role = FreeParameter::Role::law, .path = ""};
+      u.law = l;
+      u.number = v;
+      u.difference = thresholds::law_difference;
+      const LawValue::Kind kind =
+          law.family == LawFamily::points ? LawValue::Kind::force : values_of(law.family)[v].kind;
+      if (kind == LawValue::Kind::force) {
+        u.scale = law.size;
+        u.lower = -thresholds::largest_law_force;
+        u.upper = thresholds::largest_law_force;
+        u.is_linear = law.family == LawFamily::points;
+      } else {
+        const LawValue& value = values_of(law.family)[v];
+        const double unit = kind == LawValue::Kind::width ? law.rms : 1.0;
+        u.logarithmic = true;
+        u.scale = std::max(law.values[v], 1e-12);
+        u.lower = std::log(value.lower * unit / u.scale);
+        u.upper = std::log(value.upper * unit / u.scale);
+      }
+      parameters.push_back(u);
     }
   }
   return parameters;

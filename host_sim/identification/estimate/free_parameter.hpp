@@ -19,7 +19,7 @@ namespace host_sim::identification {
 ///   (1)  value = centre + scale · u      tolerated parameters, signed effect parameters, start states
 ///   (2)  value = scale · e^u             effect parameters that are positive
 struct FreeParameter {
-  enum class Role : unsigned char { tolerated, effect, start, fault } role;
+  enum class Role : unsigned char { tolerated, effect, start, fault, law } role;
   std::string path;                        ///< of tolerated and effect parameters
   std::size_t recording{};                 ///< of start states
   int state{};                             ///< of start states: z_w, ż_w, z_b, ż_b, y, ẏ
@@ -30,6 +30,7 @@ struct FreeParameter {
   double lower{}, upper{};                 ///< bounds of u
   double difference{};                     ///< of u, for the Jacobian
   std::size_t fault{}, number{};           ///< of a fault: which of Hypothesis::faults, which of its values
+  std::size_t law{};                       ///< which of Hypothesis::laws; `number`: which of its values
   std::vector<model::Channel> readings{};  ///< of a fault that costs no simulation: only these channels depend on it
 
   [[nodiscard]] double value(double u) const;
@@ -67,6 +68,9 @@ struct FreeParameter {
 
 /// The values of the faults of a recording that are to be fitted, in the order of the faults.
 [[nodiscard]] std::vector<FreeParameter> fault_parameters(const std::vector<PlacedFault>& faults);
+
+/// The values of learned laws, in the order of the laws.
+[[nodiscard]] std::vector<FreeParameter> law_parameters(const std::vector<PlacedLaw>& laws);
 
 /// What all models of a search share: where they begin and what is free in each of them.
 struct SearchSpace {

@@ -44,6 +44,14 @@ inline constexpr double drift_scale = 0.1, largest_drift = 0.9, largest_curvatur
 /// [coordinate] Difference for the Jacobian: 1 % of each scale, as of a tolerance.
 inline constexpr double fault_difference = 1e-2;
 
+// Learned laws (predict/placed_law.hpp) -------------------------------------------------------------------------------
+
+/// [coordinate] Difference for the Jacobian of a law's values: a thousandth of its largest force, as of an effect.
+inline constexpr double law_difference = 1e-3;
+/// [1] Bound of a law's force, relative to its size where the fit began: a law that grows by more has found another
+/// explanation. Half and twice: not measured.
+inline constexpr double largest_law_force = 50.0;
+
 // What a fit leaves ---------------------------------------------------------------------------------------------------
 
 /// [standard deviations] of a channel's power in a band beyond its noise, on fitted and on held-out data, from which it

@@ -6,6 +6,7 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "host_sim/comparison/simulation.hpp"
+#include "host_sim/identification/predict/placed_law.hpp"
 #include "host_sim/identification/predict/recording_faults.hpp"
 #include "host_sim/identification/prepare/prepared_recording.hpp"
 
@@ -17,6 +18,7 @@ struct Hypothesis {
   /// Of a channel with a hold: at which of the instants that its renewals allow it takes its value.
   std::array<HoldClock, model::channel_count> clocks{};
   std::vector<PlacedFault> faults{};  ///< of the recordings, the same in all
+  std::vector<PlacedLaw> laws{};      ///< learned; their tables stand in `rig`, too
 };
 
 /// The rig as described; recordings that do not begin at rest start in the state that their first seconds show.

@@ -31,6 +31,8 @@ bool has_corners(const Rig& rig) {
   return corners;
 }
 
+bool is_stepped_finely(const Rig& rig) { return has_corners(rig) || rig.laws.any(); }
+
 namespace {
 
 Rig without_sensors(const Rig& rig) {
@@ -41,7 +43,7 @@ Rig without_sensors(const Rig& rig) {
 
 /// Model steps per sample.
 int steps_of(const Rig& bare, double period, Resolution resolution) {
-  const bool finely = has_corners(bare) && !firmware::find_rig_fault(bare, period / resolution.substeps);
+  const bool finely = is_stepped_finely(bare) && !firmware::find_rig_fault(bare, period / resolution.substeps);
   const int wanted = resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps;
   return finely ? wanted : 1;
 }

@@ -6,6 +6,7 @@
 
 #include "firmware/description/rig_writer.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/report/report.hpp"
 
 namespace host_sim::identification {
@@ -308,6 +309,7 @@ std::string sentence(const Diagnosis& diagnosis) {
     }
     names.push_back(text);
   }
+  for (const DescribedLaw& law : diagnosis.laws) names.push_back("a law at the " + words(law));
   std::vector<std::string> off;
   for (const ParameterOff& parameter : diagnosis.parameters_off) {
     off.push_back(parameter.path + " is " + figure_text(parameter.value.value, 5) + ", not " +
@@ -381,6 +383,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
   add_parameters_off(page, diagnosis);
   add_recording_faults(page, diagnosis);
   add_effects(page, diagnosis);
+  add_laws(page, diagnosis.laws);
   add_where(page, diagnosis);
   if (!diagnosis.parameters.empty()) {
     page.add_section("Tolerated parameters, refitted");

@@ -58,6 +58,20 @@ ordered_json to_json(const NamedEffect& named) {
   return json;
 }
 
+ordered_json to_json(const DescribedLaw& law) {
+  const std::string over(name(law.law.over));
+  ordered_json json{{"place", name(law.law.place)}, {"over", {over}}, {"shape", law.shape}, {"words", law.words}};
+  json["parameters"] = ordered_json::object();
+  for (const LawNumber& number : law.numbers)
+    json["parameters"][number.name] = {{"value", number.value}, {"ci95", {number.lower, number.upper}}};
+  json["memory"] = false;
+  json["table"] = {{over, law.at}, {"force", law.force}, {"band95", ordered_json::array()}};
+  for (std::size_t i = 0; i < law.at.size(); ++i) json["table"]["band95"].push_back({law.lower[i], law.upper[i]});
+  json["excited"] = {law.lowest, law.highest};
+  json["confidence"] = law.confidence;
+  return json;
+}
+
 }  // namespace
 
 namespace {
@@ -126,7 +140,8 @@ ordered_json to_json(const Diagnosis& diagnosis) {
     if (fault.is_cause) one["alternatives"] = to_json(fault.alternatives);
     json["recording"].push_back(std::move(one));
   }
-  json["laws"] = ordered_json::array();  // always present, as contract.md says; not searched for yet
+  json["laws"] = ordered_json::array();
+  for (const DescribedLaw& law : diagnosis.laws) json["laws"].push_back(to_json(law));
   json["undetermined"] = ordered_json::array();
   for (const Undetermined& open : diagnosis.undetermined) {
     json["undetermined"].push_back({{"combination", open.combination}, {"why", open.why}});

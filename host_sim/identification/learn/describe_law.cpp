@@ -1,0 +1,240 @@
+#include "host_sim/identification/learn/describe_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "host_sim/identification/learn/excited_range.hpp"
+#include "host_sim/identification/learn/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using model::Channel;
+
+template <class... Number>
+std::string text_of(const char* format, Number... numbers) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, numbers...);
+  return text;
+}
+
+/// A law of a fit with what is known about its values.
+class LawDescription {
+ public:
+  LawDescription(const Fit& fit, const Eigen::VectorXd& half_widths, std::size_t law)
+      : fit_(fit), half_widths_(half_widths), law_(fit.hypothesis.laws[law]) {
+    for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+      const FreeParameter& p = fit.parameters[i];
+      if (p.role == FreeParameter::Role::law && p.law == law) own_.push_back(i);
+    }
+    const auto& rig = fit.hypothesis.rig;
+    const bool tyre = law_.place == CurvePlace::tyre;
+    if (law_.over == CurveOver::velocity) slope_ = tyre ? rig.tyre.damping : rig.suspension.damping;
+    if (law_.over == CurveOver::deflection) slope_ = tyre ? rig.tyre.stiffness : rig.suspension.stiffness;
+  }
+
+  [[nodiscard]] DescribedLaw described() const {
+    DescribedLaw out;
+    out.law = law_;
+    add_curve(out);
+    switch (law_.family) {
+      case LawFamily::points:
+        out.shape = "curve";
+        out.words = "no simple shape";
+        break;
+      case LawFamily::power:
+        power(out);
+        break;
+      case LawFamily::two_slopes:
+      case LawFamily::two_powers:
+        two_sides(out);
+        break;
+      case LawFamily::soft_sign:
+        soft_sign(out);
+        break;
+      case LawFamily::falling:
+        falling(out);
+        break;
+      case LawFamily::knee:
+      case LawFamily::one_sided:
+        knee(out);
+        break;
+    }
+    return out;
+  }
+
+ private:
+  /// A value with its interval, times a factor.
+  [[nodiscard]] LawNumber number(std::string name, std::size_t value, double factor = 1.0, double offset = 0.0) const {
+    const std::size_t i = own_[value];
+    const FreeParameter& p = fit_.parameters[i];
+    const double u = p.get(fit_.hypothesis), half = half_widths_(static_cast<Eigen::Index>(i));
+    double low = offset + factor * p.value(std::max(u - half, p.lower));
+    double high = offset + factor * p.value(std::min(u + half, p.upper));
+    if (low > high) std::swap(low, high);
+    return {std::move(name), offset + factor * p.value(u), low, high};
+  }
+  [[nodiscard]] const char* symbol() const { return law_.over == CurveOver::velocity ? "v" : "x"; }
+
+  void power(DescribedLaw& out) const {
+    out.shape = "power law";
+    out.numbers.push_back(number("exponent", 1));
+    const double scale = std::pow(law_.rms, -law_.values[1]);
+    out.numbers.push_back(number("coefficient", 0, scale));
+    const LawNumber& p = out.numbers.front();
+    out.words = text_of("grows with |%s|^%.2f ± %.2f", symbol(), p.value, 0.5 * (p.upper - p.lower));
+  }
+
+  /// The force of rig and law together at x, towards rest.
+  [[nodiscard]] double total(const PlacedLaw& law, double x) const { return slope_ * x + law.force(x); }
+
+  /// In per cent, how much larger the force is at −2r than at 2r.
+  [[nodiscard]] double harder(const PlacedLaw& law) const {
+    const double x = std::min(2.0 * law.rms, law.largest), push = total(law, x);
+    return push != 0.0 ? 100.0 * (-total(law, -x) / push - 1.0) : 0.0;
+  }
+
+  void two_sides(DescribedLaw& out) const {
+    const bool powers = law_.family == LawFamily::two_powers;
+    out.shape = powers ? "asymmetric power law" : "asymmetric";
+    if (powers) out.numbers.push_back(number("exponent", 2));
+    const double base = powers ? 0.0 : slope_;
+    out.numbers.push_back(number("compression", 0, 1.0 / law_.rms, base));
+    out.numbers.push_back(number("rebound", 1, 1.0 / law_.rms, base));
+    double half = 0.0;  // as far as either force alone moves it
+    for (std::size_t v = 0; v < 2; ++v) {
+      PlacedLaw moved = law_;
+      moved.values[v] +=
+          0.5 * law_.rms * (out.numbers[powers ? v + 1 : v].upper - out.numbers[powers ? v + 1 : v].lower);
+      half = std::max(half, std::abs(harder(moved) - harder(law_)));
+    }
+    const double more = harder(law_);
+    out.numbers.push_back({"rebound_harder_by_per_cent", more, more - half, more + half});
+    out.words = text_of("rebound %.0f %% %s than compression", std::abs(more), more > 0.0 ? "harder" : "softer");
+    if (powers) out.words += text_of(", with |%s|^%.2f", symbol(), law_.values[2]);
+  }
+
+  void soft_sign(DescribedLaw& out) const {
+    out.shape = "smooth friction";
+    out.numbers = {number("force", 0), number("velocity", 1)};
+    out.words = text_of("friction of %.3g N that sets in over %.2g mm/s", law_.values[0], 1e3 * law_.values[1]);
+  }
+
+  void falling(DescribedLaw& out) const {
+    out.shape = "stribeck";
+    double friction = 0.0;
+    for (const firmware::PlacedEffect& effect : firmware::effects_of(fit_.hypothesis.rig)) {
+      if (effect.entry->name == "coulomb_friction") friction = effect.values.front();
+    }
+    out.numbers = {
+        {"break_away", friction, friction, friction}, number("sliding", 0, -1.0, friction), number("velocity", 1)};
+    out.words = text_of("breaks away at %.3g N, falls to %.3g N by %.2g mm/s (Stribeck)", friction,
+                        friction - law_.values[0], 2e3 * law_.values[1]);
+  }
+
+  void knee(DescribedLaw& out) const {
+    const bool one_sided = law_.family == LawFamily::one_sided;
+    const double below = one_sided ? slope_ : slope_ + law_.values[0] / law_.rms;
+    const double above = slope_ + law_.values[1] / law_.rms;
+    const bool stiffer = one_sided ? std::max(law_.values[0], law_.values[1]) > 0.0 : above > below;
+    out.shape = stiffer ? "progressive" : "degressive";
+    out.numbers = {number("from", 2), number(one_sided ? "compression" : "slope_below", 0, 1.0 / law_.rms, slope_),
+                   number(one_sided ? "rebound" : "slope_above", 1, 1.0 / law_.rms, slope_)};
+    out.words = text_of("%s from %.3g %s on", stiffer ? "stiffens" : "gives way", 1e3 * law_.values[2],
+                        law_.over == CurveOver::velocity ? "mm/s" : "mm");
+  }
+
+  void add_curve(DescribedLaw& out) const {
+    const LawTable table = table_of(law_);
+    out.at = table.at;
+    out.force = table.value;
+    const auto n = static_cast<Eigen::Index>(own_.size());
+    Eigen::MatrixXd covariance(n, n), change(static_cast<Eigen::Index>(table.at.size()), n);
+    const Eigen::MatrixXd all = fit_.covariance();
+    double stretch = 1.0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const std::size_t p = own_[static_cast<std::size_t>(i)];
+      const auto row = static_cast<Eigen::Index>(p);
+      for (Eigen::Index k = 0; k < n; ++k)
+        covariance(i, k) = all(row, static_cast<Eigen::Index>(own_[static_cast<std::size_t>(k)]));
+      stretch = std::max(stretch, half_widths_(row) / (1.96 * std::sqrt(std::max(covariance(i, i), 1e-300))));
+      PlacedLaw moved = law_;
+      const FreeParameter& parameter = fit_.parameters[p];
+      const double u = parameter.get(fit_.hypothesis);
+      moved.values[parameter.number] = parameter.value(u + parameter.difference);
+      for (std::size_t k = 0; k < table.at.size(); ++k) {
+        const double force = law_.family == LawFamily::points ? moved.values[k] : moved.force(table.at[k]);
+        change(static_cast<Eigen::Index>(k), i) = (force - table.value[k]) / parameter.difference;
+      }
+    }
+    if (!std::isfinite(stretch)) stretch = thresholds::widest_stretch;
+    for (std::size_t k = 0; k < table.at.size(); ++k) {
+      const Eigen::VectorXd g = change.row(static_cast<Eigen::Index>(k)).transpose();
+      const double half =
+          1.96 * std::min(stretch, thresholds::widest_stretch) * std::sqrt(std::max(g.dot(covariance * g), 0.0));
+      out.lower.push_back(table.value[k] - half);
+      out.upper.push_back(table.value[k] + half);
+    }
+  }
+
+  const Fit& fit_;
+  const Eigen::VectorXd& half_widths_;
+  const PlacedLaw& law_;
+  std::vector<std::size_t> own_;  ///< its parameters
+  double slope_ = 0.0;            ///< b
+};
+
+/// The force that the residual of a channel stands for at a place: that of the law plus it.
+std::vector<double> force_error(const PreparedRecording& recording, const Response& readings, const Hypothesis& with,
+                                CurvePlace place) {
+  const bool bench = with.rig.kind != model::RigKind::quarter_car;
+  const Channel channel = place == CurvePlace::tyre ? Channel::F_w : bench ? Channel::F : Channel::zdd_b;
+  if (!recording.explains(channel)) return {};
+  const double factor = place == CurvePlace::suspension && !bench ? with.rig.body.mass : 1.0;
+  std::vector<double> error = readings[index(channel)];
+  const std::vector<double>& measured = recording.recording[channel];
+  for (std::size_t k = 0; k < error.size(); ++k) error[k] = factor * (measured[k] - error[k]);
+  return error;
+}
+
+/// Points behind the curve, of a window that is held out, else fitted: the law's force at the simulated motion plus
+/// what the residual says.
+void add_points(const IdentificationProblem& problem, const Hypothesis& hypothesis, DescribedLaw& out) {
+  for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
+    const ProblemRecording& r = problem.recordings()[i];
+    const Window window = r.is_held_out() ? r.held_out : r.fitted;
+    if (window.size() == 0) continue;
+    const Response readings =
+        read_channels(hypothesis, *r.samples, r.samples->input, hypothesis.starts[i], window.to, r.resolution());
+    const std::vector<double> x = motion_at(*r.samples, readings, out.law.place, out.law.over);
+    const std::vector<double> error = force_error(*r.samples, readings, hypothesis, out.law.place);
+    if (error.empty()) return;
+    const std::size_t step = std::max<std::size_t>(window.size() / thresholds::points_shown, 1);
+    for (std::size_t k = window.from; k < std::min({window.to, x.size(), error.size()}); k += step) {
+      out.seen_at.push_back(x[k]);
+      out.seen_force.push_back(out.law.force(x[k]) + error[k]);
+    }
+    return;
+  }
+}
+
+}  // namespace
+
+std::vector<DescribedLaw> describe_laws(const IdentificationProblem& problem, const Fit& fit,
+                                        const Eigen::VectorXd& half_widths) {
+  std::vector<DescribedLaw> list;
+  for (std::size_t l = 0; l < fit.hypothesis.laws.size(); ++l) {
+    DescribedLaw law = LawDescription(fit, half_widths, l).described();
+    if (const auto range = excited_range(problem, fit.hypothesis, law.law.place, law.law.over)) {
+      law.lowest = range->lowest;
+      law.highest = range->highest;
+    }
+    add_points(problem, fit.hypothesis, law);
+    list.push_back(std::move(law));
+  }
+  return list;
+}
+
+}  // namespace host_sim::identification

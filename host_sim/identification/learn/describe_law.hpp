@@ -1,0 +1,32 @@
+// What a learned law looks like, in an engineer's words with numbers.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "host_sim/identification/learn/learned_law.hpp"
+#include "host_sim/identification/noise/identification_problem.hpp"
+
+namespace host_sim::identification {
+
+/// The shapes. x: velocity or deflection at the place, b: slope that the rig itself has there (damping or stiffness of
+/// suspension or tyre), c, c′, p, w, r: values of a family (predict/placed_law.hpp).
+///
+/// | shape                | family           | numbers                                                               |
+/// | -------------------- | ---------------- | --------------------------------------------------------------------- |
+/// | power law            | power            | exponent p; coefficient c/r^p                                         |
+/// | asymmetric           | two_slopes       | compression b + c/r, rebound b + c′/r, rebound_harder_by_per_cent     |
+/// | asymmetric power law | two_powers       | exponent p, rebound_harder_by_per_cent 100 (c′/c − 1)                 |
+/// | smooth friction      | soft_sign        | force c, velocity w: 76 % of the force are reached there              |
+/// | stribeck             | falling          | break_away F_c, sliding F_c − c, velocity w; F_c: dry friction beside |
+/// | degressive           | knee             | slopes b + c/r below, b + c′/r above the knee w; the upper is lower   |
+/// | progressive          | knee, one_sided  | the upper slope is larger: "stiffens from w on"                       |
+/// | curve                | points           | none                                                                  |
+///
+/// `half_widths`: 95 %, of the coordinates of the fit's parameters (estimate/uncertainty.hpp). The band of the curve is
+/// 1.96 √(gᵀ C g) with C the covariance of the law's values, stretched by the largest half width relative to its own
+/// entry of C, and g the change of the curve with the values.
+[[nodiscard]] std::vector<DescribedLaw> describe_laws(const IdentificationProblem& problem, const Fit& fit,
+                                                      const Eigen::VectorXd& half_widths);
+
+}  // namespace host_sim::identification

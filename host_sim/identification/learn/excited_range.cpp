@@ -1,0 +1,46 @@
+#include "host_sim/identification/learn/excited_range.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_sim/identification/learn/thresholds.hpp"
+
+namespace host_sim::identification {
+
+using model::Channel;
+
+std::vector<double> motion_at(const PreparedRecording& recording, const Response& channels, CurvePlace place,
+                              CurveOver over) {
+  const bool bench = channels[index(Channel::dz_b)].empty();
+  std::vector<double> x = channels[index(place == CurvePlace::tyre ? Channel::dz_w
+                                         : bench                   ? Channel::x_act
+                                                                   : Channel::dz_b)];
+  if (x.empty() && place == CurvePlace::suspension) {
+    for (const auto& motion : recording.input.motion) x.push_back(motion.position);
+  }
+  if (over == CurveOver::deflection || x.size() < 3) return x;
+  std::vector<double> velocity(x.size(), 0.0);
+  for (std::size_t k = 1; k + 1 < x.size(); ++k) velocity[k] = (x[k + 1] - x[k - 1]) / (2.0 * recording.input.period);
+  return velocity;
+}
+
+std::optional<ExcitedRange> excited_range(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                          CurvePlace place, CurveOver over) {
+  std::vector<double> seen;
+  for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
+    const ProblemRecording& r = problem.recordings()[i];
+    if (!r.is_fitted()) continue;
+    const Response channels =
+        true_channels(hypothesis, *r.samples, r.samples->input, hypothesis.starts[i], r.fitted.to, r.resolution());
+    const std::vector<double> x = motion_at(*r.samples, channels, place, over);
+    for (std::size_t k = r.fitted.from; k < std::min(r.fitted.to, x.size()); ++k) seen.push_back(x[k]);
+  }
+  std::sort(seen.begin(), seen.end());
+  double squares = 0.0;
+  for (const double x : seen) squares += x * x;
+  if (seen.size() < thresholds::fewest_samples || !(squares > 0.0) || !std::isfinite(squares)) return std::nullopt;
+  const auto cut = static_cast<std::size_t>(thresholds::rarely_reached * static_cast<double>(seen.size()));
+  return ExcitedRange{seen[cut], seen[seen.size() - 1 - cut], std::sqrt(squares / static_cast<double>(seen.size()))};
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,401 @@
+#include "host_sim/identification/learn/learn_laws.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/common/wording.hpp"
+#include "host_sim/identification/estimate/residual_over_time.hpp"
+#include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/learn/curve_family.hpp"
+#include "host_sim/identification/learn/thresholds.hpp"
+#include "host_sim/identification/select/held_out.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+using EffectsBeside = std::vector<firmware::PlacedEffect>;
+
+double temper_of(const Fit& fit) {
+  return std::max(1.0, fit.chi_squared / std::max(1.0, static_cast<double>(fit.residual.size())));
+}
+
+/// Whether more than noise is left, or an effect is another one than its law says.
+bool leaves_a_rest(const IdentificationProblem& problem, const SearchResult& found) {
+  const double temper = temper_of(found.best.fit);
+  if (std::any_of(found.constancy.begin(), found.constancy.end(),
+                  [&](const LawConstancy& c) { return c.fails(temper); })) {
+    return true;
+  }
+  const Hypothesis& best = found.best.fit.hypothesis;
+  return unexplained_residual(problem, best).significant || find_rest(problem, best).found();
+}
+
+/// Nothing but noise is left.
+bool is_whole(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  return !unexplained_residual(problem, hypothesis).significant && !find_rest(problem, hypothesis).found();
+}
+
+/// A place and what acts beside a law there.
+struct Beside {
+  CurvePlace place;
+  CurveOver over;
+  EffectsBeside effects;
+};
+
+bool are_same(const EffectsBeside& a, const EffectsBeside& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.entry == y.entry && x.channel == y.channel; });
+}
+
+bool is_friction(const firmware::PlacedEffect& effect) { return effect.entry->name == "coulomb_friction"; }
+
+/// Whether an effect is itself a curve over that variable, at the suspension or the tyre.
+bool is_curve(const firmware::PlacedEffect& effect, CurveOver over) {
+  constexpr std::array<std::string_view, 3> over_velocity{"coulomb_friction", "viscous_damping", "quadratic_damping"};
+  constexpr std::array<std::string_view, 3> over_deflection{"progressive_spring", "bump_stop", "progressive_tyre"};
+  const auto& names = over == CurveOver::velocity ? over_velocity : over_deflection;
+  return std::find(names.begin(), names.end(), effect.entry->name) != names.end();
+}
+
+/// What of the effects that were found may act beside a law: those of sensors and of the machine, then also those of
+/// other parts of the rig, with the friction at the place, and all of them.
+std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace place, CurveOver over) {
+  const model::Subsystem own = place == CurvePlace::tyre ? model::Subsystem::tyre : model::Subsystem::suspension;
+  const auto those = [&](const auto& keep) {
+    EffectsBeside kept;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(kept), keep);
+    return kept;
+  };
+  const auto elsewhere = [](const firmware::PlacedEffect& e) {
+    return e.channel.has_value() || e.entry->subsystem == model::Subsystem::machine;
+  };
+  std::vector<EffectsBeside> list{
+      {}, those(elsewhere), those([&](const auto& e) { return elsewhere(e) || e.entry->subsystem != own; })};
+  if (over == CurveOver::velocity) {
+    list.push_back(those(is_friction));
+    list.push_back(those([&](const auto& e) { return elsewhere(e) || is_friction(e); }));
+    list.push_back(those([&](const auto& e) { return elsewhere(e) || e.entry->subsystem != own || is_friction(e); }));
+  }
+  // Of those at the place, laws of another kind: a curve over velocity beside free play, a spring, a branch.
+  list.push_back(those([&](const auto& e) { return e.entry->subsystem != own || !is_curve(e, over); }));
+  std::vector<EffectsBeside> different;
+  for (EffectsBeside& effects : list) {
+    if (std::none_of(different.begin(), different.end(), [&](const EffectsBeside& d) { return are_same(d, effects); }))
+      different.push_back(std::move(effects));
+  }
+  return different;
+}
+
+/// The force at x of effects that act at a place without memory: what a curve begins with that takes their place.
+class ForceOfEffects {
+ public:
+  ForceOfEffects(const EffectsBeside& all, const EffectsBeside& kept, CurvePlace place, CurveOver over)
+      : place_(place), over_(over) {
+    for (const firmware::PlacedEffect& effect : all) {
+      if (std::none_of(kept.begin(), kept.end(),
+                       [&](const auto& k) { return k.entry == effect.entry && k.channel == effect.channel; })) {
+        firmware::put_effect(rig_, effect);
+      }
+    }
+  }
+
+  [[nodiscard]] double operator()(double x) const {
+    const double deflection = over_ == CurveOver::deflection ? x : 0.0,
+                 velocity = over_ == CurveOver::velocity ? x : 0.0;
+    double force = 0.0;
+    model::SuspensionComponent<double> part{};
+    rig_.effects.for_each([&](const auto& slot) {
+      if (!slot.active) return;
+      if constexpr (requires { slot.effect.suspension_force(deflection, velocity); }) {
+        if (place_ == CurvePlace::suspension) force += slot.effect.suspension_force(deflection, velocity);
+      } else if constexpr (requires { slot.effect.act_on(part); }) {
+        if (place_ == CurvePlace::suspension) slot.effect.act_on(part);
+      } else if constexpr (requires { slot.effect.tyre_force(force, deflection, 0.0); }) {
+        if (place_ == CurvePlace::tyre && slot.effect.card.subsystem == model::Subsystem::tyre &&
+            slot.effect.values.size() > 0) {
+          force += slot.effect.tyre_force(0.0, deflection, 0.0);
+        }
+      }
+    });
+    return force + part.damping * velocity + part.dry_friction * (velocity > 0.0 ? 1.0 : velocity < 0.0 ? -1.0 : 0.0);
+  }
+
+ private:
+  CurvePlace place_;
+  CurveOver over_;
+  model::RigParameters<double> rig_{};
+};
+
+class LawSearch {
+ public:
+  LawSearch(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
+            SearchResult& found)
+      : problem_(problem), space_(space), progress_(progress), found_(found) {}
+
+  Learned learn();
+
+ private:
+  struct Curve {
+    Beside beside;
+    CurveFit fit;
+    double cost = 0.0;  ///< as that of a candidate model
+  };
+  /// A law on the whole problem.
+  struct Candidate {
+    CandidateModel model;
+    double cost = 0.0;
+    LawFamily family = LawFamily::points;
+  };
+
+  [[nodiscard]] std::vector<Beside> places() const;
+  [[nodiscard]] double size_of_forces() const;
+  [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
+  [[nodiscard]] std::vector<Curve> curves() const;
+  [[nodiscard]] std::vector<Candidate> candidates(const std::vector<Curve>& curves) const;
+  [[nodiscard]] double cost_of(const CandidateModel& model, double freedom) const;
+  [[nodiscard]] static bool is_possible(const Candidate& candidate);
+  void eliminate(Candidate& law) const;
+  [[nodiscard]] bool is_kept(const Candidate& law, Learned& learned) const;
+  void adopt(Candidate law);
+  void tell(double share, const char* what) const {
+    if (progress_) progress_(share, what, found_.simulations, found_.candidates);
+  }
+
+  IdentificationProblem& problem_;
+  const SearchSpace& space_;
+  const ProgressCallback& progress_;
+  SearchResult& found_;
+  SelectionCriterion criterion_{};
+  mutable std::vector<double> gains_{};               ///< of the effects beside the law
+  std::size_t slot_ = 0;                              ///< of the rig's laws that is free
+  double best_cost_ = 0.0, best_beyond_noise_ = 0.0;  ///< of the effects found, under the problem's present weights
+};
+
+std::vector<Beside> LawSearch::places() const {
+  std::vector<std::pair<CurvePlace, CurveOver>> where{{CurvePlace::suspension, CurveOver::velocity},
+                                                      {CurvePlace::suspension, CurveOver::deflection}};
+  const bool is_car = space_.given.rig.kind == model::RigKind::quarter_car;
+  if (is_car && !problem_.samples().front().input.wheel_prescribed)
+    where.emplace_back(CurvePlace::tyre, CurveOver::deflection);
+  std::vector<Beside> list;
+  for (const auto& [place, over] : where) {
+    for (EffectsBeside& effects : effects_beside(found_.best.effects, place, over)) {
+      list.push_back({place, over, std::move(effects)});
+    }
+  }
+  return list;
+}
+
+/// Friction falls with velocity by a part of it; what falls by more, or rises, is another law.
+bool LawSearch::is_possible(const Candidate& candidate) {
+  if (candidate.family != LawFamily::falling) return true;
+  const double fall = candidate.model.fit.hypothesis.laws.back().values.front();
+  const auto& effects = candidate.model.effects;
+  const auto friction = std::find_if(effects.begin(), effects.end(), is_friction);
+  return friction != effects.end() && fall > 0.0 && fall < friction->values.front();
+}
+
+/// χ² with a penalty for each law and effect, and for each parameter of effects and laws.
+double LawSearch::cost_of(const CandidateModel& model, double freedom) const {
+  double cost = model.fit.chi_squared + criterion_.effect + criterion_.parameter * freedom;
+  for (const firmware::PlacedEffect& effect : model.effects)
+    cost += criterion_.effect + criterion_.parameter * static_cast<double>(effect_parameters(effect).size());
+  for (const PlacedFault& fault : model.faults()) cost += penalty(criterion_, fault, model.channels);
+  return cost;
+}
+
+std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
+  Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, beside.effects);
+  const auto range = excited_range(problem_, start, beside.place, beside.over);
+  if (!range) return std::nullopt;
+  start.laws.push_back(flat_curve(beside.place, beside.over, *range));
+  const auto along = excited_range(problem_, start, beside.place, CurveOver::deflection);
+  const double stiffness = beside.place == CurvePlace::tyre ? start.rig.tyre.stiffness : start.rig.suspension.stiffness;
+  start.laws.back().size = std::max(thresholds::force_share * stiffness * (along ? along->rms : 0.0), 1e-3);
+  start.laws.back().slot = slot_;
+  const ForceOfEffects replaced(found_.best.effects, beside.effects, beside.place, beside.over);
+  PlacedLaw& law = start.laws.back();
+  for (std::size_t i = 0; i < law.at.size(); ++i) law.values[i] = replaced(law.at[i]);
+  put_laws(start.laws, start.rig);
+  return start;
+}
+
+/// The curves worth fitting on the whole, best first.
+std::vector<LawSearch::Curve> LawSearch::curves() const {
+  const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
+  const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
+  const std::vector<Beside> all = places();
+  std::vector<std::optional<Curve>> fitted(all.size());
+  const auto fit_from = [&](std::size_t i, const Hypothesis& start, int most) {
+    auto curve = fit_curve(part, space_, start, all[i].effects, most);
+    if (!curve) return;
+    const double cost = cost_of(curve->model, curve->freedom);
+    fitted[i] = Curve{all[i], std::move(*curve), cost};
+  };
+  for_all(all.size(), [&](std::size_t i) {
+    if (const auto start = start_of(all[i])) fit_from(i, *start, 1);
+  });
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
+    if (fitted[i]) order.push_back(i);
+  }
+  const auto better = [&](std::size_t a, std::size_t b) { return fitted[a]->cost < fitted[b]->cost; };
+  std::sort(order.begin(), order.end(), better);
+  if (order.size() > thresholds::continued_curves) order.resize(thresholds::continued_curves);
+  for_all(order.size(), [&](std::size_t i) {
+    const Hypothesis start = fitted[order[i]]->fit.model.fit.hypothesis;
+    fit_from(order[i], start, thresholds::curve_steps);
+  });
+  std::sort(order.begin(), order.end(), better);
+  if (order.size() > thresholds::fitted_curves) order.resize(thresholds::fitted_curves);
+  std::vector<Curve> list;
+  for (const std::size_t i : order) list.push_back(std::move(*fitted[i]));
+  return list;
+}
+
+std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>& curves) const {
+  struct Task {
+    Hypothesis start;
+    const Curve* curve;
+    LawFamily family;
+  };
+  std::vector<Task> tasks;
+  for (const Curve& curve : curves) {
+    const EffectsBeside& effects = curve.beside.effects;
+    const bool friction = std::any_of(effects.begin(), effects.end(), is_friction);
+    Hypothesis start = curve.fit.model.fit.hypothesis;
+    tasks.push_back({start, &curve, LawFamily::points});
+    std::vector<FamilyMember> members = families_of(curve.fit, friction);
+    if (members.size() > thresholds::fitted_families) members.resize(thresholds::fitted_families);
+    for (const FamilyMember& member : members) {
+      start.laws.back() = member.law;
+      put_laws(start.laws, start.rig);
+      tasks.push_back({start, &curve, member.law.family});
+    }
+  }
+  std::vector<std::optional<Candidate>> fitted(tasks.size());
+  for_all(tasks.size(), [&](std::size_t i) {
+    const Task& task = tasks[i];
+    const EffectsBeside& effects = task.curve->beside.effects;
+    if (task.family == LawFamily::points) {
+      auto curve = fit_curve(problem_, space_, task.start, effects, thresholds::curve_steps);
+      if (!curve) return;
+      const double cost = cost_of(curve->model, curve->freedom);
+      fitted[i] = Candidate{std::move(curve->model), cost, task.family};
+    } else {
+      CandidateModel model = fitted_with_laws(problem_, space_, task.start, effects, thresholds::family_steps);
+      if (!std::isfinite(model.fit.chi_squared)) return;
+      const double cost = cost_of(model, static_cast<double>(values_of(task.family).size()));
+      fitted[i] = Candidate{std::move(model), cost, task.family};
+    }
+  });
+  std::vector<Candidate> list;
+  for (auto& candidate : fitted) {
+    if (candidate && is_possible(*candidate)) list.push_back(std::move(*candidate));
+  }
+  std::sort(list.begin(), list.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  return list;
+}
+
+/// Effects that earlier explanations needed and this one does not; what each that stays gains goes to gains_.
+void LawSearch::eliminate(Candidate& law) const {
+  const double freedom = (law.cost - cost_of(law.model, 0.0)) / criterion_.parameter;
+  for (bool changed = true; changed;) {
+    changed = false;
+    gains_.assign(law.model.effects.size(), 0.0);
+    std::vector<CandidateModel> without(law.model.effects.size());
+    for_all(without.size(), [&](std::size_t i) {
+      EffectsBeside effects = law.model.effects;
+      effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(i));
+      const Hypothesis start = with_effects(space_, law.model.fit.hypothesis, effects);
+      without[i] = fitted_with_laws(problem_, space_, start, effects, thresholds::curve_steps);
+    });
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < without.size(); ++i) {
+      gains_[i] = without[i].fit.chi_squared - law.model.fit.chi_squared;
+      if (cost_of(without[i], freedom) < cost_of(without[best], freedom)) best = i;
+    }
+    if (without.empty() || !(cost_of(without[best], freedom) < law.cost)) return;
+    law.cost = cost_of(without[best], freedom);
+    law.model = std::move(without[best]);
+    changed = true;
+  }
+}
+
+bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
+  const Hypothesis &with = law.model.fit.hypothesis, &without = found_.best.fit.hypothesis;
+  const double temper = temper_of(law.model.fit);
+  learned.gain = best_cost_ - law.cost;
+  if (learned.gain < thresholds::law_margin * temper) return false;
+  const double before = held_out_chi_squared(problem_, without), after = held_out_chi_squared(problem_, with);
+  learned.gain_held_out = before - after;
+  if (before > 0.0 && learned.gain_held_out < thresholds::law_margin_held_out * temper) return false;
+  if (!stays_finite(problem_, with)) return false;
+  if (is_whole(problem_, with)) return true;
+  const double left = beyond_noise(law.model.fit), share = 1.0 - left / std::max(best_beyond_noise_, 1e-9);
+  return share > thresholds::law_explains;
+}
+
+/// The law takes the place of the effects that it makes needless.
+void LawSearch::adopt(Candidate law) {
+  std::vector<std::vector<Rival>> rivals;
+  for (const firmware::PlacedEffect& kept : law.model.effects) {
+    for (std::size_t i = 0; i < found_.best.effects.size(); ++i) {
+      const firmware::PlacedEffect& old = found_.best.effects[i];
+      if (old.entry != kept.entry || old.channel != kept.channel) continue;
+      rivals.push_back(i < found_.rivals.size() ? found_.rivals[i] : std::vector<Rival>());
+    }
+  }
+  const double apart = law.cost - best_cost_;
+  for (auto& of_effect : rivals) {
+    for (Rival& rival : of_effect) rival.penalised_chi_squared += apart;
+  }
+  found_.best = std::move(law.model);
+  found_.rivals = std::move(rivals);
+  found_.gains = gains_;
+  found_.constancy.assign(found_.best.effects.size(), {});
+  found_.freed.clear();
+  found_.suspects.clear();
+}
+
+Learned LawSearch::learn() {
+  Learned learned;
+  slot_ = space_.given.rig.laws.curve_count;
+  if (slot_ == space_.given.rig.laws.curves.size()) return learned;
+  const double chi_squared = residuals(problem_, predict(problem_, found_.best.fit.hypothesis)).squaredNorm();
+  best_cost_ = found_.best.penalised_chi_squared(criterion_) - found_.best.fit.chi_squared + chi_squared;
+  best_beyond_noise_ = std::max(chi_squared - static_cast<double>(problem_.residual_count()), 0.0);
+  tell(0.96, "learning a law");
+  std::vector<Candidate> list = candidates(curves());
+  if (list.empty()) return learned;
+  eliminate(list.front());
+  if (!is_kept(list.front(), learned)) return learned;
+  learned.found = true;
+  for (std::size_t i = 1; i < list.size(); ++i) {
+    learned.odds_against.push_back(
+        std::exp(std::min(0.5 * (list[i].cost - list[0].cost) / temper_of(list[0].model.fit), thresholds::most_odds)));
+  }
+  adopt(list.front());
+  if (problem_.update_input_noise(found_.best.fit.hypothesis)) {
+    const EffectsBeside effects = found_.best.effects;
+    found_.nothing = fitted_with_laws(problem_, space_, found_.nothing.fit.hypothesis, found_.nothing.effects, 4);
+    found_.best = fitted_with_laws(problem_, space_, found_.best.fit.hypothesis, effects, 4);
+  }
+  return learned;
+}
+
+}  // namespace
+
+Learned learn_laws(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
+                   SearchResult& found) {
+  if (drifts(found.best.faults()) || !std::isfinite(found.best.fit.chi_squared) || !leaves_a_rest(problem, found))
+    return {};
+  return LawSearch(problem, space, progress, found).learn();
+}
+
+}  // namespace host_sim::identification

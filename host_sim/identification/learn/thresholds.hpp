@@ -1,0 +1,76 @@
+// Every number that decides something while laws are learned.
+#pragma once
+
+#include <cstddef>
+
+namespace host_sim::identification::thresholds {
+
+// The range of a curve ------------------------------------------------------------------------------------------------
+
+/// [1] Share of the samples at each end of the range that no law is held to. Derivation: 30 of a minute's 60 000, some
+/// three visits; a value at the end then has a standard error of a third of the force's scatter. Half and twice: the
+/// range of a normal distribution ends at 3.5, 3.3 or 3.1 deviations.
+inline constexpr double rarely_reached = 5e-4;
+/// Samples that a range needs: fewer have no ends. Half and twice: no recording is so short.
+inline constexpr std::size_t fewest_samples = 100;
+/// Points of a curve on each side of 0. Derivation: with s below, x grows by a factor of e^0.55 from point to point, so
+/// that a cubic between them follows a power of up to 3 within 1 %. Half: 5 %. Twice: 31 points, four times the time of
+/// a step, and the last ones without samples.
+inline constexpr int points_each_side = 7;
+/// [rms of x] s of curve_fit.hpp; the innermost point stands at 0.6 s. Derivation: friction that sets in within a tenth
+/// of the rms of the velocity has a point on its way. Half: the outer points stand farther apart. Twice: that friction
+/// is a step.
+inline constexpr double innermost_point = 0.15;
+/// [1] How far beyond the range a point may stand, relative to the end. Rounding alone asks for more than 1. Half and
+/// twice of the excess: no difference.
+inline constexpr double beyond_range = 1.02;
+
+// A curve's fit -------------------------------------------------------------------------------------------------------
+
+/// [decades] λ around the value at which penalty and data have the same trace: from no smoothing at all to a straight
+/// line. Half: curves of strong laws are bent a little. Twice: no difference.
+inline constexpr double least_penalty = -8.0, largest_penalty = 4.0;
+/// [χ²/τ] A step of a curve that gains less ends the fit: it is worth one residual. Half and twice: one step more or
+/// less.
+inline constexpr double curve_settled = 1.0;
+/// Steps of a curve's fit and of a family's at most. Looked at: curves of seed 1 settle in 3 to 5, families in 4 to 8.
+inline constexpr int curve_steps = 5, family_steps = 12;
+/// [1] of stiffness × rms deflection: a force that matters, unit of the forces in a fit. A fit does not depend on it,
+/// but for its bounds (estimate/thresholds.hpp, largest_law_force). Half and twice: no difference.
+inline constexpr double force_share = 0.1;
+
+// Which curves and families -------------------------------------------------------------------------------------------
+
+/// Grid on which a family's exponent and width are searched before a fit moves them: steps that a fit bridges. Half:
+/// no difference. Twice: not measured.
+inline constexpr double exponent_step = 0.05, width_factor = 1.15;
+/// [s] of recordings on which curves are compared before the whole is fitted. Laws act all the time, so that 20 s tell
+/// places apart. Half: laws over deflection have few slow periods. Twice: twice the time.
+inline constexpr double seconds_of_curves = 20.0;
+/// Curves continued after one step, curves fitted on the whole, and families beside each. Looked at (seed 1): the right
+/// family is among the first two of the right curve; the right curve among the first two. Half: some are missed. Twice:
+/// twice the time.
+inline constexpr std::size_t continued_curves = 4, fitted_curves = 3, fitted_families = 3;
+
+// What is believed ----------------------------------------------------------------------------------------------------
+
+/// [χ²/τ] by which a law must beat the effects it replaces, beside its own penalty: odds of e⁶. Derivation: the
+/// catalogue wins a tie, and three places with seven families are tried, 2 ln 21 = 6. Half: odds of e³ for the best of
+/// 21. Twice: a law of 12 deviations is missed.
+inline constexpr double law_margin = 12.0;
+/// [χ²/τ] and on held-out windows, a third as long as the fitted ones: a third of it. Half and twice: not measured.
+inline constexpr double law_margin_held_out = 4.0;
+/// [1] Where more than noise is left beside a law: share of what the effects leave that it explains. Below, it
+/// describes a detail of something else. Half and twice: not measured.
+inline constexpr double law_explains = 0.25;
+/// [ln] Odds are capped, so that they stay finite numbers.
+inline constexpr double most_odds = 300.0;
+
+// What is shown -------------------------------------------------------------------------------------------------------
+
+/// [1] Widest band of a curve, relative to that of noise alone: more is not known at all.
+inline constexpr double widest_stretch = 30.0;
+/// Measured points behind a curve in the report.
+inline constexpr std::size_t points_shown = 600;
+
+}  // namespace host_sim::identification::thresholds

@@ -1,0 +1,111 @@
+#include "host_sim/identification/predict/placed_law.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace host_sim::identification {
+namespace {
+
+using Kind = LawValue::Kind;
+
+double sign(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
+
+/// Straight between points and beyond them.
+double between(const std::vector<double>& at, const std::vector<double>& value, double x) {
+  if (at.size() < 2) return 0.0;
+  const auto above = std::upper_bound(at.begin(), at.end(), x) - at.begin();
+  const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above, 1, std::ssize(at) - 1));
+  return value[i - 1] + (value[i] - value[i - 1]) * (x - at[i - 1]) / (at[i] - at[i - 1]);
+}
+
+/// The x below which a family bends most.
+double bend(const PlacedLaw& law) {
+  switch (law.family) {
+    case LawFamily::soft_sign:
+    case LawFamily::falling:
+      return 0.5 * law.values[1];
+    case LawFamily::power:
+      return (law.values[1] < 1.0 ? 0.02 : 0.3) * law.rms;
+    default:
+      return 0.3 * law.rms;
+  }
+}
+
+}  // namespace
+
+std::string_view name(CurvePlace place) { return place == CurvePlace::suspension ? "suspension" : "tyre"; }
+std::string_view name(CurveOver over) { return over == CurveOver::velocity ? "velocity" : "deflection"; }
+
+const std::vector<LawValue>& values_of(LawFamily family) {
+  constexpr LawValue c{"force", Kind::force, 0.0, 0.0}, other{"force_below", Kind::force, 0.0, 0.0};
+  constexpr LawValue exponent{"exponent", Kind::exponent, 0.2, 5.0}, width{"width", Kind::width, 0.01, 5.0};
+  static const std::array<std::vector<LawValue>, 8> values{{{},
+                                                            {c, exponent},
+                                                            {c, other},
+                                                            {c, other, exponent},
+                                                            {c, width},
+                                                            {c, width},
+                                                            {c, other, width},
+                                                            {c, other, width}}};
+  return values[static_cast<std::size_t>(family)];
+}
+
+double PlacedLaw::force(double x) const {
+  const double a = std::abs(x), s = sign(x);
+  switch (family) {
+    case LawFamily::points:
+      return between(at, values, x);
+    case LawFamily::power:
+      return values[0] * s * std::pow(a / rms, values[1]);
+    case LawFamily::two_slopes:
+      return (x > 0.0 ? values[0] : values[1]) * x / rms;
+    case LawFamily::two_powers:
+      return (x > 0.0 ? values[0] : -values[1]) * std::pow(a / rms, values[2]);
+    case LawFamily::soft_sign:
+      return values[0] * std::tanh(x / values[1]);
+    case LawFamily::falling:
+      return -values[0] * (1.0 - std::exp(-(a / values[1]) * (a / values[1]))) * s;
+    case LawFamily::knee:
+      return s * (values[0] * std::min(a, values[2]) + values[1] * std::max(a - values[2], 0.0)) / rms;
+    case LawFamily::one_sided:
+      return (values[0] * std::max(x - values[2], 0.0) + values[1] * std::min(x + values[2], 0.0)) / rms;
+  }
+  return 0.0;
+}
+
+LawTable table_of(const PlacedLaw& law) {
+  if (law.family == LawFamily::points) return {law.at, law.values};
+  constexpr int each_side = 16;
+  std::vector<double> side;  // x > 0
+  const double s = bend(law), last = std::asinh(law.largest / s);
+  for (int i = 1; i <= each_side; ++i) side.push_back(s * std::sinh(last * i / each_side));
+  if (law.family == LawFamily::knee || law.family == LawFamily::one_sided) {  // a point on the corner and one beside it
+    const double w = law.values[2];
+    auto nearest = std::min_element(side.begin(), side.end(),
+                                    [w](double a, double b) { return std::abs(a - w) < std::abs(b - w); });
+    if (nearest + 1 != side.end()) *nearest = w;
+  }
+  LawTable table;
+  for (auto x = side.rbegin(); x != side.rend(); ++x) table.at.push_back(-*x);
+  table.at.push_back(0.0);
+  table.at.insert(table.at.end(), side.begin(), side.end());
+  for (const double x : table.at) table.value.push_back(law.force(x));
+  return table;
+}
+
+void put_laws(const std::vector<PlacedLaw>& laws, model::RigParameters<double>& rig) {
+  for (const PlacedLaw& law : laws) {
+    if (law.slot >= rig.laws.curves.size()) continue;
+    const LawTable table = table_of(law);
+    auto& out = rig.laws.curves[law.slot];
+    out.place = law.place == CurvePlace::tyre ? model::LawPlace::tyre : model::LawPlace::suspension;
+    out.over = law.over == CurveOver::velocity ? model::LawOver::velocity : model::LawOver::deflection;
+    out.count = static_cast<std::uint8_t>(std::min(table.at.size(), model::curve_points));
+    std::copy_n(table.at.begin(), out.count, out.at.begin());
+    std::copy_n(table.value.begin(), out.count, out.value.begin());
+    rig.laws.curve_count = static_cast<std::uint8_t>(std::max<std::size_t>(rig.laws.curve_count, law.slot + 1));
+  }
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,59 @@
+// A law that no catalogue holds, as part of a hypothesis: a family of curves, its values, and the place where it acts.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+
+namespace host_sim::identification {
+
+/// Families of curves over x, a velocity [m/s] or a deflection [m]. X: the largest |x|, r: its rms, both in the record.
+///
+///   points        (1)  a monotone cubic through (x_i, F_i); values: F_i
+///   power         (2)  F = c sgn(x) |x/r|^p                               values: c, p
+///   two_slopes    (3)  F = c x/r for x > 0, c′ x/r for x < 0                 values: c, c′
+///   two_powers    (4)  F = c |x/r|^p for x > 0, −c′ |x/r|^p for x < 0     values: c, c′, p
+///   soft_sign     (5)  F = c tanh(x/w)                                    values: c, w
+///   falling       (6)  F = −c (1 − exp(−(x/w)²)) sgn(x)                   values: c, w; beside dry friction: Stribeck
+///   knee          (7)  F = (c min(|x|, w) + c′ max(|x| − w, 0)) sgn(x)/r          values: c, c′, w
+///   one_sided     (8)  F = c (x − w)/r for x > w, c′ (x + w)/r for x < −w   values: c, c′, w
+enum class LawFamily : unsigned char { points, power, two_slopes, two_powers, soft_sign, falling, knee, one_sided };
+
+enum class CurvePlace : unsigned char { suspension, tyre };
+enum class CurveOver : unsigned char { velocity, deflection };
+[[nodiscard]] std::string_view name(CurvePlace place);
+[[nodiscard]] std::string_view name(CurveOver over);
+
+struct PlacedLaw {
+  CurvePlace place = CurvePlace::suspension;
+  CurveOver over = CurveOver::velocity;
+  LawFamily family = LawFamily::points;
+  double rms = 1.0, largest = 1.0;  ///< r and X
+  double size = 1.0;                ///< a force [N] that matters here: unit of the values that are forces, in a fit
+  std::vector<double> at{};         ///< x_i of (1)
+  std::vector<double> values{};
+  std::size_t slot = 0;  ///< of the rig's laws: behind those of its description
+
+  /// F(x) of (2)–(8); of (1) the straight lines between points.
+  [[nodiscard]] double force(double x) const;
+};
+
+/// What a value of a family is: its unit is a force, or x, or none.
+struct LawValue {
+  std::string_view name;
+  enum class Kind : unsigned char { force, width, exponent } kind;
+  double lower, upper;  ///< of a width: in units of r; of a force: without bounds
+};
+[[nodiscard]] const std::vector<LawValue>& values_of(LawFamily family);
+
+/// The table of a law: model::curve_points at most, with 0 among its points, dense where the curve bends.
+struct LawTable {
+  std::vector<double> at, value;
+};
+[[nodiscard]] LawTable table_of(const PlacedLaw& law);
+
+/// Puts the tables of laws into their slots of a rig.
+void put_laws(const std::vector<PlacedLaw>& laws, model::RigParameters<double>& rig);
+
+}  // namespace host_sim::identification

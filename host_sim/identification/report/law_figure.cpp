@@ -1,0 +1,65 @@
+#include "host_sim/identification/report/law_figure.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace host_sim::identification {
+namespace {
+
+using report::Curve;
+using report::Dash;
+using report::Figure;
+using report::figure_text;
+using report::Panel;
+
+Figure figure_of(const DescribedLaw& law) {
+  const bool over_velocity = law.law.over == CurveOver::velocity;
+  Figure figure;
+  figure.title = "Learned law at the " + std::string(name(law.law.place));
+  figure.note =
+      "Force that the law adds to the rig as described, with its 95 % band. Points: the law at the simulated motion "
+      "plus "
+      "the force that the residual stands for, of data that were not fitted where there are any. Between the two lines "
+      "the recordings excited it; beyond them it is continued straight.";
+  figure.x = {std::string(name(law.law.over)), over_velocity ? "m/s" : "m"};
+  Panel panel;
+  panel.y = {"force", "N"};
+  Curve seen{"measured", law.seen_at, law.seen_force, 6, Dash::none};
+  seen.marker = report::Marker::circle;
+  if (!seen.x.empty()) panel.curves.push_back(seen);
+  panel.curves.push_back({"law", law.at, law.force, 0, Dash::solid});
+  Curve lower{"95 % band", law.at, law.lower, 0, Dash::dotted}, upper{"95 % band", law.at, law.upper, 0, Dash::dotted};
+  upper.in_legend = false;
+  panel.curves.push_back(lower);
+  panel.curves.push_back(upper);
+  panel.curves.push_back({"rig as described", {law.at.front(), law.at.back()}, {0.0, 0.0}, 1, Dash::dashed});
+  panel.guides.push_back({report::Guide::Along::x, law.lowest, "excited"});
+  panel.guides.push_back({report::Guide::Along::x, law.highest, ""});
+  figure.panels.push_back(std::move(panel));
+  return figure;
+}
+
+}  // namespace
+
+std::string words(const DescribedLaw& law) {
+  return std::string(name(law.law.place)) + ": " + law.words + " (" + law.shape + " over " +
+         std::string(name(law.law.over)) + ")";
+}
+
+void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws) {
+  if (laws.empty()) return;
+  page.add_section("Laws that the catalogue does not hold");
+  report::Table table{"", {"law", "number", "value", "95 % from", "to", "confidence"}, {}, 2};
+  for (const DescribedLaw& law : laws) {
+    for (const LawNumber& number : law.numbers) {
+      table.rows.push_back({words(law), number.name, figure_text(number.value, 4), figure_text(number.lower, 4),
+                            figure_text(number.upper, 4), figure_text(law.confidence, 3)});
+    }
+    if (law.numbers.empty()) table.rows.push_back({words(law), "–", "", "", "", figure_text(law.confidence, 3)});
+  }
+  page.add_table(table);
+  for (const DescribedLaw& law : laws) page.add_figure(figure_of(law));
+}
+
+}  // namespace host_sim::identification

@@ -1,0 +1,84 @@
+// Whole diagnoses of rigs with a law that the catalogue does not hold, made by the truth generator.
+#include "host_sim/identification/learn/learn_laws.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/verdict_json.hpp"
+#include "tests/host_sim/identification/truth_recording.hpp"
+#include "tests/truth/truth.hpp"
+
+namespace {
+
+using namespace host_sim::identification;
+
+Diagnosis diagnosed(const std::string& group, std::uint64_t seed) {
+  sample::Given given = sample::given(group, seed);
+  return diagnose(given.description, {{std::move(given.recording), Use::shared}});
+}
+
+double hidden(const std::string& group, std::uint64_t seed, const char* value) {
+  return nlohmann::json::parse(truth::truth_json(truth::draw(group, seed, {})))["unknown"]["spec"][value];
+}
+
+double number(const DescribedLaw& law, const std::string& name) {
+  for (const LawNumber& n : law.numbers) {
+    if (n.name == name) return n.value;
+  }
+  return NAN;
+}
+
+// Truth by construction. Power, lopsided damper and blow-off on a bench: shape and number, and nothing is left.
+TEST(LearnLaws, namesHiddenLawsByTheirShape) {
+  const std::string group = "law:component_bench:";
+  const Diagnosis power = diagnosed(group + "power_law_low", 1);
+  ASSERT_EQ(power.laws.size(), 1U);
+  EXPECT_EQ(power.laws.front().shape, "power law");
+  EXPECT_NEAR(number(power.laws.front(), "exponent"), hidden(group + "power_law_low", 1, "exponent"), 0.05);
+  EXPECT_EQ(power.verdict, Verdict::named);
+  EXPECT_FALSE(power.unexplained);
+
+  const Diagnosis lopsided = diagnosed(group + "asymmetric_damper", 1);
+  ASSERT_EQ(lopsided.laws.size(), 1U);
+  EXPECT_EQ(lopsided.laws.front().shape, "asymmetric");
+  const double a = hidden(group + "asymmetric_damper", 1, "asymmetry");
+  EXPECT_NEAR(number(lopsided.laws.front(), "rebound_harder_by_per_cent"), 100.0 * ((1.0 - a) / (1.0 + a) - 1.0), 3.0);
+
+  const Diagnosis valve = diagnosed(group + "blow_off", 1);
+  ASSERT_EQ(valve.laws.size(), 1U);
+  EXPECT_EQ(valve.laws.front().shape, "degressive");
+  EXPECT_NEAR(number(valve.laws.front(), "from"), hidden(group + "blow_off", 1, "blow_off_velocity"), 0.01);
+}
+
+// Law. The band of a curve holds the curve, its table stands in the rig that is written, and verdict.json says all of
+// it.
+TEST(LearnLaws, tellsTheLawAndPutsItIntoTheRig) {
+  const Diagnosis found = diagnosed("law:component_bench:power_law_low", 1);
+  ASSERT_EQ(found.laws.size(), 1U);
+  const DescribedLaw& law = found.laws.front();
+  for (std::size_t i = 0; i < law.at.size(); ++i) {
+    EXPECT_LE(law.lower[i], law.force[i]);
+    EXPECT_GE(law.upper[i], law.force[i]);
+  }
+  const auto json = to_json(found);
+  ASSERT_EQ(json["laws"].size(), 1U);
+  EXPECT_EQ(json["laws"][0]["place"], "suspension");
+  EXPECT_EQ(json["laws"][0]["over"][0], "velocity");
+  EXPECT_EQ(json["laws"][0]["memory"], false);
+  EXPECT_EQ(json["laws"][0]["table"]["velocity"].size(), json["laws"][0]["table"]["force"].size());
+  EXPECT_EQ(json["laws"][0]["table"]["band95"].size(), json["laws"][0]["table"]["force"].size());
+}
+
+// Law. Where nothing or an effect of the catalogue is hidden no law is learned.
+TEST(LearnLaws, learnsNothingWhereTheCatalogueExplains) {
+  for (const char* group : {"none:component_bench", "single:component_bench:quadratic_damping",
+                            "single:component_bench:coulomb_friction", "single:component_bench:bump_stop"}) {
+    EXPECT_TRUE(diagnosed(group, 1).laws.empty()) << group;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,81 @@
+// Laws of a hypothesis: families of curves and their tables.
+#include "host_sim/identification/predict/placed_law.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/laws/curve.hpp"
+
+namespace {
+
+using namespace host_sim::identification;
+
+PlacedLaw law_of(LawFamily family, std::vector<double> values) {
+  PlacedLaw law;
+  law.family = family;
+  law.rms = 0.1;
+  law.largest = 0.4;
+  law.values = std::move(values);
+  return law;
+}
+
+// Point. Each family by hand, at a point on either side of its corner and of zero.
+TEST(PlacedLaw, familiesByHand) {
+  const PlacedLaw power = law_of(LawFamily::power, {50.0, 1.5});
+  EXPECT_NEAR(power.force(0.2), 50.0 * std::pow(2.0, 1.5), 1e-12);
+  EXPECT_NEAR(power.force(-0.1), -50.0, 1e-12);
+  const PlacedLaw slopes = law_of(LawFamily::two_slopes, {30.0, 20.0});
+  EXPECT_NEAR(slopes.force(0.05), 15.0, 1e-12);
+  EXPECT_NEAR(slopes.force(-0.05), -10.0, 1e-12);
+  const PlacedLaw powers = law_of(LawFamily::two_powers, {30.0, 20.0, 2.0});
+  EXPECT_NEAR(powers.force(0.2), 120.0, 1e-12);
+  EXPECT_NEAR(powers.force(-0.2), -80.0, 1e-12);
+  const PlacedLaw smooth = law_of(LawFamily::soft_sign, {40.0, 0.02});
+  EXPECT_NEAR(smooth.force(-0.02), -40.0 * std::tanh(1.0), 1e-12);
+  const PlacedLaw falling = law_of(LawFamily::falling, {60.0, 0.03});
+  EXPECT_NEAR(falling.force(0.03), -60.0 * (1.0 - std::exp(-1.0)), 1e-12);
+  EXPECT_NEAR(falling.force(-0.03), 60.0 * (1.0 - std::exp(-1.0)), 1e-12);
+  const PlacedLaw knee = law_of(LawFamily::knee, {100.0, 10.0, 0.05});
+  EXPECT_NEAR(knee.force(0.15), (100.0 * 0.05 + 10.0 * 0.1) / 0.1, 1e-12);
+  EXPECT_NEAR(knee.force(-0.02), -20.0, 1e-12);
+  const PlacedLaw sided = law_of(LawFamily::one_sided, {100.0, 50.0, 0.05});
+  EXPECT_EQ(sided.force(0.04), 0.0);
+  EXPECT_NEAR(sided.force(0.07), 20.0, 1e-12);
+  EXPECT_NEAR(sided.force(-0.07), -10.0, 1e-12);
+}
+
+// Law. A table ascends through zero, has room in a rig, and holds the family's force at its points.
+TEST(PlacedLaw, tablesHoldTheForce) {
+  const std::vector<PlacedLaw> laws{law_of(LawFamily::power, {50.0, 1.5}), law_of(LawFamily::soft_sign, {40.0, 0.004}),
+                                    law_of(LawFamily::knee, {100.0, 10.0, 0.05}),
+                                    law_of(LawFamily::one_sided, {100.0, 50.0, 0.05})};
+  for (const PlacedLaw& law : laws) {
+    const LawTable table = table_of(law);
+    ASSERT_LE(table.at.size(), 33U);
+    EXPECT_TRUE(std::is_sorted(table.at.begin(), table.at.end()));
+    EXPECT_EQ(std::adjacent_find(table.at.begin(), table.at.end()), table.at.end());
+    EXPECT_EQ(std::count(table.at.begin(), table.at.end(), 0.0), 1);
+    EXPECT_NEAR(table.at.back(), 0.4, 1e-12);
+    for (std::size_t i = 0; i < table.at.size(); ++i) EXPECT_EQ(table.value[i], law.force(table.at[i]));
+  }
+}
+
+// Law. The cubic that a rig puts through a table leaves 2 % of the largest force at most, wherever the family bends.
+TEST(PlacedLaw, tablesAreDenseWhereTheCurveBends) {
+  for (const PlacedLaw& law : {law_of(LawFamily::power, {50.0, 0.5}), law_of(LawFamily::power, {50.0, 2.6}),
+                               law_of(LawFamily::soft_sign, {40.0, 0.004}), law_of(LawFamily::falling, {60.0, 0.01}),
+                               law_of(LawFamily::knee, {100.0, 10.0, 0.02})}) {
+    const LawTable table = table_of(law);
+    const model::Curve<double> cubic(table.at, table.value, table.at.size());
+    double largest = 0.0, error = 0.0;
+    for (double x = -0.4; x <= 0.4; x += 1e-4) {
+      largest = std::max(largest, std::abs(law.force(x)));
+      error = std::max(error, std::abs(law.force(x) - cubic(x)));
+    }
+    EXPECT_LT(error, 0.02 * largest) << static_cast<int>(law.family);
+  }
+}
+
+}  // namespace
