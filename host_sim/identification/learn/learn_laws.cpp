@@ -171,9 +171,9 @@ class LawSearch {
   const ProgressCallback& progress_;
   SearchResult& found_;
   SelectionCriterion criterion_{};
-  mutable std::vector<double> gains_{};               ///< of the effects beside the law
-  std::size_t slot_ = 0;                              ///< of the rig's laws that is free
-  double best_cost_ = 0.0, best_beyond_noise_ = 0.0;  ///< of the effects found, under the problem's present weights
+  mutable std::vector<double> gains_{};  ///< of the effects beside the law
+  std::size_t slot_ = 0;                 ///< of the rig's laws that is free
+  double best_cost_ = 0.0;               ///< of the effects found, under the problem's present weights
 };
 
 std::vector<Beside> LawSearch::places() const {
@@ -336,9 +336,7 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
   learned.gain_held_out = before - after;
   if (before > 0.0 && learned.gain_held_out < thresholds::law_margin_held_out * temper) return false;
   if (!stays_finite(problem_, with)) return false;
-  if (is_whole(problem_, with)) return true;
-  const double left = beyond_noise(law.model.fit), share = 1.0 - left / std::max(best_beyond_noise_, 1e-9);
-  return share > thresholds::law_explains;
+  return is_whole(problem_, with);
 }
 
 /// The law takes the place of the effects that it makes needless.
@@ -369,7 +367,6 @@ Learned LawSearch::learn() {
   if (slot_ == space_.given.rig.laws.curves.size()) return learned;
   const double chi_squared = residuals(problem_, predict(problem_, found_.best.fit.hypothesis)).squaredNorm();
   best_cost_ = found_.best.penalised_chi_squared(criterion_) - found_.best.fit.chi_squared + chi_squared;
-  best_beyond_noise_ = std::max(chi_squared - static_cast<double>(problem_.residual_count()), 0.0);
   tell(0.96, "learning a law");
   std::vector<Candidate> list = candidates(curves());
   if (list.empty()) return learned;

@@ -12,7 +12,8 @@ namespace host_sim::identification {
 ///      elsewhere: by linearised gain the best few are fitted
 ///   2  families in its place (curve_family.hpp), the best few fitted by simulation error; the curve itself where none
 ///      explains as much
-///   3  the law is kept where it explains more than the effects did: SelectionCriterion, and the held-out windows
+///   3  the law is kept where it explains more than the effects did (SelectionCriterion, and the held-out windows) and
+///      nothing but noise is left beside it
 ///
 /// A law that is kept stands in found.best, in the place of the effects that it makes needless.
 [[nodiscard]] Learned learn_laws(IdentificationProblem& problem, const SearchSpace& space,

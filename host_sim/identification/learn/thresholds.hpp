@@ -60,9 +60,6 @@ inline constexpr std::size_t continued_curves = 4, fitted_curves = 3, fitted_fam
 inline constexpr double law_margin = 12.0;
 /// [χ²/τ] and on held-out windows, a third as long as the fitted ones: a third of it. Half and twice: not measured.
 inline constexpr double law_margin_held_out = 4.0;
-/// [1] Where more than noise is left beside a law: share of what the effects leave that it explains. Below, it
-/// describes a detail of something else. Half and twice: not measured.
-inline constexpr double law_explains = 0.25;
 /// [ln] Odds are capped, so that they stay finite numbers.
 inline constexpr double most_odds = 300.0;
 

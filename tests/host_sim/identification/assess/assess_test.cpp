@@ -79,7 +79,7 @@ Diagnosis diagnosis_of(const firmware::RigDescription& truth) {
   const SearchSpace space = search_space(bench, problem.samples(), given);
   std::vector<ParityResidual> relations = parity_residuals(bench, problem.samples());
   SearchResult found = select_model(problem, space, {});
-  return assess(bench, problem, space, std::move(relations), std::move(found));
+  return assess(bench, problem, space, std::move(relations), std::move(found), {});
 }
 
 bool all_finite(const nlohmann::ordered_json& json) {
@@ -190,7 +190,7 @@ TEST(Assess, GivesUpAModelThatDiverges) {
   firmware::put_effect(found.best.fit.hypothesis.rig, spring);
   ASSERT_FALSE(stays_finite(problem, found.best.fit.hypothesis));
   found.best.effects = {spring};
-  const Diagnosis diagnosis = assess(bench, problem, space, {}, std::move(found));
+  const Diagnosis diagnosis = assess(bench, problem, space, {}, std::move(found), {});
   EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
   EXPECT_TRUE(diagnosis.effects.empty());
   EXPECT_TRUE(all_finite(to_json(diagnosis)));
@@ -207,7 +207,7 @@ TEST(Assess, SaysWhenTheDisagreementHappens) {
   const Hypothesis given = described_hypothesis(bench, recordings);
   IdentificationProblem problem(std::move(recordings), given);
   const SearchSpace space = search_space(bench, problem.samples(), given);
-  const Diagnosis found = assess(bench, problem, space, {}, select_model(problem, space, {}));
+  const Diagnosis found = assess(bench, problem, space, {}, select_model(problem, space, {}), {});
   EXPECT_TRUE(found.unexplained);
   const auto json = to_json(found);
   ASSERT_FALSE(json.at("where").empty());

@@ -65,17 +65,18 @@ Diagnosis bench_with(const std::vector<truth::Effect>& effects, const std::map<s
       {{firmware::parse_recording_csv(truth::csv(truth, truth::simulate(truth)[0]), "rec.csv"), Use::shared}});
 }
 
-// Journey. A damper whose force grows with the power 1.6 of velocity is not a quadratic one: whatever is named, nothing
-// is believed, and something is said to be left. The quadratic one keeps its name.
+// Journey. A damper whose force grows with the power 1.6 of velocity is not a quadratic one: no effect is believed; a
+// law is learned, or something is said to be left. The quadratic one keeps its name and no law is learned.
 TEST(LawConstancy, DoubtsALawThatIsOnlyNear) {
   const Diagnosis quadratic = bench_with({{"quadratic_damping", "", {{"coefficient", 600.0}}}}, {});
   ASSERT_EQ(quadratic.effects.size(), 1U);
   EXPECT_EQ(quadratic.effects[0].effect.entry->name, "quadratic_damping");
   EXPECT_GT(quadratic.effects[0].confidence, 0.9);
   EXPECT_FALSE(quadratic.unexplained) << quadratic.residual;
+  EXPECT_TRUE(quadratic.laws.empty());
   for (const double exponent : {1.6, 2.5}) {
     const Diagnosis near = bench_with({}, {{"power", 600.0}, {"exponent", exponent}});
-    EXPECT_TRUE(near.unexplained) << exponent;
+    EXPECT_NE(near.unexplained, !near.laws.empty()) << exponent;
     for (const NamedEffect& named : near.effects)
       EXPECT_LT(named.confidence, 0.5) << named.effect.entry->name << " for the power " << exponent;
   }
