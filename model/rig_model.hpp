@@ -184,10 +184,12 @@ class RigModel {
 
   /// By place: force held at f₀, and its change Δ, straight through the step.
   template <int N>
-  struct LawColumns {
-    Block<S, N, static_cast<int>(force_places)> held = Block<S, N, static_cast<int>(force_places)>::Zero();
-    Block<S, N, static_cast<int>(force_places)> ramp = held;
+  struct LawColumn {
+    Column<S, N> held = Column<S, N>::Zero(), ramp = held;
+    Stroke<S> at_held{}, at_ramp{};  ///< motion of the place itself
   };
+  template <int N>
+  using LawColumns = std::array<LawColumn<N>, force_places>;
   template <int N>
   using IfLaws = std::conditional_t<LawsInSteps::possible, LawColumns<N>, Without<LawColumns<N>>>;
 
@@ -258,7 +260,10 @@ class RigModel {
   template <int first, int N>
   void apply_laws(const LawColumns<N>& columns, State& x, const Motion<S>& foot_point) const;
   void finish_laws(State& x, bool start) const;
-  [[nodiscard]] bool law_acts(LawPlace place) const;
+  void find_law_places();
+  template <int first, int N>
+  [[nodiscard]] LawColumn<N> law_column(const ExactDiscretisation<S, N>& step, LawPlace place,
+                                        const Column<S, N>& b) const;
   template <int first, class Part>
   [[nodiscard]] Stroke<S> at_place(LawPlace place, const Part& part, const Motion<S>& foot_point) const;
   [[nodiscard]] Stroke<S> seen_by_law(LawPlace place, const State& x, Stroke<S> motion) const;
@@ -278,11 +283,11 @@ class RigModel {
     if (law_readings()) show_by_laws(s);
     return s;
   }
-  [[nodiscard]] bool law_forces() const { return LawsInSteps::possible && has_law_forces_; }
+  [[nodiscard]] bool law_forces() const { return LawsInSteps::possible && law_place_count_ > 0; }
   [[nodiscard]] bool law_readings() const { return LawsInSteps::possible && has_law_readings_; }
   [[nodiscard]] S law_force(const State& x, LawPlace place) const {
     if constexpr (LawsInSteps::possible) {
-      return law_acts(place) ? x.laws.force[index(place)] : S(0);
+      return x.laws.force[index(place)];
     } else {
       return S(0);
     }
@@ -333,7 +338,7 @@ class RigModel {
   bool has_delay_ = false;
   bool has_free_play_ = false;
   bool has_moving_mass_ = false;
-  bool has_law_forces_ = false;
+  std::uint8_t law_place_count_ = 0;
   bool has_law_readings_ = false;
   Friction contacts_;
   [[no_unique_address]] UnlessCarAlone<Machine<S>> machine_{};
@@ -344,6 +349,7 @@ class RigModel {
   [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<plain_core_states>, counts>> joined_{};
   [[no_unique_address]] UnlessCarAlone<std::array<ComponentStep<component_states>, counts>> elaborate_component_{};
   [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<core_states>, counts>> elaborate_joined_{};
+  std::array<LawPlace, force_places> law_places_{};  ///< that exist in this rig and have laws
   [[no_unique_address]] LawsInSteps laws_{};
 };
 

@@ -5,13 +5,6 @@
 
 namespace model {
 
-/// How a force that enters by column b moves the state in a step: held, and growing from 0 to 1.
-template <class Columns, class S, int N>
-void law_columns(Columns& columns, const ExactDiscretisation<S, N>& step, LawPlace place, const Column<S, N>& b) {
-  columns.held.col(static_cast<int>(place)) = step.held(b);
-  columns.ramp.col(static_cast<int>(place)) = step.monomial(b, 1);
-}
-
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPart part)
     : rig_(rig),
@@ -54,7 +47,7 @@ RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPa
                         guides.wheel_dry_friction, guides.body_dry_friction});
   if constexpr (LawsInSteps::possible) {
     laws_ = LawsInSteps(rig.laws, period);
-    has_law_forces_ = laws_.any();
+    find_law_places();
     has_law_readings_ = laws_.at(LawPlace::sensor);
   }
   if (has_car()) car_ = car_step();
@@ -91,7 +84,7 @@ auto RigModel<S, D, variant, capacity>::car_step() const -> CarStep {
   CarStep m{step.transition(),
             step.hermite(Columns::entry(CarInput{.z_r = S(1)}, rates), Columns::entry(CarInput{.v_r = S(1)}, rates)),
             step.held(Columns::entry(CarInput{.suspension_force = S(1)}, rates)), step.template continued<3>(tyre)};
-  if constexpr (LawsInSteps::possible) law_columns(m.tables, step, LawPlace::tyre, tyre);
+  if constexpr (LawsInSteps::possible) m.tables[index(LawPlace::tyre)] = law_column<0>(step, LawPlace::tyre, tyre);
   return m;
 }
 
@@ -119,8 +112,9 @@ auto RigModel<S, D, variant, capacity>::component_step(int open) const -> Compon
   m.friction.col(Friction::suspension) = step.held(parallel);
   m.friction.col(Friction::piston) = step.held(piston);
   if constexpr (LawsInSteps::possible) {
-    law_columns(m.tables, step, LawPlace::suspension, parallel);
-    law_columns(m.tables, step, LawPlace::piston, piston);
+    constexpr int first = CoreIndex::piston_travel;
+    m.tables[index(LawPlace::suspension)] = law_column<first>(step, LawPlace::suspension, parallel);
+    m.tables[index(LawPlace::piston)] = law_column<first>(step, LawPlace::piston, piston);
   }
   return m;
 }
@@ -155,11 +149,12 @@ auto RigModel<S, D, variant, capacity>::joined_step(int open) const -> JoinedSte
   m.friction.col(Friction::body_guide) = step.held(body_guide);
   m.friction.col(Friction::wheel_guide) = step.held(wheel_guide);
   if constexpr (LawsInSteps::possible) {
-    law_columns(m.tables, step, LawPlace::suspension, parallel);
-    law_columns(m.tables, step, LawPlace::tyre, Columns::entry(JoinedInput{.tyre_force = S(1)}, rates));
-    law_columns(m.tables, step, LawPlace::piston, piston);
-    law_columns(m.tables, step, LawPlace::body_guide, body_guide);
-    law_columns(m.tables, step, LawPlace::wheel_guide, wheel_guide);
+    const Column<S, N> tyre = Columns::entry(JoinedInput{.tyre_force = S(1)}, rates);
+    m.tables[index(LawPlace::suspension)] = law_column<0>(step, LawPlace::suspension, parallel);
+    m.tables[index(LawPlace::tyre)] = law_column<0>(step, LawPlace::tyre, tyre);
+    m.tables[index(LawPlace::piston)] = law_column<0>(step, LawPlace::piston, piston);
+    m.tables[index(LawPlace::body_guide)] = law_column<0>(step, LawPlace::body_guide, body_guide);
+    m.tables[index(LawPlace::wheel_guide)] = law_column<0>(step, LawPlace::wheel_guide, wheel_guide);
   }
   return m;
 }
@@ -300,15 +295,18 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_joined(const Join
   }
   if (equations_.has_fdva()) m.losses.add_to(next, newest_four(x.ducts.losses()));
   next = next + m.state.times(entries<N>(x.core, CoreIndex::wheel_position));
-  if (General && (contacts_.any() || law_forces())) {
+  if (General && contacts_.any()) {
     const Column<S, core_states> before = x.core;
     next.store(x.core);
     if constexpr (LawsInSteps::possible) {
       if (law_forces()) apply_laws<0, N>(m.tables, x, in.foot_point);
     }
-    if (contacts_.any()) apply_friction(m.friction, x, before);
+    apply_friction(m.friction, x, before);
   } else {
     next.store(x.core);
+    if constexpr (General && LawsInSteps::possible) {
+      if (law_forces()) apply_laws<0, N>(m.tables, x, in.foot_point);
+    }
   }
   x.foot_point = in.foot_point;
   x.actuator_force = in.actuator_force;
@@ -397,55 +395,69 @@ Stroke<S> RigModel<S, D, variant, capacity>::seen_by_law(LawPlace place, const S
   return motion;
 }
 
+/// Places that exist in this rig and have laws: a hil rig's machine has no wheel, a car alone no suspension.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
-bool RigModel<S, D, variant, capacity>::law_acts(LawPlace place) const {
-  if (!laws_.at(place)) return false;
-  if (place == LawPlace::tyre) return joined() || has_car();
-  if (place == LawPlace::suspension || place == LawPlace::piston) return joined() || has_machine();
-  return joined();
+void RigModel<S, D, variant, capacity>::find_law_places() {
+  for (std::size_t p = 0; p < force_places; ++p) {
+    const auto place = static_cast<LawPlace>(p);
+    const bool tyre = place == LawPlace::tyre, component = place == LawPlace::suspension || place == LawPlace::piston;
+    const bool exists = joined() || (tyre && has_car()) || (component && has_machine());
+    if (exists && laws_.at(place)) law_places_[law_place_count_++] = place;
+  }
 }
 
-/// Adds the laws to the step that led to x without them, one place after the other. The state's part of N entries
-/// begins at `first`. A motion that is prescribed is left to finish_laws().
+/// How a force at a place, which enters by column b, moves the state in a step: held, and growing from 0 to 1. The
+/// state's part of N entries begins at `first`.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <int first, int N>
-RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::apply_laws(const LawColumns<N>& columns, State& x,
+auto RigModel<S, D, variant, capacity>::law_column(const ExactDiscretisation<S, N>& step, LawPlace place,
+                                                   const Column<S, N>& b) const -> LawColumn<N> {
+  LawColumn<N> column{step.held(b), step.monomial(b, 1)};
+  const auto motion = [&](const Column<S, N>& unit) {
+    Stroke<S> moves = at_place<first>(place, unit, Motion<S>{});
+    if (place == LawPlace::suspension && equations_.has_mount()) moves.velocity = moves.position / period_;
+    return moves;
+  };
+  column.at_held = motion(column.held);
+  column.at_ramp = motion(column.ramp);
+  return column;
+}
+
+/// Adds the laws to the step that led to x without them, one place after the other. A motion that is prescribed is left
+/// to finish_laws().
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+template <int first, int N>
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::apply_laws(const LawColumns<N>& columns, State& x,
                                                                     const Motion<S>& foot_point) const {
   constexpr bool has_wheel = first == CoreIndex::wheel_position;
   constexpr bool has_component = first + N > CoreIndex::piston_travel;
   const auto moves = [this](LawPlace place) {
-    if (!law_acts(place)) return false;
     if (place == LawPlace::piston) return has_component;
     if (place == LawPlace::suspension) return has_component && (has_wheel || equations_.has_mount());
     return has_wheel;
   };
   Column<S, N> core = x.core.template segment<N>(first);
-  for (std::size_t p = 0; p < force_places; ++p) {
-    if (moves(static_cast<LawPlace>(p))) core += columns.held.col(static_cast<int>(p)) * x.laws.force[p];
+  for (std::size_t i = 0; i < law_place_count_; ++i) {
+    const LawPlace place = law_places_[i];
+    if (moves(place)) core += columns[index(place)].held * x.laws.force[index(place)];
   }
-  for (std::size_t p = 0; p < force_places; ++p) {
-    const auto place = static_cast<LawPlace>(p);
+  for (std::size_t i = 0; i < law_place_count_; ++i) {
+    const LawPlace place = law_places_[i];
     if (!moves(place)) continue;
-    const auto growing = columns.ramp.col(static_cast<int>(p)), held = columns.held.col(static_cast<int>(p));
-    const auto response = [&](const auto& unit) {
-      Stroke<S> motion = at_place<first>(place, unit, Motion<S>{});
-      if (place == LawPlace::suspension && equations_.has_mount()) motion.velocity = motion.position / period_;
-      return motion;
-    };
+    const LawColumn<N>& column = columns[index(place)];
     const Stroke<S> free = seen_by_law(place, x, at_place<first>(place, core, foot_point));
-    const auto change = laws_.change(place, x.laws, free, response(growing), response(held));
-    core += (growing + (held - growing) * change.weight) * change.delta;
+    const auto change = laws_.change(place, x.laws, free, column.at_ramp, column.at_held);
+    core += (column.ramp + (column.held - column.ramp) * change.weight) * change.delta;
   }
   x.core.template segment<N>(first) = core;
 }
 
 /// The laws at the end of a step, or (`start`) where a simulation begins.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
-RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::finish_laws(State& x, bool start) const {
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::finish_laws(State& x, bool start) const {
   if constexpr (LawsInSteps::possible) {
-    for (std::size_t p = 0; p < force_places; ++p) {
-      const auto place = static_cast<LawPlace>(p);
-      if (!law_acts(place)) continue;
+    for (std::size_t i = 0; i < law_place_count_; ++i) {
+      const LawPlace place = law_places_[i];
       const bool prescribed = place == LawPlace::suspension && !joined() && !equations_.has_mount();
       const Stroke<S> motion = prescribed ? x.reached : at_place<0>(place, x.core, x.foot_point);
       if (start) {

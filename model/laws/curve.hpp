@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "model/inline.hpp"
@@ -22,8 +23,9 @@ namespace model {
 /// Butland, SIAM J. Sci. Stat. Comput. 1984. One point has an error ∝ h² beside a kink of the measured law, ∝ h³ else.
 /// Two points are a straight line.
 ///
-/// An evaluation takes the same work for every x: the interval is the number of points at or below x, counted in two
-/// rounds (8 comparisons with every fourth point, then 4), without a branch.
+/// The interval is the number of points at or below x, counted in two rounds (8 comparisons with every fourth point,
+/// then 4), without a branch: the same work for every x. From one step to the next x mostly stays in its interval, so
+/// evaluations in a step look there first, at the price of two comparisons.
 template <class S, std::size_t capacity = curve_points>
 class Curve {
  public:
@@ -32,8 +34,7 @@ class Curve {
   /// `count` points, 2 … capacity; x ascending.
   template <class X, class Y>
   constexpr Curve(const X& x, const Y& y, std::size_t count) {
-    constexpr S beyond = std::numeric_limits<S>::max();
-    knots_.fill(beyond);
+    knots_.fill(std::numeric_limits<S>::max());
     pieces_.fill(Piece{});
     const auto secant = [&](std::size_t i) { return (y[i + 1] - y[i]) / (x[i + 1] - x[i]); };
     std::array<S, capacity> slope{};
@@ -60,10 +61,12 @@ class Curve {
     last_ = x[count - 1];
   }
 
-  [[nodiscard]] RIGTWIN_INLINE S operator()(S x) const {
-    const Piece& p = pieces_[interval(x)];
-    const S t = x - p.from;
-    return (p.value + t * p.slope) + t * t * (p.square + t * p.cube);
+  [[nodiscard]] RIGTWIN_INLINE S operator()(S x) const { return value(pieces_[interval(x)], x); }
+  /// The same. `hint`: the interval that x is in probably; becomes the one that it is in.
+  [[nodiscard]] RIGTWIN_INLINE S near(S x, std::uint8_t& hint) const {
+    const bool below = hint > 0 && !(x >= knots_[hint - 1U]);
+    if (below || !(x < knots_[hint])) hint = static_cast<std::uint8_t>(interval(x));
+    return value(pieces_[hint], x);
   }
   /// df/dx
   [[nodiscard]] S slope(S x) const {
@@ -82,6 +85,10 @@ class Curve {
   };
   static constexpr std::size_t fours = (capacity + 3) / 4;
 
+  [[nodiscard]] RIGTWIN_INLINE static S value(const Piece& p, S x) {
+    const S t = x - p.from;
+    return (p.value + t * p.slope) + t * t * (p.square + t * p.cube);
+  }
   /// The number of points ≤ x.
   [[nodiscard]] RIGTWIN_INLINE std::size_t interval(S x) const {
     std::size_t n = 0;

@@ -3,7 +3,7 @@
 
 #include <array>
 #include <cstddef>
-#include <limits>
+#include <cstdint>
 
 #include "model/inline.hpp"
 #include "model/laws/branch.hpp"
@@ -39,39 +39,38 @@ class PlacedLaws {
   struct State {
     std::array<S, force_places> force{};       ///< f at this instant [N]
     std::array<Stroke<S>, force_places> at{};  ///< the motion that it belongs to
-    std::array<S, capacity.curves> curves{};
+    std::array<S, capacity.curves> curves{};   ///< by place, as in PlacedLaws
+    std::array<std::uint8_t, capacity.curves> intervals{};
     std::array<S, capacity.surfaces> surfaces{};
     std::array<S, capacity.branches> branches{};  ///< u
   };
 
   PlacedLaws() = default;
   PlacedLaws(const Laws<S, capacity>& laws, S period) {
-    for (std::size_t i = 0; i < laws.curve_count; ++i) {
-      const CurveTable<S>& table = laws.curves[i];
-      curves_[i] = {table.place, table.over, table.channel, Curve<S>(table.at, table.value, table.count)};
-      mark(table.place);
+    for (std::size_t p = 0; p <= force_places; ++p) {
+      const auto place = static_cast<LawPlace>(p);
+      for (std::size_t i = 0; i < laws.curve_count; ++i) {
+        const CurveTable<S>& table = laws.curves[i];
+        if (table.place != place) continue;
+        curves_[end_[p].curves++] = {table.over, table.channel, Curve<S>(table.at, table.value, table.count)};
+      }
+      for (std::size_t i = 0; i < laws.surface_count; ++i) {
+        if (laws.surfaces[i].place == place) surfaces_[end_[p].surfaces++] = Surface<S>(laws.surfaces[i]);
+      }
+      for (std::size_t i = 0; i < laws.branch_count; ++i) {
+        if (laws.branches[i].place == place) branches_[end_[p].branches++] = Branch<S>(laws.branches[i], period);
+      }
+      if (p < force_places) end_[p + 1] = end_[p];
     }
-    for (std::size_t i = 0; i < laws.surface_count; ++i) {
-      surfaces_[i] = {laws.surfaces[i].place, Surface<S>(laws.surfaces[i])};
-      mark(laws.surfaces[i].place);
-    }
-    for (std::size_t i = 0; i < laws.branch_count; ++i) {
-      branches_[i] = {laws.branches[i].place, Branch<S>(laws.branches[i], period)};
-      mark(laws.branches[i].place);
-    }
-    curve_count_ = laws.curve_count;
-    surface_count_ = laws.surface_count;
-    branch_count_ = laws.branch_count;
   }
 
-  [[nodiscard]] bool at(LawPlace place) const { return acts_[index(place)]; }
-  [[nodiscard]] bool any() const { return any_; }  ///< force
+  [[nodiscard]] bool at(LawPlace place) const { return !(begin(place) == end(place)); }
+  [[nodiscard]] bool any() const { return !(end(LawPlace::wheel_guide) == Count{}); }  ///< force
 
   /// What the sensor of a channel shows for its true value.
   [[nodiscard]] S reading(Channel channel, S truth) const {
-    for (std::size_t i = 0; i < curve_count_; ++i) {
-      const PlacedCurve& c = curves_[i];
-      if (c.place == LawPlace::sensor && c.channel == channel) truth = c.law(truth);
+    for (std::size_t i = begin(LawPlace::sensor).curves; i < end(LawPlace::sensor).curves; ++i) {
+      if (curves_[i].channel == channel) truth = curves_[i].law(truth);
     }
     return truth;
   }
@@ -81,78 +80,73 @@ class PlacedLaws {
   };
 
   /// (2), (3) for a step from x.at[place] to `free`; `growing`, `held`: r and q.
-  [[nodiscard]] RIGTWIN_INLINE Change change(LawPlace place, const State& x, const Stroke<S>& free,
-                                             const Stroke<S>& growing, const Stroke<S>& held) const {
+  [[nodiscard]] RIGTWIN_INLINE Change change(LawPlace place, State& x, const Stroke<S>& free, const Stroke<S>& growing,
+                                             const Stroke<S>& held) const {
+    const Count first = begin(place), last = end(place);
     const Stroke<S>& start = x.at[index(place)];
     const S moved = free.position - start.position, faster = free.velocity - start.velocity;
+    // divided while the laws are evaluated, which takes as long
+    const S per_moved = inverse(moved), per_faster = inverse(faster);
     S delta = S(0), stiffness = S(0), damping = S(0);  // Σ c over deflection and velocity
-    for (std::size_t i = 0; i < curve_count_; ++i) {
+    for (std::size_t i = first.curves; i < last.curves; ++i) {
       const PlacedCurve& c = curves_[i];
-      if (c.place != place) continue;
       const bool velocity = c.over == LawOver::velocity;
-      const S change = c.law(velocity ? free.velocity : free.position) - x.curves[i];
+      const S change = c.law.near(velocity ? free.velocity : free.position, x.intervals[i]) - x.curves[i];
       delta += change;
-      (velocity ? damping : stiffness) += chord(change, velocity ? faster : moved, c.law.steepest());
+      (velocity ? damping : stiffness) += chord(change, velocity ? per_faster : per_moved, c.law.steepest());
     }
-    for (std::size_t i = 0; i < surface_count_; ++i) {
-      const PlacedSurface& s = surfaces_[i];
-      if (s.place != place) continue;
-      const S corner = s.law(start.position, free.velocity);
-      const S end = s.law(free.position, free.velocity);
+    for (std::size_t i = first.surfaces; i < last.surfaces; ++i) {
+      const Surface<S>& law = surfaces_[i];
+      const S corner = law(start.position, free.velocity);
+      const S end = law(free.position, free.velocity);
       delta += end - x.surfaces[i];
-      damping += chord(corner - x.surfaces[i], faster, s.law.steepest());
-      stiffness += chord(end - corner, moved, s.law.stiffest());
+      damping += chord(corner - x.surfaces[i], per_faster, law.steepest());
+      stiffness += chord(end - corner, per_moved, law.stiffest());
     }
-    for (std::size_t i = 0; i < branch_count_; ++i) {
-      const PlacedBranch& b = branches_[i];
-      if (b.place != place) continue;
-      const S end = b.law.after(x.branches[i], moved);
+    for (std::size_t i = first.branches; i < last.branches; ++i) {
+      const Branch<S>& law = branches_[i];
+      const S end = law.after(x.branches[i], moved);
       delta += end - x.branches[i];
-      stiffness += chord(end - b.law.kept(x.branches[i]), moved, b.law.stiffness());
+      stiffness += chord(end - law.kept(x.branches[i]), per_moved, law.stiffness());
     }
     const auto resistance = [&](const Stroke<S>& response) {
       const S resists = -(stiffness * response.position + damping * response.velocity);
       return select(resists > S(0), resists, S(0));
     };
-    const S grows = resistance(growing);
-    const S weight = grows * grows / (S(1) + grows * grows);
-    return {delta / (S(1) + grows + weight * (resistance(held) - grows)), weight};
+    const S grows = resistance(growing), square = grows * grows, one = S(1) + square;
+    return {delta * one / ((S(1) + grows) * one + square * (resistance(held) - grows)), square / one};
   }
 
   /// The end of a step: the motion that it reached.
-  RIGTWIN_INLINE void finish(LawPlace place, State& x, const Stroke<S>& end) const {
-    const S moved = end.position - x.at[index(place)].position;
+  RIGTWIN_INLINE void finish(LawPlace place, State& x, const Stroke<S>& motion) const {
+    const Count first = begin(place), last = end(place);
+    const S moved = motion.position - x.at[index(place)].position;
     S force = S(0);
-    for (std::size_t i = 0; i < curve_count_; ++i) {
+    for (std::size_t i = first.curves; i < last.curves; ++i) {
       const PlacedCurve& c = curves_[i];
-      if (c.place == place) {
-        force += x.curves[i] = c.law(c.over == LawOver::velocity ? end.velocity : end.position);
-      }
+      const bool velocity = c.over == LawOver::velocity;
+      force += x.curves[i] = c.law.near(velocity ? motion.velocity : motion.position, x.intervals[i]);
     }
-    for (std::size_t i = 0; i < surface_count_; ++i) {
-      const PlacedSurface& s = surfaces_[i];
-      if (s.place == place) force += x.surfaces[i] = s.law(end.position, end.velocity);
+    for (std::size_t i = first.surfaces; i < last.surfaces; ++i) {
+      force += x.surfaces[i] = surfaces_[i](motion.position, motion.velocity);
     }
-    for (std::size_t i = 0; i < branch_count_; ++i) {
-      const PlacedBranch& b = branches_[i];
-      if (b.place == place) force += x.branches[i] = b.law.after(x.branches[i], moved);
+    for (std::size_t i = first.branches; i < last.branches; ++i) {
+      force += x.branches[i] = branches_[i].after(x.branches[i], moved);
     }
     x.force[index(place)] = force;
-    x.at[index(place)] = end;
+    x.at[index(place)] = motion;
   }
 
   /// A place in this motion, branches without force.
   void start(LawPlace place, State& x, const Stroke<S>& motion) const {
-    for (std::size_t i = 0; i < branch_count_; ++i) {
-      if (branches_[i].place == place) x.branches[i] = S(0);
-    }
+    for (std::size_t i = begin(place).branches; i < end(place).branches; ++i) x.branches[i] = S(0);
     x.at[index(place)] = motion;
     finish(place, x, motion);
   }
 
-  /// Forces and branches that have decayed below `least` become zero.
+  /// Branches whose force has decayed below `least` have none.
   void flush(State& x, S least) const {
-    for (std::size_t i = 0; i < branch_count_; ++i) {
+    for (std::size_t i = 0; i < end(LawPlace::sensor).branches; ++i) {
       S& u = x.branches[i];
       u = select(u < least && u > -least, S(0), u);
     }
@@ -160,37 +154,33 @@ class PlacedLaws {
 
  private:
   struct PlacedCurve {
-    LawPlace place{};
     LawOver over{};
     Channel channel{};
     Curve<S> law{};
   };
-  struct PlacedSurface {
-    LawPlace place{};
-    Surface<S> law{};
+  struct Count {
+    std::uint8_t curves = 0, surfaces = 0, branches = 0;
+    friend constexpr bool operator==(const Count&, const Count&) = default;
   };
-  struct PlacedBranch {
-    LawPlace place{};
-    Branch<S> law{};
-  };
-
-  constexpr void mark(LawPlace place) {
-    acts_[index(place)] = true;
-    any_ = any_ || place != LawPlace::sensor;
+  [[nodiscard]] RIGTWIN_INLINE Count begin(LawPlace place) const {
+    return place == LawPlace{} ? Count{} : end_[index(place) - 1];
   }
+  [[nodiscard]] RIGTWIN_INLINE Count end(LawPlace place) const { return end_[index(place)]; }
 
+  /// 1/distance, 0 for no distance.
+  [[nodiscard]] RIGTWIN_INLINE static S inverse(S distance) {
+    return select(distance == S(0), S(0), S(S(1) / distance));
+  }
   /// change/distance within 0 … steepest: neither a rounding error of a short distance nor a falling law gets beyond.
-  [[nodiscard]] RIGTWIN_INLINE static S chord(S change, S distance, S steepest) {
-    const S slope = select(distance == S(0), S(0), S(change / distance));
+  [[nodiscard]] RIGTWIN_INLINE static S chord(S change, S per_distance, S steepest) {
+    const S slope = change * per_distance;
     return select(slope > S(0), select(slope < steepest, slope, steepest), S(0));
   }
 
-  std::array<PlacedCurve, capacity.curves> curves_{};
-  std::array<PlacedSurface, capacity.surfaces> surfaces_{};
-  std::array<PlacedBranch, capacity.branches> branches_{};
-  std::size_t curve_count_ = 0, surface_count_ = 0, branch_count_ = 0;
-  std::array<bool, force_places + 1> acts_{};
-  bool any_ = false;
+  std::array<PlacedCurve, capacity.curves> curves_{};  ///< by place
+  std::array<Surface<S>, capacity.surfaces> surfaces_{};
+  std::array<Branch<S>, capacity.branches> branches_{};
+  std::array<Count, force_places + 1> end_{};  ///< of the laws of a place; each begins where the one before ends
 };
 
 /// Where there is no room for laws.

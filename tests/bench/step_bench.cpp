@@ -6,6 +6,8 @@
 //   step/odeint_rk4      the same equations without delay and sensors by Boost.odeint's runge_kutta4
 //   step/hil_fdva_silent the same rig after minutes of a flat road; costs no more than the shaken one
 //   step/hil_linear, step/quarter_car_linear, step/quarter_car_fdva, step/quarter_car_effects: for comparison
+//   step/laws_*          quarter_car_linear with laws from tables: its damper as a curve of 33 points, a curve of the
+//                        spring beside it, a surface, one and eight branches; wanted is 6 ns a curve, 3 ns a branch
 //
 // The least of the repetitions of one run is compared, which main.cpp prints:
 //   rigtwin_bench --benchmark_filter=step/ --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
@@ -16,6 +18,8 @@
 #include <algorithm>
 #include <array>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
+#include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <map>
 #include <random>
@@ -102,6 +106,48 @@ void quarter_car_effects(benchmark::State& state) {
   rig.effects.add(model::TyreLiftOff<double>{});
   rig.effects.add(model::ForceSensorInertia<double>{5.0});
   run_rig(state, rig, true);
+}
+
+/// A digressive damper, lopsided, of 33 points up to 1.6 m/s, or a bump stop over the deflection.
+model::CurveTable<double> table(model::LawOver over) {
+  model::CurveTable<double> curve{.over = over, .count = model::curve_points};
+  for (std::size_t i = 0; i < model::curve_points; ++i) {
+    const double x = (static_cast<double>(i) - 16.0) / 16.0;
+    curve.at[i] = (over == model::LawOver::velocity ? 1.6 : 0.08) * x;
+    curve.value[i] = over == model::LawOver::velocity ? (x > 0.0 ? 3000.0 : 1500.0) * x / (0.3 + std::abs(x))
+                                                      : 900.0 * x * x * x;
+  }
+  return curve;
+}
+
+model::RigParameters<double> rig_with_laws(int curves, int surfaces, int branches) {
+  auto rig = reference_rig(model::RigKind::quarter_car, false);
+  if (curves + surfaces > 0) rig.suspension.damping = 0.0;
+  if (curves > 0) rig.laws.curves[rig.laws.curve_count++] = table(model::LawOver::velocity);
+  if (curves > 1) rig.laws.curves[rig.laws.curve_count++] = table(model::LawOver::deflection);
+  if (surfaces > 0) {
+    auto& surface = rig.laws.surfaces[rig.laws.surface_count++];
+    surface.rows = surface.columns = model::surface_points;
+    for (std::size_t i = 0; i < model::surface_points; ++i) {
+      surface.deflection[i] = 0.01 * (static_cast<double>(i) - 8.0);
+      surface.velocity[i] = 0.2 * (static_cast<double>(i) - 8.0);
+    }
+    for (std::size_t i = 0; i < model::surface_points; ++i) {
+      for (std::size_t j = 0; j < model::surface_points; ++j) {
+        surface.value[i][j] = 1100.0 * surface.velocity[j] * (1.0 + 20.0 * surface.deflection[i] * surface.deflection[i]);
+      }
+    }
+  }
+  for (int i = 0; i < branches; ++i) {
+    auto& branch = rig.laws.branches[rig.laws.branch_count++];
+    branch.stiffness = 1000.0 * (i + 1);
+    (i % 2 == 0 ? branch.slip_force : branch.time_constant) = i % 2 == 0 ? 5.0 + i : 0.01 * i;
+  }
+  return rig;
+}
+template <int curves, int surfaces, int branches>
+void laws(benchmark::State& state) {
+  run_rig(state, rig_with_laws(curves, surfaces, branches), true);
 }
 
 void limit_matvec6(benchmark::State& state) {
@@ -191,5 +237,10 @@ BENCHMARK(hil_linear)->Name("step/hil_linear")->ComputeStatistics("min", least);
 BENCHMARK(quarter_car_linear)->Name("step/quarter_car_linear")->ComputeStatistics("min", least);
 BENCHMARK(quarter_car_fdva)->Name("step/quarter_car_fdva")->ComputeStatistics("min", least);
 BENCHMARK(quarter_car_effects)->Name("step/quarter_car_effects")->ComputeStatistics("min", least);
+BENCHMARK(laws<1, 0, 0>)->Name("step/laws_curve")->ComputeStatistics("min", least);
+BENCHMARK(laws<2, 0, 0>)->Name("step/laws_two_curves")->ComputeStatistics("min", least);
+BENCHMARK(laws<0, 1, 0>)->Name("step/laws_surface")->ComputeStatistics("min", least);
+BENCHMARK(laws<0, 0, 1>)->Name("step/laws_branch")->ComputeStatistics("min", least);
+BENCHMARK(laws<0, 0, 8>)->Name("step/laws_eight_branches")->ComputeStatistics("min", least);
 
 }  // namespace
