@@ -428,7 +428,7 @@ auto RigModel<S, D, variant, capacity>::law_column(const ExactDiscretisation<S, 
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <int first, int N>
 RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::apply_laws(const LawColumns<N>& columns, State& x,
-                                                                    const Motion<S>& foot_point) const {
+                                                                  const Motion<S>& foot_point) const {
   constexpr bool has_wheel = first == CoreIndex::wheel_position;
   constexpr bool has_component = first + N > CoreIndex::piston_travel;
   const auto moves = [this](LawPlace place) {

@@ -154,6 +154,19 @@ void print_sweep(const stability::PoleSweep& sweep) {
   }
 }
 
+void print_amplitudes(const stability::OverAmplitude& over) {
+  std::printf("over the amplitude of dz_b, the nonlinear forces by their first harmonic\n");
+  std::printf("  %11s %9s %12s %12s %12s %15s\n", "dz_b [mm]", "f [Hz]", "k [N/m]", "c [N s/m]", "Re [1/s]",
+              "critical delay");
+  for (const auto& at : over.rows) {
+    std::printf("  %11.4g %9.4f %12.5g %12.5g %12.5g %15s\n", 1e3 * at.amplitude, at.omega / full_turn,
+                at.suspension.stiffness, at.suspension.damping, at.root.real(),
+                at.critical_delay ? text("%.6g ms", 1e3 * *at.critical_delay).c_str() : "none");
+  }
+  for (const auto& cycle : over.limit_cycles) std::printf("  %s\n", stability::in_words(cycle).c_str());
+  if (!over.left_out.empty()) std::printf("  without: %s\n", joined(over.left_out).c_str());
+}
+
 /// Sample age and computation that the loop may have on top of the delays that the description states [s]: four fifths
 /// of the way to the border of the sampled loop, for every number of ducts that the run opens. The fifth is for what
 /// the description does not know; at half of it (0.9) the slowest decay would halve, at twice (0.6) few rigs would be
@@ -206,6 +219,9 @@ void examine_stability(const StabilityOptions& options) {
   }
   if (!options.write_limits && options.rig.empty()) throw firmware::UsageError("--rig is required");
   const firmware::RigDescription description = firmware::read_rig(options.write_limits.value_or(options.rig));
+  if (options.amplitude && !(*options.amplitude >= 1e-6 && *options.amplitude <= 1.0)) {
+    throw firmware::UsageError("--amplitude is not a deflection, expected 1e-6 … 1 m");
+  }
   if (!(options.line < 0.0))
     throw firmware::UsageError("--right-of is not below 0, expected a negative real part, such as -60");
   if (description.rig.kind != model::RigKind::hil) {
@@ -239,8 +255,11 @@ void examine_stability(const StabilityOptions& options) {
     map = stability::stability_map(family, axes->first, axes->second, 0, [&](double share) { progress.show(share); });
   }
 
+  std::optional<stability::OverAmplitude> over;
+  if (options.amplitude) over = stability::over_amplitude(description, *options.amplitude);
+
   if (options.report) {
-    const stability::StabilityFindings findings{description, analysis, swept, map};
+    const stability::StabilityFindings findings{description, analysis, swept, map, over};
     firmware::write_file(*options.report, stability::stability_report(findings).html());
   }
   const bool only_json = options.json && *options.json == "-";
@@ -248,6 +267,7 @@ void examine_stability(const StabilityOptions& options) {
     if (!swept.empty()) json["sweeps"] = nlohmann::ordered_json::array();
     for (const auto& sweep : swept) json["sweeps"].push_back(stability::to_json(sweep));
     if (map) json["map"] = stability::to_json(*map);
+    if (over) json["over_amplitude"] = stability::to_json(*over);
     if (options.responses) {
       json["bode"] = stability::to_json(stability::bode(analysis.rig, analysis.delay, analysis.machine_delay,
                                                         stability::frequencies(0.1, 100.0, 600, analysis.roots.roots)));
@@ -275,6 +295,7 @@ void examine_stability(const StabilityOptions& options) {
   }
   for (const auto& sweep : swept) print_sweep(sweep);
   if (map) print_map(*map);
+  if (over) print_amplitudes(*over);
   if (options.report) std::printf("report %s\n", options.report->c_str());
 }
 
@@ -292,6 +313,9 @@ void add_stability(CLI::App& app, StabilityOptions& options) {
       "Rightmost root over two variables, for example tau=0:0.03:200,virtual_damping=0:2000:200; a variable "
       "is tau, virtual_damping or a parameter path of the rig description");
   command->add_option("--report", options.report, "Write all results as one HTML page with figures");
+  command->add_option("--amplitude", options.amplitude,
+                      "Also analyse the loop with its nonlinear forces at amplitudes of the deflection dz_b up to this "
+                      "one [m]: equivalent stiffness and damping, stability, limit cycles");
   command->add_flag("--responses", options.responses, "Add Bode and Nyquist data to the JSON");
   command->add_option("--right-of", options.line, "List the roots with a real part above this value [1/s]")
       ->capture_default_str();

@@ -19,6 +19,7 @@ struct StabilityOptions {
   std::optional<std::filesystem::path> report;
   std::vector<std::string> sweeps;  ///< "variable=from:to:count"
   std::optional<std::string> map;   ///< two of these, "x,y"
+  std::optional<double> amplitude;  ///< the largest of the deflection at which the loop is analysed [m]
   bool responses = false;           ///< adds Bode and Nyquist data to the JSON
   double line = -60.0;              ///< roots with a real part above it are listed [1/s]
 };

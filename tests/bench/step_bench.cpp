@@ -114,8 +114,8 @@ model::CurveTable<double> table(model::LawOver over) {
   for (std::size_t i = 0; i < model::curve_points; ++i) {
     const double x = (static_cast<double>(i) - 16.0) / 16.0;
     curve.at[i] = (over == model::LawOver::velocity ? 1.6 : 0.08) * x;
-    curve.value[i] = over == model::LawOver::velocity ? (x > 0.0 ? 3000.0 : 1500.0) * x / (0.3 + std::abs(x))
-                                                      : 900.0 * x * x * x;
+    curve.value[i] =
+        over == model::LawOver::velocity ? (x > 0.0 ? 3000.0 : 1500.0) * x / (0.3 + std::abs(x)) : 900.0 * x * x * x;
   }
   return curve;
 }
@@ -134,7 +134,8 @@ model::RigParameters<double> rig_with_laws(int curves, int surfaces, int branche
     }
     for (std::size_t i = 0; i < model::surface_points; ++i) {
       for (std::size_t j = 0; j < model::surface_points; ++j) {
-        surface.value[i][j] = 1100.0 * surface.velocity[j] * (1.0 + 20.0 * surface.deflection[i] * surface.deflection[i]);
+        surface.value[i][j] =
+            1100.0 * surface.velocity[j] * (1.0 + 20.0 * surface.deflection[i] * surface.deflection[i]);
       }
     }
   }

@@ -9,7 +9,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$rigtwin" paper --out "$folder" >"$folder/paper.txt"
 "$rigtwin" stability --rig host_sim/rigs/paper_hil_fdva.toml --map tau=0:0.03:60,virtual_damping=0:2000:60 \
-  --sweep virtual_damping=0:2000:41 --sweep tau=0:0.02:21 \
+  --sweep virtual_damping=0:2000:41 --sweep tau=0:0.02:21 --amplitude 0.02 \
   --report "$folder/stability.html" >"$folder/stability.txt"
 sed '/^\[effects.coulomb_friction\]/,/^$/d' host_sim/rigs/paper_bench_fdva.toml >"$folder/bench.toml"
 "$rigtwin" simulate --rig host_sim/rigs/paper_bench_fdva.toml --duration 8 --out "$folder/bench.csv" >"$folder/bench.txt"

@@ -28,6 +28,19 @@ ordered_json gain(const std::optional<GainMargin>& margin) {
           {"frequency_hz", margin->omega / full_turn}};
 }
 
+ordered_json amplitude_json(const AtAmplitude& at) {
+  const auto force = [](const EquivalentForce& f) {
+    return ordered_json{{"stiffness", number(f.stiffness)}, {"damping", number(f.damping)}};
+  };
+  return {{"amplitude", at.amplitude},
+          {"frequency_hz", at.omega / full_turn},
+          {"suspension", force(at.suspension)},
+          {"tyre", force(at.tyre)},
+          {"rightmost", complex(at.root)},
+          {"stable", at.stable()},
+          {"critical_delay", number(at.critical_delay)}};
+}
+
 ordered_json axis_json(const Axis& axis) {
   return {{"variable", axis.variable}, {"from", axis.from}, {"to", axis.to}, {"count", axis.count}};
 }
@@ -172,6 +185,15 @@ ordered_json to_json(const NyquistData& data) {
           {"frequency_hz", std::move(hz)},
           {"re", std::move(re)},
           {"im", std::move(im)}};
+}
+
+ordered_json to_json(const OverAmplitude& over) {
+  ordered_json rows = ordered_json::array(), cycles = ordered_json::array();
+  for (const AtAmplitude& at : over.rows) rows.push_back(amplitude_json(at));
+  for (const LimitCycle& cycle : over.limit_cycles) {
+    cycles.push_back({{"attracts", cycle.attracts}, {"at", amplitude_json(cycle.at)}});
+  }
+  return {{"rows", std::move(rows)}, {"limit_cycles", std::move(cycles)}, {"left_out", over.left_out}};
 }
 
 }  // namespace host_sim::stability

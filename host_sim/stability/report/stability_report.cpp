@@ -216,6 +216,39 @@ void add_sensitivities(Report& page, const StabilityAnalysis& a) {
   }
 }
 
+void add_amplitudes(Report& page, const OverAmplitude& over) {
+  page.add_section("Over the amplitude");
+  page.add_text(
+      "The loop that oscillates with one amplitude of the suspension deflection dz_b, its nonlinear forces replaced by "
+      "their first harmonic. Where the real part of the rightmost root is below zero, an oscillation of that size "
+      "decays.");
+  if (!over.left_out.empty()) page.add_text("Without " + joined(over.left_out) + ".");
+  for (const LimitCycle& cycle : over.limit_cycles) page.add_verdict(Verdict::bad, in_words(cycle) + ".");
+  report::Curve root{"rightmost root", {}, {}, 0}, stiffness{"suspension, added stiffness", {}, {}, 1},
+      damping{"suspension, added damping", {}, {}, 2};
+  root.marker = stiffness.marker = damping.marker = report::Marker::circle;
+  root.along_quantity = "frequency";
+  root.along_unit = "Hz";
+  for (const AtAmplitude& at : over.rows) {
+    for (report::Curve* curve : {&root, &stiffness, &damping}) curve->x.push_back(1e3 * at.amplitude);
+    root.y.push_back(at.root.real());
+    root.along.push_back(at.omega / full_turn);
+    stiffness.y.push_back(1e-3 * at.suspension.stiffness);
+    damping.y.push_back(at.suspension.damping);
+  }
+  Figure figure{"Rightmost root, and what the nonlinear forces are at each amplitude",
+                "Added to spring and damper of the description.",
+                {"amplitude of dz_b", "mm", true}};
+  Panel roots{{"real part", "1/s"}}, stiff{{"stiffness", "kN/m"}}, damp{{"damping", "N s/m"}};
+  roots.curves = {std::move(root)};
+  roots.guides.push_back({Guide::Along::y, 0.0, "border"});
+  stiff.curves = {std::move(stiffness)};
+  damp.curves = {std::move(damping)};
+  figure.panels = {std::move(roots), std::move(stiff), std::move(damp)};
+  figure.height = 620;
+  page.add_figure(figure);
+}
+
 void add_loop(Report& page, const StabilityAnalysis& a, const BodeData& data) {
   page.add_section("The open loop");
   page.add_text("L = (Q/P) e^(−sτ) is the loop opened at the component's force; on the stability border 1 + L = 0.");
@@ -302,6 +335,7 @@ Report stability_report(const StabilityFindings& f) {
     page.add_figure(figure);
   }
   for (const PoleSweep& sweep : f.sweeps) page.add_figure(locus_figure(sweep, f.description));
+  if (f.over_amplitude) add_amplitudes(page, *f.over_amplitude);
   const BodeData data = bode(a.rig, a.delay, a.machine_delay, frequencies(0.1, 100.0, 600, a.roots.roots));
   add_loop(page, a, data);
   add_responses(page, f, data);

@@ -8,6 +8,7 @@
 #include "host_sim/report/report.hpp"
 #include "host_sim/stability/map/stability_map.hpp"
 #include "host_sim/stability/margins/analysis.hpp"
+#include "host_sim/stability/margins/over_amplitude.hpp"
 
 namespace host_sim::stability {
 
@@ -17,9 +18,11 @@ struct StabilityFindings {
   const StabilityAnalysis& analysis;
   const std::vector<PoleSweep>& sweeps;
   const std::optional<StabilityMap>& map;
+  std::optional<OverAmplitude> over_amplitude{};
 };
 
-/// Verdict first, then roots, delay budget, Padé, sampled loop, sensitivities, loop and road responses, root loci, map.
+/// Verdict first, then roots, delay budget, Padé, sampled loop, sensitivities, loop and road responses, root loci, map,
+/// amplitudes.
 [[nodiscard]] report::Report stability_report(const StabilityFindings& findings);
 
 }  // namespace host_sim::stability

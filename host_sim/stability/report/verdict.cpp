@@ -38,4 +38,10 @@ std::string verdict(const StabilityAnalysis& a) {
   return "stable, " + milliseconds(*a.margins.delay_margin) + " of delay left";
 }
 
+std::string in_words(const LimitCycle& cycle) {
+  return text("limit cycle of %.3g mm at %.4g Hz: ", 1e3 * cycle.at.amplitude, cycle.at.omega / full_turn) +
+         (cycle.attracts ? "smaller oscillations grow to it, larger ones decay to it"
+                         : "smaller oscillations decay, larger ones grow");
+}
+
 }  // namespace host_sim::stability

@@ -33,10 +33,10 @@ TEST(StabilityReport, SaysTheVerdictFirst) {
                     file = (folder / "page.html").string();
   const auto ended =
       support::rigtwin({"stability", "--rig", rig, "--report", file, "--sweep", "virtual_damping=0:2000:21", "--map",
-                        "tau=0:0.03:20,virtual_damping=0:2000:20"});
+                        "tau=0:0.03:20,virtual_damping=0:2000:20", "--amplitude", "0.02"});
   ASSERT_EQ(ended.status, 0) << ended.errors;
   const std::string html = support::TemporaryFolder::read(file);
-  support::expect_sound(html, 12);
+  support::expect_sound(html, 13);
   const auto verdict =
       html.find("<div class=\"verdict good\"><b>✓</b>The loop is stable, 2.746 ms of delay left.</div>");
   EXPECT_LT(verdict, html.find("<h2"));
