@@ -164,7 +164,7 @@ void print_amplitudes(const stability::OverAmplitude& over) {
                 at.critical_delay ? text("%.6g ms", 1e3 * *at.critical_delay).c_str() : "none");
   }
   for (const auto& cycle : over.limit_cycles) std::printf("  %s\n", stability::in_words(cycle).c_str());
-  if (!over.left_out.empty()) std::printf("  without: %s\n", joined(over.left_out).c_str());
+  if (!over.left_out.empty()) std::printf("  not counted: %s\n", joined(over.left_out).c_str());
 }
 
 /// Sample age and computation that the loop may have on top of the delays that the description states [s]: four fifths

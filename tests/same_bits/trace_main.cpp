@@ -7,10 +7,11 @@
 
 int main() {
   try {
-    for (const char* rig : {"paper_hil_fdva", "paper_rig_fdva", "paper_bench_fdva"}) {
+    for (const char* rig : {"paper_hil_fdva", "paper_rig_fdva", "paper_bench_fdva", "measured_damper"}) {
       firmware::RigDescription description = firmware::read_rig(std::string("host_sim/rigs/") + rig + ".toml");
       // Rough enough for the nonlinear laws to matter, with ducts that open and close while the rig runs.
-      description.controller.valve_plan = {{2.0, 0b101101}, {3.5, 0b000001}, {5.0, 0b000000}, {5.25, 0b111111}};
+      if (description.rig.has_fdva)
+        description.controller.valve_plan = {{2.0, 0b101101}, {3.5, 0b000001}, {5.0, 0b000000}, {5.25, 0b111111}};
       description.controller.speed = 5.0;
       description.range = {};
       if (description.rig.kind != model::RigKind::component_bench) {

@@ -58,8 +58,9 @@ class FirstHarmonic {
     }
   }
   [[nodiscard]] EquivalentForce result() const {
-    const double share = 2.0 / turn_points / amplitude_;
-    return {share * with_sine_, share * with_cosine_ / omega_};
+    const double share = 2.0 / turn_points / amplitude_, rounding = 1e-13 * all_;
+    const auto beyond = [rounding](double sum) { return std::abs(sum) > rounding ? sum : 0.0; };
+    return {share * beyond(with_sine_), share * beyond(with_cosine_) / omega_};
   }
 
  private:
@@ -67,10 +68,11 @@ class FirstHarmonic {
   void sum(std::size_t i, double force) {
     with_sine_ += force * sine_[i];
     with_cosine_ += force * cosine_[i];
+    all_ += std::abs(force);
   }
 
   double amplitude_, omega_;
-  double with_sine_ = 0.0, with_cosine_ = 0.0;
+  double with_sine_ = 0.0, with_cosine_ = 0.0, all_ = 0.0;
   Turn sine_{}, cosine_{};
 };
 

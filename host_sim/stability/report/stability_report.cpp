@@ -222,30 +222,32 @@ void add_amplitudes(Report& page, const OverAmplitude& over) {
       "The loop that oscillates with one amplitude of the suspension deflection dz_b, its nonlinear forces replaced by "
       "their first harmonic. Where the real part of the rightmost root is below zero, an oscillation of that size "
       "decays.");
-  if (!over.left_out.empty()) page.add_text("Without " + joined(over.left_out) + ".");
+  if (!over.left_out.empty()) page.add_text("Not counted: " + joined(over.left_out) + ".");
   for (const LimitCycle& cycle : over.limit_cycles) page.add_verdict(Verdict::bad, in_words(cycle) + ".");
   report::Curve root{"rightmost root", {}, {}, 0}, stiffness{"suspension, added stiffness", {}, {}, 1},
-      damping{"suspension, added damping", {}, {}, 2};
-  root.marker = stiffness.marker = damping.marker = report::Marker::circle;
-  root.along_quantity = "frequency";
-  root.along_unit = "Hz";
+      damping{"suspension, added damping", {}, {}, 2}, frequency{"frequency", {}, {}, 3};
+  root.marker = stiffness.marker = damping.marker = frequency.marker = report::Marker::circle;
   for (const AtAmplitude& at : over.rows) {
-    for (report::Curve* curve : {&root, &stiffness, &damping}) curve->x.push_back(1e3 * at.amplitude);
+    for (report::Curve* curve : {&root, &stiffness, &damping, &frequency}) curve->x.push_back(1e3 * at.amplitude);
     root.y.push_back(at.root.real());
-    root.along.push_back(at.omega / full_turn);
+    frequency.y.push_back(at.omega / full_turn);
     stiffness.y.push_back(1e-3 * at.suspension.stiffness);
     damping.y.push_back(at.suspension.damping);
   }
   Figure figure{"Rightmost root, and what the nonlinear forces are at each amplitude",
-                "Added to spring and damper of the description.",
+                "Of all oscillations the one is shown that decays slowest; where the frequency jumps another one does. "
+                "Stiffness and "
+                "damping are added to spring and damper of the description.",
                 {"amplitude of dz_b", "mm", true}};
-  Panel roots{{"real part", "1/s"}}, stiff{{"stiffness", "kN/m"}}, damp{{"damping", "N s/m"}};
+  Panel roots{{"real part", "1/s"}}, hertz{{"frequency", "Hz"}}, stiff{{"stiffness", "kN/m"}},
+      damp{{"damping", "N s/m"}};
   roots.curves = {std::move(root)};
   roots.guides.push_back({Guide::Along::y, 0.0, "border"});
   stiff.curves = {std::move(stiffness)};
   damp.curves = {std::move(damping)};
-  figure.panels = {std::move(roots), std::move(stiff), std::move(damp)};
-  figure.height = 620;
+  hertz.curves = {std::move(frequency)};
+  figure.panels = {std::move(roots), std::move(hertz), std::move(stiff), std::move(damp)};
+  figure.height = 680;
   page.add_figure(figure);
 }
 
