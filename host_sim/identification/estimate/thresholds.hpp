@@ -6,14 +6,14 @@ namespace host_sim::identification::thresholds {
 // Free parameters -----------------------------------------------------------------------------------------------------
 
 /// [coordinate] Differences for the Jacobian: 1 % of a tolerance; 0.1 % of an effect's parameter or of the motion's
-/// size. Derivation: the truncation error, half of the step's share of the curvature, stays below a per cent. Half: not
-/// measured. Twice: 1 % error of the Jacobian where a stop closes (fit_test), which costs steps, not accuracy.
+/// size. Derivation: the truncation error, half of the step's share of the curvature, stays below a per cent. Half: the
+/// same names. Twice: 1 % error of the Jacobian where a stop closes (fit_test), which costs steps, not accuracy.
 inline constexpr double tolerance_difference = 1e-2, effect_difference = 1e-3, start_difference = 1e-3;
-/// [coordinate] Trust radius of a state at the start: three times the motion. And its bounds. Half and twice: not
-/// measured.
+/// [coordinate] Trust radius of a state at the start: three times the motion. And its bounds. Half and twice: the same
+/// names.
 inline constexpr double start_trust_radius = 3.0, start_bound = 10.0;
 /// [coordinate] Trust radius of an effect's parameter: a factor of e, or twice a signed value. Half and
-/// twice: not measured.
+/// twice: the same names.
 inline constexpr double effect_trust_radius = 1.0;
 /// [1/s] Velocity at the start for one metre of motion: a mode of 3 Hz.
 inline constexpr double start_rate = 20.0;
@@ -30,7 +30,7 @@ inline constexpr double parameter_range = 3.0;
 
 /// [s], [1] Scales of a clock's offset and rate, of which a fit moves as far in its first step: 2 ms are a phase of 1
 /// rad at 80 Hz, where a linear step still helps; 100 ppm shift the end of 20 s by as much. And their bounds: 50 ms is
-/// the delay of a network, 2000 ppm the error of the worst RC oscillator. Half and twice of the scales: not measured.
+/// the delay of a network, 2000 ppm the error of the worst RC oscillator. Half and twice of the scales: the same names.
 inline constexpr double offset_scale = 2e-3, rate_scale = 1e-4, largest_offset = 50e-3, largest_rate = 2e-3;
 /// [Hz] Corners of a filter. Below the lowest it is a sensor's lag; above the highest 90 Hz, the end of the residuals,
 /// is left as it is within a phase of 0.1 rad.
@@ -49,7 +49,7 @@ inline constexpr double fault_difference = 1e-2;
 /// [coordinate] Difference for the Jacobian of a law's values: a thousandth of its largest force, as of an effect.
 inline constexpr double law_difference = 1e-3;
 /// [1] Bound of a law's force, relative to its size where the fit began: a law that grows by more has found another
-/// explanation. Half and twice: not measured.
+/// explanation. Half and twice: the same names.
 inline constexpr double largest_law_force = 50.0;
 
 // What a fit leaves ---------------------------------------------------------------------------------------------------
@@ -59,7 +59,7 @@ inline constexpr double largest_law_force = 50.0;
 /// room for noise that is known to some per cent. Half: the share below decides alone. Twice: an effect of 100 standard
 /// deviations that is spread over all bands (100/√91 each) still passes for noise. Derived, not measured.
 inline constexpr double significant_deviations = 8.0;
-/// [1] and by what share of the noise: the simulation's own error stays below it. Half and twice: not measured.
+/// [1] and by what share of the noise: the simulation's own error stays below it. Half and twice: the same names.
 inline constexpr double significant_share = 0.15;
 
 /// [1] A recording of noise alone is said to leave more than noise once in a thousand. Half and twice: the limit of z
@@ -80,13 +80,13 @@ inline constexpr double most_seconds_shown = 240.0;
 // Intervals and what is left open -------------------------------------------------------------------------------------
 
 /// [s] Shortest block of residuals, and blocks at most: longer than residuals stay alike (a mode of 1 Hz with 20 %
-/// damping forgets in 0.8 s), and as many as give Student's t a few per cent. Half and twice: not measured.
+/// damping forgets in 0.8 s), and as many as give Student's t a few per cent. Half and twice: the same names.
 inline constexpr double shortest_block = 1.5, most_blocks = 30.0;
 /// [1] χ² per residual from which bands are held against each other. Below, noise alone would widen what one or two
-/// bands determine by Student's t of one or two. Half and twice of the excess: not measured.
+/// bands determine by Student's t of one or two. Half and twice of the value itself: the same names.
 inline constexpr double model_is_wrong = 1.2;
-/// [1] Relative standard deviation of a combination of parameters that the data leave open. Half and twice: not
-/// measured.
+/// [1] Relative standard deviation of a combination of parameters that the data leave open. Half and twice: the same
+/// names.
 inline constexpr double undetermined_deviation = 0.3;
 /// [1] Smallest entry of a null vector that is said, of its largest; entries that differ by less are in one ratio.
 inline constexpr double least_entry = 0.1, alike_entries = 0.1;
@@ -104,7 +104,7 @@ inline constexpr double law_moves = 1e-3;
 /// where they stand still, by rounding alone.
 inline constexpr double rounding_share = 1e-3;
 /// Lowest values of F_w that are equal as written, from which a wheel flew; and the distance of that value from the
-/// bound of the law [1]. Two equal samples happen by rounding. Half and twice: not measured.
+/// bound of the law [1]. Two equal samples happen by rounding. Half and twice: the same names.
 inline constexpr int equal_lowest_loads = 4;
 inline constexpr double lift_off_distance = 0.05;
 /// Neighbouring samples of the tyre's residual are off alike (differences over five samples): one in so many counts.

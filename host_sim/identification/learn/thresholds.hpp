@@ -42,7 +42,7 @@ inline constexpr double force_share = 0.1;
 // Which curves and families -------------------------------------------------------------------------------------------
 
 /// Grid on which a family's exponent and width are searched before a fit moves them: steps that a fit bridges. Half:
-/// no difference. Twice: not measured.
+/// no difference. Twice: the same names.
 inline constexpr double exponent_step = 0.05, width_factor = 1.15;
 /// [s] of recordings on which curves are compared before the whole is fitted. Laws act all the time, so that 20 s tell
 /// places apart. Half: laws over deflection have few slow periods. Twice: twice the time.
@@ -58,7 +58,7 @@ inline constexpr std::size_t continued_curves = 4, fitted_curves = 3, fitted_fam
 /// catalogue wins a tie, and three places with seven families are tried, 2 ln 21 = 6. Half: odds of e³ for the best of
 /// 21. Twice: a law of 12 deviations is missed.
 inline constexpr double law_margin = 12.0;
-/// [χ²/τ] and on held-out windows, a third as long as the fitted ones: a third of it. Half and twice: not measured.
+/// [χ²/τ] and on held-out windows, a third as long as the fitted ones: a third of it. Half and twice: the same names.
 inline constexpr double law_margin_held_out = 4.0;
 /// [ln] Odds are capped, so that they stay finite numbers.
 inline constexpr double most_odds = 300.0;

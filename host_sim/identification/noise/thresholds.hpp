@@ -12,30 +12,32 @@ inline constexpr double highest_frequency = 90.0;
 /// [1 / sample rate] and not above this share of the sample rate, where a recorder's own filter ends.
 inline constexpr double highest_share_of_rate = 0.45;
 /// [Hz] Width of the bands in which the covariance of the noise is one matrix. Derivation: the resonances that carry
-/// the input's noise are 2 Hz wide and more (20 % damping at 5 Hz). Half: half the lines for each estimate. Twice: not
-/// measured.
+/// the input's noise are 2 Hz wide and more (20 % damping at 5 Hz). Half: half the lines for each estimate. Twice: the
+/// same names.
 inline constexpr double covariance_band = 1.0;
 /// [1] Noise of an integrated acceleration in the lowest band, where it is larger than that of any sensor: the gain of
 /// one band is its mean, and 1/(1 − (f/f_b)²) of a body mode of 1.5 Hz is 1.8 at 1 Hz, 3.2 in power. With 1, two clean
 /// rigs of two are flagged below 1 Hz (zdd_r without z_r, tests/truth none:quarter_car, seeds 1 and 2), with 3.2 none;
-/// introduced after seeing these two. Half and twice: not measured.
+/// introduced after seeing these two. Half: the same names. Twice: they, in another order.
 inline constexpr double integrated_noise_in_lowest_band = 3.2;
 /// [1] Error of the simulation itself, relative to each channel: velocities by differences of fourth order, (ωh)⁴/30 =
 /// 4e-5 at 30 Hz and 1 kHz, and linearly implicit parts. Measured against tests/support's reference: at most 2e-4
-/// (simulation_test). Half and twice: not measured; without it a recording without noise has an infinite χ².
+/// (simulation_test). Half: the same names, in another order. Twice: the same names; without it a recording without
+/// noise has an infinite χ².
 inline constexpr double simulation_error = 2e-4;
 /// [s] Cosine taper at each end of a window. Derivation: slow motion must not leak into fast bands where
-/// noise is small; a period of 4 Hz is short against the shortest window (2 s). Half and twice: not measured.
+/// noise is small; a period of 4 Hz is short against the shortest window (2 s). Half: beside two effects that are
+/// right a law without a shape, in one of four recordings. Twice: the same names.
 inline constexpr double taper_length = 0.25;
-/// [1] Least share of a held channel's noise power where sinc² has its zeros: no renewal is exact. Half and twice: not
-/// measured.
+/// [1] Least share of a held channel's noise power where sinc² has its zeros: no renewal is exact. Half and twice: the
+/// same names.
 inline constexpr double least_held_noise = 0.05;
 /// [1] Least share of a filtered channel's noise power above the filter's corner: the filter acts on the signal, too,
-/// which the simulation does not know. Half and twice: not measured.
+/// which the simulation does not know. Half and twice: the same names.
 inline constexpr double least_filtered_noise = 0.05;
 /// Simulations with seeded input noise that one covariance is estimated from. Derivation: the coherent part is scaled
 /// to the known density of the input's noise, so only the incoherent part scatters, by 1/√(3 lines of a band). Half (2)
-/// and twice (6): not measured; the time of the noise step is proportional to it.
+/// and twice (6): the same names; the time of the noise step is proportional to it.
 inline constexpr int noise_realisations = 3;
 /// [samples] A shorter window has no covariance.
 inline constexpr std::size_t shortest_covariance_window = 16;

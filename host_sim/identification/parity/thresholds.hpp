@@ -10,13 +10,13 @@ namespace host_sim::identification::thresholds {
 /// one. Twice: half as many blocks. Neither was measured.
 inline constexpr double parity_block = 2.0;
 /// [s] of each recording that is checked. Derivation: 120 blocks; a relation that holds on them holds. Half and twice:
-/// not measured.
+/// the same names.
 inline constexpr double parity_length = 120.0;
 /// [s] left out at the beginning of a recording, since the component's start is unknown: its slowest state of our rigs
 /// decays with 0.2 s. Half: e⁻⁵ remains. Twice: 2 s less data.
 inline constexpr double parity_settling = 2.0;
 /// [1] Relative error of a relation's largest term that is not looked into: differences, interpolation, the B-spline's
-/// leakage (1e-4 of a second derivative at 25 Hz). Half and twice: not measured.
+/// leakage (1e-4 of a second derivative at 25 Hz). Half and twice: the same names.
 inline constexpr double parity_model_error = 1e-3;
 /// [Hz] Edges of the bands; smooth windows pass nothing above the last.
 inline constexpr std::array<double, 12> parity_band_edges{0.5, 1.0,  2.0,  3.0,  4.5,  6.5,
@@ -24,7 +24,7 @@ inline constexpr std::array<double, 12> parity_band_edges{0.5, 1.0,  2.0,  3.0, 
 inline constexpr std::size_t parity_bands = parity_band_edges.size() - 1;
 /// [standard deviations] of a band's power beyond noise, and share of the noise, from which a relation fails.
 /// Experiment: over 30 rigs without any effect (tests/truth, groups none, seeds 1 … 10) no relation reached 4. Half: at
-/// the edge of these. Twice: not measured. Tuned on our own generator.
+/// the edge of these. Twice: the same names. Tuned on our own generator.
 inline constexpr double parity_significance = 8.0, parity_share = 0.15;
 /// [1] Relative change of the component's parameters below which the fit of a relation has converged, and its most
 /// steps.
@@ -35,7 +35,7 @@ inline constexpr double parity_difference = 0.01;
 
 /// [1] Share of the squared excess that the likely fault location may leave unexplained; and by how much a location may
 /// be worse than the best and still be named beside it; and how many are named at most. Experiment: of 52 single
-/// effects in a car (tests/truth, seed 1) 46 are placed right, two of them with a twin. Half and twice: not measured.
+/// effects in a car (tests/truth, seed 1) 46 are placed right, two of them with a twin. Half and twice: the same names.
 /// Tuned on our own generator.
 inline constexpr double location_leaves = 0.1, location_equal = 0.02;
 inline constexpr int most_locations = 3;

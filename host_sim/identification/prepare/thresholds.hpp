@@ -16,9 +16,9 @@ namespace host_sim::identification::thresholds {
 inline constexpr double shortest_recording = 2.5;
 /// [s] Fitted at most, of each recording. Derivation: standard errors fall with √T, and memory grows with T (the
 /// Jacobian of 300 s at 1 kHz with 7 channels and 10 parameters takes 30 MB). Half: half the memory, errors 1.4 times
-/// as large. Twice: twice the time. Verdicts at half and twice: not measured.
+/// as large. Twice: twice the time. Verdicts at half and twice: the same names.
 inline constexpr double longest_fitted = 300.0;
-/// [s] Held out at most, of each recording. Same reason, without a Jacobian. Half and twice: not measured.
+/// [s] Held out at most, of each recording. Same reason, without a Jacobian. Half and twice: the same names.
 inline constexpr double longest_held_out = 100.0;
 /// One part in so many of a recording is held out at its end, as contract.md says.
 inline constexpr std::size_t held_out_part = 4;
@@ -68,7 +68,8 @@ inline constexpr double noise_as_declared = 0.05, noise_named = 0.18;
 /// [1] A declared noise is wrong by so much at most: more is another sensor, or motion.
 inline constexpr double most_noise_factor = 3.0;
 /// [1] Relative standard error of a level from which the spectrum does not tell noise from tails of corners.
-/// Derivation: a power that is known to 20 % is off by less than what a missing effect adds. Half, twice: not measured.
+/// Derivation: a power that is known to 20 % is off by less than what a missing effect adds. Half, twice: the same
+/// names.
 inline constexpr double noise_level_known = 0.10;
 
 // The colour of noise ------------------------------------------------------------------------------------------------
@@ -79,7 +80,8 @@ inline constexpr double noise_level_known = 0.10;
 inline constexpr double noise_begins = 90.0, noise_begins_share = 0.25;
 /// [1 / sample rate] and up to here: a filter's zero at the Nyquist frequency says nothing.
 inline constexpr double noise_ends_share = 0.49;
-/// Bands of that range: 8 Hz at 1 kHz, half of the lowest corner's slope. Half and twice: not measured.
+/// Bands of that range: 8 Hz at 1 kHz, half of the lowest corner's slope. Half: the colour of one noise is not said.
+/// Twice: the same names.
 inline constexpr double noise_spectrum_bands = 50.0;
 /// [1] Power, relative to the lowest band, below which a filter leaves what rounding hides. Half and twice: 60 Hz of
 /// an order of 4 are seen up to 190 Hz, or 170.
@@ -92,12 +94,12 @@ inline constexpr int highest_filter_order = 4;
 /// guess is replaced when the effect behind the tail was found.
 inline constexpr double least_of_tail = 0.1;
 /// [1] Relative half width of a corner from which it is not named, and the relative distance of two corners that count
-/// as one: a filter's parts differ by some per cent. Half and twice: not measured.
+/// as one: a filter's parts differ by some per cent. Half and twice: the same names.
 inline constexpr double corner_known = 0.3, same_corner = 0.1;
 /// [−2 ln likelihood] Price of a corner or a tail: as SelectionCriterion::parameter.
 inline constexpr double colour_price = 10.0;
 /// [−2 ln likelihood] Price of a corner that is not that of the other channels: a recorder's filters are alike, and a
-/// tail is not exactly what (4) of noise_spectrum.hpp says. Half and twice: not measured.
+/// tail is not exactly what (4) of noise_spectrum.hpp says. Half and twice: the same names.
 inline constexpr double other_corner_price = 50.0;
 
 // Single samples -----------------------------------------------------------------------------------------------------
@@ -119,16 +121,16 @@ inline constexpr double least_outlier_scale = 3e-5;
 /// count as outliers.
 inline constexpr double quiet_beside_outlier = 2.5;
 /// [standard deviations] by which an outlier must be likelier than a jump. Derivation: of an outlier of 6.5 deviations
-/// the best jump explains a third at most. Half: not measured. Twice: outliers below 8 deviations stay in.
+/// the best jump explains a third at most. Half: the same names. Twice: outliers below 8 deviations stay in.
 inline constexpr double no_jump = 4.0;
 /// Outliers of a channel that stand alone, from which two side by side are no pulse but two of them. Half: one knock
 /// and a short pulse suffice. Twice: in one of twelve recordings with five outliers two of them stay in.
 inline constexpr std::size_t strikes_often = 3;
 /// [1] and their size, relative to the median of those that stand alone: one cause makes outliers of one order. Half
-/// and twice: not measured.
+/// and twice: the same names.
 inline constexpr double alike_outliers = 0.5;
-/// [1] Share of a channel's samples that are outliers at most: more is how the channel is. Half and twice: not
-/// measured; recorders with one flipped bit in 300 samples are known.
+/// [1] Share of a channel's samples that are outliers at most: more is how the channel is. Half and twice: the same
+/// names; recorders with one flipped bit in 300 samples are known.
 inline constexpr double most_outliers = 0.01;
 /// [s] From this sample period on, a knock of the rig may be as short as a sample: an outlier must not show in another
 /// channel. Derivation: contacts of steel last 1 to 5 ms. Half: one outlier in ten beside friction stays in. Twice: a
@@ -138,10 +140,10 @@ inline constexpr double knock_length = 2e-3;
 inline constexpr double shows_in_another = 4.0;
 
 /// [steps] Error of values that are rounded: text holds six digits, so a step of which a channel has a thousand is
-/// written to a thousandth. Half: not measured. Twice: a fifth of the values of any channel are on any grid.
+/// written to a thousandth. Half: the same names. Twice: a fifth of the values of any channel are on any grid.
 inline constexpr double grid_error = 0.05;
 /// [1] Share of the distances that are multiples of the step. The rest is for rows that a recorder filled in itself.
-/// Half and twice of what is missing to 1: not measured.
+/// Half and twice of the value itself: the same names.
 inline constexpr double on_the_grid = 0.99;
 /// Distances between different values from which a step is told: eight numbers are multiples of their lowest quarter
 /// by chance once in 0.1⁻⁶.
@@ -159,12 +161,12 @@ inline constexpr double rounding_said = 0.10;
 /// distribution: a chance of 1e-8 under noise. Half: 2 % of good recordings lose the fusion. Twice: an error of a
 /// sensor must be √2 times as large to be noticed, since its power is compared. Both are derived, not measured.
 inline constexpr double input_disagreement = 6.0;
-/// [1] and by what share of the noise, since the declared noise is itself known to some per cent only. Half, twice: not
-/// measured.
+/// [1] and by what share of the noise, since the declared noise is itself known to some per cent only. Half, twice: the
+/// same names.
 inline constexpr double input_disagreement_share = 0.1;
 /// [1] z_r says something of its motion up to the highest frequency whose power is so many times that of its noise.
 /// Derivation: a Welch estimate of 20 s scatters by 0.2, so 3 is not reached by noise. Half: noise passes for motion.
-/// Twice: not measured.
+/// Twice: the same names.
 inline constexpr double power_above_noise = 3.0;
 /// [Hz] the bounds of that frequency: below, no rig is described by its foot point; above, nothing is whitened.
 inline constexpr double lowest_known_frequency = 10.0, highest_known_frequency = 90.0;
@@ -178,11 +180,11 @@ inline constexpr double acceleration_reach = 0.1;
 // Units and signs -----------------------------------------------------------------------------------------------------
 
 /// [s] of the middle of a recording that are simulated to check units, the first of them left out while the simulated
-/// start decays (four periods of a body mode of 1.5 Hz leave e⁻⁶ at 20 % damping). Half and twice: not measured.
+/// start decays (four periods of a body mode of 1.5 Hz leave e⁻⁶ at 20 % damping). Half and twice: the same names.
 inline constexpr double unit_check_length = 12.0, unit_check_settling = 4.0;
 /// [1] squared correlation from which a channel follows its simulation. Experiment: of 185 recordings of our own
-/// generator (all groups, seed 1) none is refused, and each wrong unit is found (validation_test). Half and twice: not
-/// measured.
+/// generator (all groups, seed 1) none is refused, and each wrong unit is found (validation_test). Half and twice: the
+/// same names.
 inline constexpr double unit_check_correlation = 0.5;
 /// [ln] distance from a unit's factor within which a factor is taken for it: e^0.35 = 1.4. Derivation: less than half
 /// the distance between any two units (a factor of 9.8 at least). Half: a gain error of 20 % hides a unit. Twice: a

@@ -41,11 +41,11 @@ struct CandidateModel {
 /// Beside (1) an effect must explain a share of what is left beyond noise: a model that is wrong in details always
 /// finds something that gains 40 of a χ² of millions.
 struct SelectionCriterion {
-  /// [χ²]. Half and twice: not measured.
+  /// [χ²]. Half and twice: the same names.
   double effect = 30.0;
   double parameter = 10.0;
-  /// [1] of χ² − n, for the first effect and for each later one. Tuned on our own generator; half and twice: not
-  /// measured.
+  /// [1] of χ² − n, for the first effect and for each later one. Tuned on our own generator; half and twice: the same
+  /// names.
   double first_share = 0.03, later_share = 0.30;
   bool sensors = true;              ///< effects of sensors are candidates
   bool faults = true;               ///< and faults of the recording

@@ -25,7 +25,7 @@ inline constexpr double tie = 6.0;
 /// Rounds of elimination and swaps at most: each round that changes something lowers the criterion, so it ends anyway.
 inline constexpr int most_rounds = 4;
 /// [1] Of the promise that makes an effect worth its penalty, the share from which a candidate is fitted: promises are
-/// linear and may be three times too low. Half: twice the fits. Twice: not measured.
+/// linear and may be three times too low. Half: twice the fits. Twice: the same names.
 inline constexpr double promising = 1.0 / 3.0;
 /// [1] and the share of the best promise below which no more than `always_fitted` candidates are fitted.
 inline constexpr double promising_beside_best = 1.0 / 3.0;
@@ -49,7 +49,7 @@ inline constexpr double continuation_shares[] = {0.1, 0.16, 0.25, 0.35, 0.5, 0.7
 // Neighbouring laws ---------------------------------------------------------------------------------------------------
 
 /// [s] over which the amplitude of an effect is averaged: longer than what a quarter car or a bench remembers (a few
-/// tenths of a second), shorter than a rough stretch of road. Half and twice: not measured.
+/// tenths of a second), shorter than a rough stretch of road. Half and twice: the same names.
 inline constexpr double constancy_window = 0.5;
 /// [χ²] that a size which is not constant must gain, per residual power, to count: χ² of one degree of freedom exceeds
 /// 30 in 4e-8 of cases; true effects of tests/truth reached 11 (seed 1, 20 effects), neighbouring laws 3800 and more.
@@ -106,8 +106,8 @@ inline constexpr double alike_filters = 0.3;
 inline constexpr int drift_pieces = 6;
 inline constexpr double drift_curvatures[] = {-3.0, 0.0, 3.0, 10.0};
 /// [1] What the free sizes gain beyond the drift, as a share of its gain: a curvature between those above costs some
-/// per cent. [χ²] And in any case: four degrees of freedom reach 18.5 in one of 1000. Half and twice of the share: not
-/// measured.
+/// per cent. [χ²] And in any case: four degrees of freedom reach 18.5 in one of 1000. Half and twice: the same
+/// names.
 inline constexpr double drift_remainder = 0.1, drift_of_noise = 18.5;
 /// [Hz] of mains and railways.
 inline constexpr double mains_frequencies[] = {50.0, 60.0, 16.7};
@@ -118,19 +118,20 @@ inline constexpr double line_above_neighbours = 5.0, least_line = 5.0;
 /// [times what the best model leaves beyond noise] from which another model is not extended by a further effect.
 /// Derivation: the further effect would have to explain nine tenths of what is left, where the best model's own next
 /// effect stands against one tenth. Without it the same 50 of 56 rough recordings (seed 1) come right; with friction a
-/// diagnosis takes a third longer. Half and twice: not measured.
+/// diagnosis takes a third longer. Half and twice: the same names.
 inline constexpr double far_behind = 10.0;
 
 // Events from outside (external_event.hpp) ----------------------------------------------------------------------------
 
 /// Events of one diagnosis at most: each costs a refit, all together one or two searches. A record with more of them is
-/// a rough one. Half: of four knocks two are left. Twice: not measured.
+/// a rough one. Half: of four knocks two are left; one law that the catalogue does not hold is flagged that was
+/// not. Twice: the same names.
 inline constexpr std::size_t most_events = 4;
 /// [s] Length of the stretches whose power is compared.
 inline constexpr double event_stretch = 0.25;
 /// [1] of the power beyond noise is left beside events, at most, for them to be looked at: a law that is missing is
 /// left in every stretch. Derivation: half. Without it the same 50 of 56 rough recordings (seed 1) come right; an
-/// unknown law takes twice as long. Half and twice: not measured.
+/// unknown law takes twice as long. Half and twice: the same names.
 inline constexpr double left_beside_events = 0.5;
 /// [1] Power of the loudest stretch, relative to that of three quarters of the stretches: where these are noise (below
 /// `only_noise_else`), 2 is 15 standard deviations of 300 residuals; beside a missing effect the road itself makes
@@ -147,7 +148,7 @@ inline constexpr double event_bandwidth = 10.0;
 // How much data ------------------------------------------------------------------------------------------------------
 
 /// [times the power of noise] from which a part of the recordings tells candidates apart, and its length [s].
-/// Derivation: 12 s at 40 times the noise hold as much as 480 s at the noise. Half and twice: not measured.
+/// Derivation: 12 s at 40 times the noise hold as much as 480 s at the noise. Half and twice: the same names.
 inline constexpr double far_above_noise = 40.0, seconds_far_above_noise = 12.0;
 /// [1] A part that would be more than this share of the longest window saves nothing.
 inline constexpr double most_of_window = 0.75;
@@ -155,8 +156,8 @@ inline constexpr double most_of_window = 0.75;
 // A rig that the catalogue does not hold as a whole ------------------------------------------------------------------
 
 /// [1] Share of the power beyond noise that a model must explain to be the whole of it; below, the search is repeated
-/// with an allowed model error. Tuned on our own generator (unknown:*, seed 1). Half and twice of the 3 % left: not
-/// measured.
+/// with an allowed model error. Tuned on our own generator (unknown:*, seed 1). Half and twice of the value itself: the
+/// same names.
 inline constexpr double explains_all = 0.97;
 /// [1] Below this, rivals are compared only after that search: over the 235 recordings of tests/confusion (seed 1)
 /// comparing never raised such a model to explains_all, and took a third of the time. Tuned on our own generator.
@@ -167,7 +168,7 @@ inline constexpr double explains_most = 0.9;
 inline constexpr double seconds_under_model_error = 24.0;
 /// [1] The pooled error that a model found there must stay below, relative to the one it replaces; and where it needs
 /// effects of sensors. Several sensors bend any channel into place, while what a rig does has one cause for all
-/// channels. Half and twice of the distance to 1: not measured.
+/// channels. Half and twice of the value itself: the same names.
 inline constexpr double replaces_error = 0.98, sensors_replace_error = 0.75;
 
 }  // namespace host_sim::identification::thresholds
