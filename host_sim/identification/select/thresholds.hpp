@@ -49,7 +49,8 @@ inline constexpr double continuation_shares[] = {0.1, 0.16, 0.25, 0.35, 0.5, 0.7
 // Neighbouring laws ---------------------------------------------------------------------------------------------------
 
 /// [s] over which the amplitude of an effect is averaged: longer than what a quarter car or a bench remembers (a few
-/// tenths of a second), shorter than a rough stretch of road. Half and twice: the same names.
+/// tenths of a second), shorter than a rough stretch of road. Half: one law that the catalogue does not hold is flagged
+/// that was not. Twice: the same names.
 inline constexpr double constancy_window = 0.5;
 /// [χ²] that a size which is not constant must gain, per residual power, to count: χ² of one degree of freedom exceeds
 /// 30 in 4e-8 of cases; true effects of tests/truth reached 11 (seed 1, 20 effects), neighbouring laws 3800 and more.
