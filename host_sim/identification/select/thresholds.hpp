@@ -157,8 +157,8 @@ inline constexpr double most_of_window = 0.75;
 // A rig that the catalogue does not hold as a whole ------------------------------------------------------------------
 
 /// [1] Share of the power beyond noise that a model must explain to be the whole of it; below, the search is repeated
-/// with an allowed model error. Tuned on our own generator (unknown:*, seed 1). Half and twice of the value itself: the
-/// same names.
+/// with an allowed model error. Tuned on our own generator (unknown:*, seed 1). Half of the value itself: a
+/// hysteresis that was unexplained gets a name, with a rest beside it. Twice: the same names.
 inline constexpr double explains_all = 0.97;
 /// [1] Below this, rivals are compared only after that search: over the 235 recordings of tests/confusion (seed 1)
 /// comparing never raised such a model to explains_all, and took a third of the time. Tuned on our own generator.
