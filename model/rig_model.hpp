@@ -109,6 +109,12 @@ class RigModel {
     const Signals<S>* noise = nullptr;
   };
 
+  /// Of effects with memory: the force of each, and the deflection that it belongs to.
+  struct History {
+    std::array<S, history_laws> force{};
+    S at{};
+  };
+
   /// Everything that changes. A copy keeps the instant.
   struct State {
     Column<S, core_states> core = Column<S, core_states>::Zero();  ///< entries: CoreIndex
@@ -124,6 +130,7 @@ class RigModel {
     [[no_unique_address]] UnlessCarAlone<Line> line{};
     Stroke<S> delayed{};  ///< x_cmd behind the delay
     typename Machine<S>::State machine = Machine<S>::State::Zero();
+    [[no_unique_address]] UnlessCarAlone<History> history{};
     Recent<S> free_play{}, free_play_rate{};                                     ///< δ [m], δ̇ [m/s]
     [[no_unique_address]] UnlessCarAlone<StrokeAcceleration<S>> acceleration{};  ///< ẍ_act, with a moving mass only
     [[no_unique_address]] IfSensors<typename Sensors<S>::State> sensors{};
@@ -301,6 +308,8 @@ class RigModel {
   void fill_car(Signals<S>& s, const State& x, S suspension_force, S mass_beyond) const;
   [[nodiscard]] S tyre_law(const State& x) const;
   [[nodiscard]] S suspension_law(const Stroke<S>& seen) const;
+  [[nodiscard]] S history_law(State& x, S deflection) const;
+  void start_history(State& x) const;
   [[nodiscard]] Stroke<S> offset(const Stroke<S>& inner) const;
   [[nodiscard]] Stroke<S> outer_stroke(const State& x) const { return joined() ? deflection(x) : x.reached; }
   [[nodiscard]] Stroke<S> inner_stroke(const State& x) const;

@@ -41,6 +41,9 @@ RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPa
     if constexpr (requires { slot.effect.suspension_force(S{}, S{}); }) {
       has_suspension_law_ = has_suspension_law_ || slot.active;
     }
+    if constexpr (requires { slot.effect.force_after(S{}, S{}); }) {
+      has_suspension_law_ = has_suspension_law_ || slot.active;
+    }
   });
   const auto& guides = equations_.guides();
   contacts_ = Friction({equations_.suspension().dry_friction, equations_.piston().dry_friction,
@@ -580,6 +583,24 @@ S RigModel<S, D, variant, capacity>::suspension_law(const Stroke<S>& seen) const
   return force;
 }
 
+/// The laws with memory after the travel that led to this deflection.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+S RigModel<S, D, variant, capacity>::history_law(State& x, S deflection) const {
+  S sum = S(0);
+  if constexpr (!car_alone) {
+    const S travel = deflection - x.history.at;
+    std::size_t i = 0;
+    rig_.effects.for_each([&](const auto& slot) {
+      if constexpr (requires { slot.effect.force_after(travel, travel); }) {
+        S& force = x.history.force[i++];
+        if (slot.active) sum += force = slot.effect.force_after(force, travel);
+      }
+    });
+    x.history.at = deflection;
+  }
+  return sum;
+}
+
 /// The part of an inner stroke that free play takes: all of it inside, half the gap outside.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 Stroke<S> RigModel<S, D, variant, capacity>::offset(const Stroke<S>& inner) const {
@@ -629,15 +650,25 @@ void RigModel<S, D, variant, capacity>::refresh_laws(State& x) const {
       x.free_play_rate.push(taken.velocity);
       seen = {seen.position + taken.position, seen.velocity + taken.velocity};
     }
-    if (has_suspension_law_) x.suspension_load.push(suspension_law(seen));
+    if (has_suspension_law_) x.suspension_load.push(suspension_law(seen) + history_law(x, seen.position));
   }
   if (law_forces()) finish_laws(x, false);
+}
+
+/// Laws with memory begin without a force.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+void RigModel<S, D, variant, capacity>::start_history(State& x) const {
+  if constexpr (!car_alone) {
+    const S inner = equations_.has_mount() ? x.core(CoreIndex::inner_deflection) : outer_stroke(x).position;
+    x.history = {.force = {}, .at = has_free_play_ ? S(inner + offset(Stroke<S>{inner, S(0)}).position) : inner};
+  }
 }
 
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 void RigModel<S, D, variant, capacity>::start_laws(State& x) const {
   if (has_tyre_law_ && has_car()) x.tyre_load.start(tyre_law(x));
   if (law_forces()) finish_laws(x, true);
+  start_history(x);
   constexpr int samples = 4;  // now, before, earlier, earliest
   for (int i = 0; i < samples; ++i) {
     refresh_laws(x);
@@ -789,6 +820,8 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::flush(State& x) const {
   flush_one(x.foot_point.velocity);
   if constexpr (!car_alone) {
     x.ducts.flush(least);
+    for (S& force : x.history.force) flush_one(force);
+    flush_one(x.history.at);
     if constexpr (has_sensors) {
       if (sensors_.any()) sensors_.flush(x.sensors, least);
     }

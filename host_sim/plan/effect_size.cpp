@@ -19,6 +19,7 @@ std::vector<double> starts_of(const model::EffectParameter& parameter, const Reh
   model::MotionScales motion = rehearsal.scales().motion;
   const std::size_t c = channel ? index(*channel) : 0;
   if (channel) motion.channel = rehearsal.scales().rms[c];
+  if (motion.ripple_period == 0.0) motion.ripple_period = motion.deflection_peak;  // any that the travel shows
   std::vector<double> starts;
   switch (parameter.starts.read) {
     case model::Reading::nothing:

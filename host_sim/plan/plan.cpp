@@ -124,6 +124,12 @@ std::vector<ParameterRival> parameter_rivals(const Rehearsal& rehearsal) {
   return rivals;
 }
 
+/// Whether an effect may be taken for the other: not for one that contains it and pays for more parameters, nor for one
+/// that is only tried where all others leave a rest (EffectCard::imitates).
+bool is_taken_for(const firmware::CatalogueEntry& effect, const firmware::CatalogueEntry& other) {
+  return other.contains != effect.name && (effect.imitates || !other.imitates);
+}
+
 /// Matrix of separations: for each visible effect, the effects that it would be taken for.
 SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all) {
   const std::vector<ParameterRival> parameters = parameter_rivals(rehearsal);
@@ -143,15 +149,18 @@ SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all) {
     const double whole = own.growth * rehearsal.significance(change);
     std::vector<TakenFor> taken;
     std::size_t column = row * matrix.columns.size();
-    const auto put = [&](const std::string& name, const std::vector<Direction>& rival, bool self) {
+    const auto put = [&](const std::string& name, const std::vector<Direction>& rival, bool self, bool is_rival) {
       const double left = self ? 0.0 : std::min(whole, own.growth * left_of(rehearsal, change, rival));
       matrix.left[column++] = left;
-      if (!self) taken.push_back({name, left});
+      if (is_rival) taken.push_back({name, left});
     };
     for (std::size_t j = 0; j < all.size(); ++j) {
-      if (!all[j].rival.directions.empty()) put(words(all[j].rival.subject), all[j].rival.directions, j == of_row[row]);
+      if (all[j].rival.directions.empty()) continue;
+      const Subject& other = all[j].rival.subject;
+      const bool self = j == of_row[row];
+      put(words(other), all[j].rival.directions, self, !self && is_taken_for(*own.rival.subject.entry, *other.entry));
     }
-    for (const ParameterRival& parameter : parameters) put(parameter.path, parameter.directions, false);
+    for (const ParameterRival& parameter : parameters) put(parameter.path, parameter.directions, false, true);
     std::stable_sort(taken.begin(), taken.end(), [](const TakenFor& a, const TakenFor& b) { return a.left < b.left; });
     taken.resize(std::min(taken.size(), thresholds::most_rivals));
     own.rows[*own.leading].taken_for = std::move(taken);

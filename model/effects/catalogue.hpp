@@ -12,13 +12,16 @@
 #include "model/effects/actuator_lag.hpp"
 #include "model/effects/actuator_rate_limit.hpp"
 #include "model/effects/actuator_resonance.hpp"
+#include "model/effects/asymmetric_damper.hpp"
 #include "model/effects/backlash.hpp"
 #include "model/effects/body_guide_damping.hpp"
 #include "model/effects/body_guide_friction.hpp"
+#include "model/effects/bouc_wen.hpp"
 #include "model/effects/bump_stop.hpp"
 #include "model/effects/coulomb_friction.hpp"
 #include "model/effects/force_sensor_inertia.hpp"
 #include "model/effects/moving_mass.hpp"
+#include "model/effects/position_ripple.hpp"
 #include "model/effects/progressive_spring.hpp"
 #include "model/effects/progressive_tyre.hpp"
 #include "model/effects/quadratic_damping.hpp"
@@ -30,6 +33,7 @@
 #include "model/effects/sensor_lag.hpp"
 #include "model/effects/sensor_offset.hpp"
 #include "model/effects/sensor_saturation.hpp"
+#include "model/effects/stribeck_friction.hpp"
 #include "model/effects/top_mount.hpp"
 #include "model/effects/tyre_lift_off.hpp"
 #include "model/effects/viscous_damping.hpp"
@@ -64,9 +68,13 @@ using RigEffects = Slots<ActuatorDelay<S>,       //
                          ActuatorResonance<S>,   //
                          ActuatorRateLimit<S>,   //
                          CoulombFriction<S>,     //
+                         StribeckFriction<S>,    //
                          ViscousDamping<S>,      //
                          QuadraticDamping<S>,    //
+                         AsymmetricDamper<S>,    //
                          ProgressiveSpring<S>,   //
+                         BoucWen<S>,             //
+                         PositionRipple<S>,      //
                          BumpStop<S>,            //
                          Backlash<S>,            //
                          TopMount<S>,            //
@@ -171,9 +179,18 @@ template <class Effect>
 concept SuspensionLaw = requires(const Effect& effect) {
   effect.suspension_force(0.0, 0.0);
 };
+/// Whether an effect is a law with memory: its force depends on how the deflection went.
+template <class Effect>
+concept HistoryLaw = requires(const Effect& effect) {
+  effect.force_after(0.0, 0.0);
+};
 template <class Effect>
 concept TyreLaw = requires(const Effect& effect) {
   effect.tyre_force(0.0, 0.0, 0.0);
+};
+template <class Effect>
+concept HasTangent = requires(const Effect& effect) {
+  effect.tangent();
 };
 template <class Effect, class Part>
 concept ActsOn = requires(const Effect& effect, Part& part) {
@@ -186,17 +203,25 @@ concept ActsOnRig = ActsOn<Effect, MachinePath<double>> || ActsOn<Effect, Suspen
 
 template <class Effect>
 [[nodiscard]] consteval bool is_complete() {
-  return find_gap(Effect::card).empty() && Effect::values.size() == Effect::card.parameters.size();
+  return find_gap(Effect::card).empty() && Effect::values.size() == Effect::card.parameters.size() &&
+         HasTangent<Effect> == (Effect::card.linearisation == Linearisation::tangent);
 }
 
 /// An effect can be listed when its card says everything and something of the model asks it to act. The linearised loop
 /// is made from the subsystems: a law is not in it.
 template <class Effect>
 concept RigEffect = is_complete<Effect>() &&
-    (ActsOnRig<Effect> ||
-     ((SuspensionLaw<Effect> || TyreLaw<Effect>)&&Effect::card.linearisation != Linearisation::exact));
+    (ActsOnRig<Effect> || ((SuspensionLaw<Effect> || HistoryLaw<Effect> ||
+                            TyreLaw<Effect>)&&Effect::card.linearisation != Linearisation::exact));
 template <class Effect>
 concept SensorEffect = is_complete<Effect>() && ActsOn<Effect, SensorPath<double>>;
+
+/// How many effects of the list are laws with memory.
+template <class... Effect>
+constexpr std::size_t history_laws_of(const Slots<Effect...>* /*list*/) {
+  return (std::size_t{HistoryLaw<Effect>} + ... + 0U);
+}
+inline constexpr std::size_t history_laws = history_laws_of(static_cast<RigEffects<double>*>(nullptr));
 
 template <RigEffect... Effect>
 constexpr bool all_rig_effects(const Slots<Effect...>* /*list*/) {

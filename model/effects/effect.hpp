@@ -49,6 +49,7 @@ struct MotionScales {
   double tyre_force{};         ///< dynamic, rms [N]
   double tyre_deflection{};    ///< rms [m]
   double foot_acceleration{};  ///< rms [m/s²]
+  double ripple_period{};      ///< of a ripple over the deflection in what the model leaves of the force [m]
   double channel{};            ///< of the channel on whose sensor an effect acts, rms [unit of the channel]
 };
 
@@ -62,6 +63,7 @@ constexpr double channel(const MotionScales& s) { return s.channel; }
 constexpr double force(const MotionScales& s) { return s.force; }
 constexpr double deflection(const MotionScales& s) { return s.deflection; }
 constexpr double deflection_peak(const MotionScales& s) { return s.deflection_peak; }
+constexpr double ripple_period(const MotionScales& s) { return s.ripple_period; }
 constexpr double velocity_peak(const MotionScales& s) { return s.velocity_peak; }
 constexpr double stiffness(const MotionScales& s) { return s.force / std::max(s.deflection, least); }  ///< [N/m]
 constexpr double damping(const MotionScales& s) { return s.force / std::max(s.velocity, least); }      ///< [N s/m]
@@ -108,15 +110,25 @@ struct EffectParameter {
   double lower;
   double upper;
   Starts starts;
-  double neutral = 0.0;  ///< the value with which the effect does nothing, of a parameter that may have either sign
-  bool fitted = true;    ///< false: what was read off the recording is the value
+  double neutral = 0.0;      ///< the value with which the effect does nothing, of a parameter that may have either sign
+  bool fitted = true;        ///< false: what was read off the recording is the value
+  double kept_within = 0.0;  ///< share of its start by which a fit may move it, where it is read off; 0: any
+  bool from_contained = false;  ///< starts at the first parameter of the effect that this one contains, where that is
 };
 
 /// What an effect is in the linearised loop of a hil rig, which `rigtwin stability` analyses.
 enum class Linearisation : unsigned char {
   exact,     ///< linear, and acts through act_on: part of the loop as it is
+  tangent,   ///< a law with a slope at rest (`tangent()`): that slope is part of the loop
   left_out,  ///< without a linear part at rest: left out of the loop, which the analysis says
   outside,   ///< does not act on the loop
+};
+
+/// Slopes of a law of the suspension at rest.
+template <class S>
+struct Tangent {
+  S stiffness{};  ///< [N/m]
+  S damping{};    ///< [N s/m]
 };
 
 /// An instant, decided by the motion, from which on an effect acts otherwise and changes the motion. Diagnose simulates
@@ -143,6 +155,10 @@ struct EffectCard {
   std::string_view shows;  ///< how it shows in a recording
   Linearisation linearisation;
   Corner corner = Corner::none;
+  /// Another effect that this one is for some of its values: it takes its place and never stands beside it.
+  std::string_view contains = {};
+  /// A law whose shape is free enough to imitate others: diagnose names it only where it leaves nothing but noise.
+  bool imitates = false;
 };
 
 /// What is missing on a card, or wrong; empty: nothing.

@@ -113,6 +113,16 @@ bool is_hidden_law(const truth::Truth& truth, const host_sim::identification::De
   return false;
 }
 
+/// Some unknowns of the generator are effects of the catalogue under another name.
+std::string_view name_in_catalogue(const truth::Truth& truth) {
+  for (const auto& [value, name] :
+       {std::pair("wen_force", "bouc_wen"), std::pair("stribeck_force", "stribeck_friction"),
+        std::pair("asymmetry", "asymmetric_damper")}) {
+    if (truth.unknown_parameters.contains(value)) return name;
+  }
+  return {};
+}
+
 /// JSON has no NaN: it is written as null.
 double number_from(const ordered_json& json) { return json.is_null() ? NAN : json.get<double>(); }
 
@@ -162,7 +172,9 @@ Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& d
     const std::string name = host_sim::identification::words(named.effect);
     const auto it = std::find_if(truth.effects.begin(), truth.effects.end(),
                                  [&](const truth::Effect& effect) { return words(effect) == name; });
-    outcome.named.push_back({name, named.confidence, it != truth.effects.end()});
+    const bool outside = it == truth.effects.end() && name == name_in_catalogue(truth);
+    outcome.outside_said = outcome.outside_said || outside;
+    outcome.named.push_back({name, named.confidence, it != truth.effects.end() || outside});
     if (it == truth.effects.end()) continue;
     std::erase(missed, name);
     for (std::size_t p = 0; p < named.parameters.size(); ++p) {

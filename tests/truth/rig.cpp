@@ -72,6 +72,14 @@ void put(const Effect& effect, Numbers& n) {
     only(car), n.sensor_mass = p("mass");
   else if (name == "moving_mass")
     only(n.kind == Kind::component_bench), n.moving_mass = p("mass");  // a hil loop would be neutral
+  else if (name == "asymmetric_damper")
+    n.lopsided_damping = p("difference");
+  else if (name == "stribeck_friction")
+    n.coulomb = p("sliding"), n.static_friction = p("sliding") * p("excess"), n.stribeck_velocity = p("velocity");
+  else if (name == "bouc_wen")
+    n.wen = p("force"), n.wen_stiffness = p("stiffness"), n.wen_unloading = p("unloading");
+  else if (name == "position_ripple")
+    n.ripple_length = p("period"), n.ripple_sine = p("sine"), n.ripple_cosine = p("cosine");
   else if (effect.channel.empty())
     throw std::invalid_argument("no such effect: " + name);
 }
@@ -84,11 +92,11 @@ void put_outside(const Truth& truth, Numbers& n) {
   };
   n.fade = outside("fade");
   n.stiffening = outside("stiffening");
-  n.wen = outside("wen_force");
-  n.wen_stiffness = outside("wen_stiffness");
+  n.wen = outside("wen_force", n.wen);
+  n.wen_stiffness = outside("wen_stiffness", n.wen_stiffness);
   n.coulomb += outside("stribeck_force");
-  n.static_friction = outside("stribeck_excess");
-  n.stribeck_velocity = outside("stribeck_velocity", 1.0);
+  n.static_friction = outside("stribeck_excess", n.static_friction);
+  n.stribeck_velocity = outside("stribeck_velocity", n.stribeck_velocity);
   n.cubic_damping = outside("cubic_damping");
   n.asymmetry = outside("asymmetry");
   n.parasite = outside("parasitic_mass");
@@ -400,12 +408,16 @@ void Rig::dissipative(const State& s, double e, double ev, double spring, double
   force += damping * ev * (1.0 + n_.asymmetry * sign(ev) + n_.stroke_damping * along_stroke);
   constexpr double slow = 1e-3;  // [m/s] below it leaves creep
   if (n_.leaf > 0.0) force += n_.leaf * spring * std::abs(e) * std::tanh(ev / slow);
+  force += 0.5 * n_.lopsided_damping * std::abs(ev);
+  const double turn = 2.0 * pi * e / n_.ripple_length;
+  force += n_.ripple_sine * std::sin(turn) + n_.ripple_cosine * (std::cos(turn) - 1.0);
   force += n_.quadratic * ev * std::abs(ev) + n_.cubic_damping * ev * ev * ev;
   velocity_laws(s, ev, r);
   if (n_.wen > 0.0) {
     force += n_.wen * s[wen];
-    // ż = (k/F) (v − ½|v| z − ½ v |z|): z stays within ± 1.
-    r.rate[wen] = n_.wen_stiffness / n_.wen * (ev - 0.5 * std::abs(ev) * s[wen] - 0.5 * ev * std::abs(s[wen]));
+    // ż = (k/F) (v − (1 + u)/2 |v| z − (1 − u)/2 v |z|): z stays within ± 1.
+    const double back = 0.5 * (1.0 + n_.wen_unloading), on = 1.0 - back;
+    r.rate[wen] = n_.wen_stiffness / n_.wen * (ev - back * std::abs(ev) * s[wen] - on * ev * std::abs(s[wen]));
   }
   if (n_.parasite > 0.0) {
     const double pull = n_.parasite_stiffness * (e - s[up]) + n_.parasite_damping * (ev - s[vp]);

@@ -21,10 +21,12 @@ struct Numbers {
   double body_friction = 0, wheel_friction = 0, body_damping = 0, wheel_damping = 0;
   bool lift_off = false;
   double tyre_cubic = 0, sensor_mass = 0, moving_mass = 0;
+  double lopsided_damping = 0;                           ///< compression less rebound [N s/m]
+  double static_friction = 0, stribeck_velocity = 1;     ///< above `coulomb`, decaying with velocity
+  double wen = 0, wen_stiffness = 0, wen_unloading = 0;  ///< Bouc–Wen: largest force, initial stiffness, shape
+  double ripple_length = 1, ripple_sine = 0, ripple_cosine = 0;
   // outside the catalogue
-  double fade = 0, stiffening = 0;                    ///< relative, over the record
-  double wen = 0, wen_stiffness = 0;                  ///< Bouc–Wen: largest force, initial stiffness
-  double static_friction = 0, stribeck_velocity = 1;  ///< above `coulomb`, decaying with velocity
+  double fade = 0, stiffening = 0;  ///< relative, over the record
   double cubic_damping = 0, asymmetry = 0;
   double parasite = 0, parasite_stiffness = 0, parasite_damping = 0;
   double leaf = 0, lopsided = 0, stroke_damping = 0;  ///< relative; the last two at a deflection of 20 mm

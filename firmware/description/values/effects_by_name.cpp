@@ -40,6 +40,8 @@ CatalogueEntry entry_of(bool of_channel) {
                        .shows = card.shows,
                        .linearisation = card.linearisation,
                        .corner = card.corner,
+                       .contains = card.contains,
+                       .imitates = card.imitates,
                        .of_channel = of_channel,
                        .tyre_force = nullptr};
   if constexpr (model::TyreLaw<Effect>) entry.tyre_force = tyre_force_of<Effect>;

@@ -24,7 +24,9 @@ struct CatalogueEntry {
   std::string_view shows;
   model::Linearisation linearisation;
   model::Corner corner;
-  bool of_channel;  ///< a sensor effect: it needs the name of a channel
+  std::string_view contains;  ///< an effect whose place this one takes
+  bool imitates;              ///< named only where it leaves nothing but noise
+  bool of_channel;            ///< a sensor effect: it needs the name of a channel
   /// For a tyre law with these values: F_w from the force of the laws before it, dz_w and the static load. nullptr if
   /// the effect is not a tyre law.
   double (*tyre_force)(std::span<const double> values, double force, double deflection, double static_load);

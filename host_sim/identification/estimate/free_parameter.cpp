@@ -213,6 +213,25 @@ bool is_hold(const firmware::CatalogueEntry& entry) {
   });
 }
 
+namespace {
+
+/// Unit of the coordinate of a parameter of either sign: its size. A value that passes through neutral goes on: beside
+/// others of the same unit it is at least a third of theirs, of a shape (a number of few units) a share of its range.
+double size_of(const firmware::PlacedEffect& effect, std::size_t parameter) {
+  const auto& cards = effect.entry->parameters;
+  const auto size = [&](std::size_t i) { return std::abs(effect.values[i] - cards[i].neutral); };
+  double largest = size(parameter);
+  for (std::size_t i = 0; i < effect.values.size(); ++i) {
+    const bool alike = cards[i].lower < 0.0 && cards[i].unit == cards[parameter].unit;
+    if (alike) largest = std::max(largest, size(i) / 3.0);
+  }
+  const double range = cards[parameter].upper - cards[parameter].lower;
+  const bool is_shape = cards[parameter].unit == "1" && range <= thresholds::range_of_shape;
+  return std::max(largest, is_shape ? thresholds::shape_scale * range : 1e-12);
+}
+
+}  // namespace
+
 std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effect) {
   std::vector<FreeParameter> parameters;
   for (std::size_t i = 0; i < effect.values.size(); ++i) {
@@ -224,7 +243,7 @@ std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effec
                     .difference = thresholds::effect_difference};
     if (card.lower < 0.0) {
       u.centre = card.neutral;
-      u.scale = std::max(std::abs(effect.values[i] - u.centre), 1e-12);
+      u.scale = size_of(effect, i);
       u.lower = std::max((card.lower - u.centre) / u.scale, -1e6);
       u.upper = std::min((card.upper - u.centre) / u.scale, 1e6);
     } else {

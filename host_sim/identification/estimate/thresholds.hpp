@@ -15,6 +15,9 @@ inline constexpr double start_trust_radius = 3.0, start_bound = 10.0;
 /// [coordinate] Trust radius of an effect's parameter: a factor of e, or twice a signed value. Half and
 /// twice: the same names.
 inline constexpr double effect_trust_radius = 1.0;
+/// [1] Range up to which a number without unit is a shape, and the share of it that is the scale of its coordinate:
+/// where it is near neutral, a step may still change it by as much. Half and twice of the share: one step more or less.
+inline constexpr double range_of_shape = 10.0, shape_scale = 0.02;
 /// [1/s] Velocity at the start for one metre of motion: a mode of 3 Hz.
 inline constexpr double start_rate = 20.0;
 /// Lowest coordinate of a positive parameter without a lower bound of its own: e⁻¹² = 6e-6 of its start.

@@ -9,36 +9,15 @@
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/common/wording.hpp"
-#include "host_sim/identification/estimate/residual_over_time.hpp"
-#include "host_sim/identification/estimate/unexplained_residual.hpp"
 #include "host_sim/identification/learn/curve_family.hpp"
 #include "host_sim/identification/learn/thresholds.hpp"
 #include "host_sim/identification/select/held_out.hpp"
+#include "host_sim/identification/select/select_model.hpp"
 
 namespace host_sim::identification {
 namespace {
 
 using EffectsBeside = std::vector<firmware::PlacedEffect>;
-
-double temper_of(const Fit& fit) {
-  return std::max(1.0, fit.chi_squared / std::max(1.0, static_cast<double>(fit.residual.size())));
-}
-
-/// Whether more than noise is left, or an effect is another one than its law says.
-bool leaves_a_rest(const IdentificationProblem& problem, const SearchResult& found) {
-  const double temper = temper_of(found.best.fit);
-  if (std::any_of(found.constancy.begin(), found.constancy.end(),
-                  [&](const LawConstancy& c) { return c.fails(temper); })) {
-    return true;
-  }
-  const Hypothesis& best = found.best.fit.hypothesis;
-  return unexplained_residual(problem, best).significant || find_rest(problem, best).found();
-}
-
-/// Nothing but noise is left.
-bool is_whole(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
-  return !unexplained_residual(problem, hypothesis).significant && !find_rest(problem, hypothesis).found();
-}
 
 /// A place and what acts beside a law there.
 struct Beside {
@@ -56,10 +35,14 @@ bool is_friction(const firmware::PlacedEffect& effect) { return effect.entry->na
 
 /// Whether an effect is itself a curve over that variable, at the suspension or the tyre.
 bool is_curve(const firmware::PlacedEffect& effect, CurveOver over) {
-  constexpr std::array<std::string_view, 3> over_velocity{"coulomb_friction", "viscous_damping", "quadratic_damping"};
-  constexpr std::array<std::string_view, 3> over_deflection{"progressive_spring", "bump_stop", "progressive_tyre"};
-  const auto& names = over == CurveOver::velocity ? over_velocity : over_deflection;
-  return std::find(names.begin(), names.end(), effect.entry->name) != names.end();
+  constexpr std::array<std::string_view, 5> over_velocity{"coulomb_friction", "stribeck_friction", "viscous_damping",
+                                                          "quadratic_damping", "asymmetric_damper"};
+  constexpr std::array<std::string_view, 4> over_deflection{"progressive_spring", "bump_stop", "progressive_tyre",
+                                                            "position_ripple"};
+  const auto has = [&](const auto& names) {
+    return std::find(names.begin(), names.end(), effect.entry->name) != names.end();
+  };
+  return over == CurveOver::velocity ? has(over_velocity) : has(over_deflection);
 }
 
 /// What of the effects that were found may act beside a law: those of sensors and of the machine, then also those of
@@ -113,7 +96,8 @@ class ForceOfEffects {
       if (!slot.active) return;
       if constexpr (requires { slot.effect.suspension_force(deflection, velocity); }) {
         if (place_ == CurvePlace::suspension) force += slot.effect.suspension_force(deflection, velocity);
-      } else if constexpr (requires { slot.effect.act_on(part); }) {
+      }
+      if constexpr (requires { slot.effect.act_on(part); }) {
         if (place_ == CurvePlace::suspension) slot.effect.act_on(part);
       } else if constexpr (requires { slot.effect.tyre_force(force, deflection, 0.0); }) {
         if (place_ == CurvePlace::tyre && slot.effect.card.subsystem == model::Subsystem::tyre &&
@@ -153,7 +137,6 @@ class LawSearch {
   };
 
   [[nodiscard]] std::vector<Beside> places() const;
-  [[nodiscard]] double size_of_forces() const;
   [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
   [[nodiscard]] std::vector<Curve> curves() const;
   [[nodiscard]] std::vector<Candidate> candidates(const std::vector<Curve>& curves) const;
@@ -173,7 +156,8 @@ class LawSearch {
   SelectionCriterion criterion_{};
   mutable std::vector<double> gains_{};  ///< of the effects beside the law
   std::size_t slot_ = 0;                 ///< of the rig's laws that is free
-  double best_cost_ = 0.0;               ///< of the effects found, under the problem's present weights
+  /// Of the effects found, under the problem's present weights: cost and χ².
+  double best_cost_ = 0.0, chi_squared_without_ = 0.0;
 };
 
 std::vector<Beside> LawSearch::places() const {
@@ -211,16 +195,21 @@ double LawSearch::cost_of(const CandidateModel& model, double freedom) const {
 
 std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
   Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, beside.effects);
+  // A described value that was freed stood in for the law.
+  for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
   const auto range = excited_range(problem_, start, beside.place, beside.over);
   if (!range) return std::nullopt;
   start.laws.push_back(flat_curve(beside.place, beside.over, *range));
+  PlacedLaw& law = start.laws.back();
+  law.slot = slot_;
   const auto along = excited_range(problem_, start, beside.place, CurveOver::deflection);
   const double stiffness = beside.place == CurvePlace::tyre ? start.rig.tyre.stiffness : start.rig.suspension.stiffness;
-  start.laws.back().size = std::max(thresholds::force_share * stiffness * (along ? along->rms : 0.0), 1e-3);
-  start.laws.back().slot = slot_;
+  law.size = std::max(thresholds::force_share * stiffness * (along ? along->rms : 0.0), 1e-3);
   const ForceOfEffects replaced(found_.best.effects, beside.effects, beside.place, beside.over);
-  PlacedLaw& law = start.laws.back();
-  for (std::size_t i = 0; i < law.at.size(); ++i) law.values[i] = replaced(law.at[i]);
+  for (std::size_t i = 0; i < law.at.size(); ++i) {
+    law.values[i] = replaced(law.at[i]);
+    law.size = std::max(law.size, std::abs(law.values[i]));
+  }
   put_laws(start.laws, start.rig);
   return start;
 }
@@ -336,7 +325,8 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
   learned.gain_held_out = before - after;
   if (before > 0.0 && learned.gain_held_out < thresholds::law_margin_held_out * temper) return false;
   if (!stays_finite(problem_, with)) return false;
-  return is_whole(problem_, with);
+  const Explained now{law.model.fit.chi_squared, static_cast<double>(law.model.fit.residual.size()), after};
+  return explains_nearly_all(now, {chi_squared_without_, now.residuals, before}) || is_whole(problem_, with);
 }
 
 /// The law takes the place of the effects that it makes needless.
@@ -349,11 +339,18 @@ void LawSearch::adopt(Candidate law) {
       rivals.push_back(i < found_.rivals.size() ? found_.rivals[i] : std::vector<Rival>());
     }
   }
-  const double apart = law.cost - best_cost_;
-  for (auto& of_effect : rivals) {
-    for (Rival& rival : of_effect) rival.penalised_chi_squared += apart;
-  }
+  const double before = found_.best.penalised_chi_squared(criterion_);
   found_.best = std::move(law.model);
+  if (problem_.update_input_noise(found_.best.fit.hypothesis)) {
+    const EffectsBeside effects = found_.best.effects;
+    found_.nothing = fitted_with_laws(problem_, space_, found_.nothing.fit.hypothesis, found_.nothing.effects, 4);
+    found_.best = fitted_with_laws(problem_, space_, found_.best.fit.hypothesis, effects, 4);
+  }
+  // Rivals keep their distance, which was found under other weights.
+  const double shift = found_.best.penalised_chi_squared(criterion_) - before;
+  for (auto& of_effect : rivals) {
+    for (Rival& rival : of_effect) rival.penalised_chi_squared += shift;
+  }
   found_.rivals = std::move(rivals);
   found_.gains = gains_;
   found_.constancy.assign(found_.best.effects.size(), {});
@@ -365,8 +362,8 @@ Learned LawSearch::learn() {
   Learned learned;
   slot_ = space_.given.rig.laws.curve_count;
   if (slot_ == space_.given.rig.laws.curves.size()) return learned;
-  const double chi_squared = residuals(problem_, predict(problem_, found_.best.fit.hypothesis)).squaredNorm();
-  best_cost_ = found_.best.penalised_chi_squared(criterion_) - found_.best.fit.chi_squared + chi_squared;
+  chi_squared_without_ = residuals(problem_, predict(problem_, found_.best.fit.hypothesis)).squaredNorm();
+  best_cost_ = found_.best.penalised_chi_squared(criterion_) - found_.best.fit.chi_squared + chi_squared_without_;
   tell(0.96, "learning a law");
   std::vector<Candidate> list = candidates(curves());
   if (list.empty()) return learned;
@@ -378,11 +375,6 @@ Learned LawSearch::learn() {
         std::exp(std::min(0.5 * (list[i].cost - list[0].cost) / temper_of(list[0].model.fit), thresholds::most_odds)));
   }
   adopt(list.front());
-  if (problem_.update_input_noise(found_.best.fit.hypothesis)) {
-    const EffectsBeside effects = found_.best.effects;
-    found_.nothing = fitted_with_laws(problem_, space_, found_.nothing.fit.hypothesis, found_.nothing.effects, 4);
-    found_.best = fitted_with_laws(problem_, space_, found_.best.fit.hypothesis, effects, 4);
-  }
   return learned;
 }
 

@@ -35,8 +35,9 @@ inline constexpr double least_penalty = -8.0, largest_penalty = 4.0;
 inline constexpr double curve_settled = 1.0;
 /// Steps of a curve's fit and of a family's at most. Looked at: curves of seed 1 settle in 3 to 5, families in 4 to 8.
 inline constexpr int curve_steps = 5, family_steps = 12;
-/// [1] of stiffness × rms deflection: a force that matters, unit of the forces in a fit. A fit does not depend on it,
-/// but for its bounds (estimate/thresholds.hpp, largest_law_force). Half and twice: no difference.
+/// [1] of stiffness × rms deflection: a force that matters, unit of the forces in a fit, unless the effects that a law
+/// replaces are larger. A fit does not depend on it, but for its bounds (estimate/thresholds.hpp, largest_law_force).
+/// Half and twice: no difference.
 inline constexpr double force_share = 0.1;
 
 // Which curves and families -------------------------------------------------------------------------------------------

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host_sim/identification/select/ripple_period.hpp"
+
 namespace host_sim::identification {
 namespace {
 
@@ -61,6 +63,16 @@ Starts renewal_periods(const std::vector<PreparedRecording>& recordings, Channel
   return starts;
 }
 
+using Present = std::vector<firmware::PlacedEffect>;
+
+/// The effect of a rig that another one contains; nullptr: none.
+const firmware::PlacedEffect* contained(const Present& present, const firmware::CatalogueEntry& entry) {
+  const auto it = std::find_if(present.begin(), present.end(), [&](const auto& p) {
+    return !entry.contains.empty() && p.entry->name == entry.contains;
+  });
+  return it == present.end() ? nullptr : &*it;
+}
+
 /// As the card of the effect says. None: the recordings do not show the parameter.
 Starts starts_of(const model::EffectParameter& parameter, const std::vector<PreparedRecording>& recordings,
                  std::optional<Channel> channel, const model::MotionScales& scales) {
@@ -68,6 +80,7 @@ Starts starts_of(const model::EffectParameter& parameter, const std::vector<Prep
   switch (parameter.starts.read) {
     case model::Reading::nothing: {
       const double unit = parameter.starts.scale(scales);
+      if (unit == 0.0) break;
       for (const double factor : parameter.starts.factors) starts.push_back({{factor * unit}});
       break;
     }
@@ -83,13 +96,15 @@ Starts starts_of(const model::EffectParameter& parameter, const std::vector<Prep
 
 /// Of an effect: every combination of the starts of its parameters.
 Starts starts_of(const firmware::CatalogueEntry& entry, const std::vector<PreparedRecording>& recordings,
-                 std::optional<Channel> channel, const Scales& scales) {
+                 std::optional<Channel> channel, const Scales& scales,
+                 const firmware::PlacedEffect* replaced = nullptr) {
   model::MotionScales sizes = scales.motion;
   if (channel) sizes.channel = scales.rms[index(*channel)];
   Starts starts(1);  // of no parameter: one, without values
   for (const model::EffectParameter& parameter : entry.parameters) {
     Starts longer;
-    const Starts own = starts_of(parameter, recordings, channel, sizes);
+    Starts own = starts_of(parameter, recordings, channel, sizes);
+    if (replaced != nullptr && parameter.from_contained) own = {{{replaced->values.front()}}};
     for (const Start& first : starts) {
       for (const Start& next : own) {
         Start both{first.values, next.clock};
@@ -100,6 +115,20 @@ Starts starts_of(const firmware::CatalogueEntry& entry, const std::vector<Prepar
     starts = std::move(longer);
   }
   return starts;
+}
+
+/// What the model leaves of the force of the component, as far as a channel shows it; empty: none does.
+std::vector<double> force_left(const PreparedRecording& recording, const Response& response,
+                               const model::RigParameters<double>& rig) {
+  const bool machine = rig.kind != model::RigKind::quarter_car;
+  const Channel channel = machine ? Channel::F : Channel::zdd_b;
+  const auto& shown = recording.channels;
+  if (std::find(shown.begin(), shown.end(), channel) == shown.end()) return {};
+  std::vector<double> force = recording.recording[channel];
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    force[k] = (machine ? 1.0 : rig.body.mass) * (force[k] - response[index(channel)][k]);
+  }
+  return force;
 }
 
 }  // namespace
@@ -139,6 +168,9 @@ Scales scales_of(const std::vector<PreparedRecording>& recordings, const Hypothe
     enlarge(s.motion.deflection_peak, d.peak);
     enlarge(s.motion.velocity, v.rms);
     enlarge(s.motion.velocity_peak, v.peak);
+    if (s.motion.ripple_period == 0.0) {
+      s.motion.ripple_period = ripple_period(deflection, force_left(e, responses[r], hypothesis.rig));
+    }
     if (bench) {
       enlarge(s.motion.force, size_of(responses[r][index(Channel::F)]).rms);
     } else {
@@ -169,7 +201,13 @@ std::vector<Candidate> candidates(const std::vector<PreparedRecording>& recordin
     }
     if (!firmware::has_place(hypothesis.rig, entry, std::nullopt) || is_present(entry, std::nullopt)) continue;
     if (entry.subsystem == model::Subsystem::machine && first.input.deflection_reached) continue;
-    list.push_back({&entry, std::nullopt, starts_of(entry, recordings, std::nullopt, scales)});
+    if (std::any_of(present.begin(), present.end(), [&](const auto& p) { return p.entry->contains == entry.name; })) {
+      continue;
+    }
+    const firmware::PlacedEffect* const replaced = contained(present, entry);
+    Starts starts = starts_of(entry, recordings, std::nullopt, scales, replaced);
+    if (starts.empty()) continue;
+    list.push_back({&entry, std::nullopt, std::move(starts), replaced != nullptr ? replaced->entry : nullptr});
   }
   return list;
 }

@@ -30,9 +30,10 @@ struct Candidate {
   const firmware::CatalogueEntry* entry;
   std::optional<model::Channel> channel;
   std::vector<Start> starts;
+  const firmware::CatalogueEntry* replaces = nullptr;  ///< an effect of the rig that this one contains
 };
 
-/// All candidates for a rig, those already in `hypothesis` left out.
+/// All candidates for a rig. Left out are those already in `hypothesis`, and those that one of these contains.
 [[nodiscard]] std::vector<Candidate> candidates(const std::vector<PreparedRecording>& recordings,
                                                 const Hypothesis& hypothesis, const Scales& scales);
 

@@ -1,8 +1,12 @@
 #include "host_sim/identification/select/held_out.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "host_sim/identification/estimate/prediction.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
 
@@ -18,6 +22,18 @@ double held_out_chi_squared(const IdentificationProblem& problem, const Hypothes
     for (const double v : whitened) sum += v * v;
   }
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+Explained explained(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  const Eigen::VectorXd left = residuals(problem, predict(problem, hypothesis));
+  return {left.squaredNorm(), static_cast<double>(left.size()), held_out_chi_squared(problem, hypothesis)};
+}
+
+bool explains_nearly_all(const Explained& with, const Explained& without) {
+  const double left = std::max(with.fitted - with.residuals, 0.0);
+  const double all = std::max(without.fitted - without.residuals, 0.0);
+  return left < thresholds::nearly_all * all &&
+         with.held_out * without.fitted <= thresholds::held_out_like_fitted * with.fitted * without.held_out;
 }
 
 }  // namespace host_sim::identification

@@ -13,4 +13,15 @@ namespace host_sim::identification {
 /// analysis, A. P. Dawid, J. R. Stat. Soc. A 147, 1984.
 [[nodiscard]] double held_out_chi_squared(const IdentificationProblem& problem, const Hypothesis& hypothesis);
 
+/// χ² of a model in the fitted windows, with its n residuals, and in the held-out ones.
+struct Explained {
+  double fitted = 0.0, residuals = 0.0, held_out = 0.0;
+};
+[[nodiscard]] Explained explained(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+
+/// Whether a model leaves at most a share (thresholds::nearly_all) of what another one leaves beyond noise, and
+/// explains the held-out windows as well as the fitted ones (thresholds::held_out_like_fitted). What a step or a table
+/// gets wrong about a strong law is a rest, and still the law.
+[[nodiscard]] bool explains_nearly_all(const Explained& with, const Explained& without);
+
 }  // namespace host_sim::identification

@@ -21,11 +21,21 @@ firmware::PlacedEffect placed(const Candidate& candidate, const Start& start) {
   return {candidate.entry, candidate.channel, start.values};
 }
 
-Hypothesis with(const Hypothesis& hypothesis, const firmware::PlacedEffect& effect, const HoldClock& clock) {
+Hypothesis with(const Hypothesis& hypothesis, const Candidate& candidate, const Start& start) {
   Hypothesis other = hypothesis;
-  firmware::put_effect(other.rig, effect);
-  if (is_hold(*effect.entry)) other.clocks[index(*effect.channel)] = clock;
+  if (candidate.replaces != nullptr) firmware::remove_effect(other.rig, *candidate.replaces, std::nullopt);
+  firmware::put_effect(other.rig, placed(candidate, start));
+  if (is_hold(*candidate.entry)) other.clocks[index(*candidate.channel)] = start.clock;
   return other;
+}
+
+/// A fit that has left what the recording showed: it found something else.
+bool has_left(const Start& start, const firmware::PlacedEffect& found) {
+  for (std::size_t i = 0; i < found.values.size(); ++i) {
+    const double within = found.entry->parameters[i].kept_within;
+    if (within > 0.0 && std::abs(found.values[i] - start.values[i]) > within * std::abs(start.values[i])) return true;
+  }
+  return false;
 }
 
 /// The effects with their parameters as they are in a hypothesis.
@@ -92,8 +102,18 @@ void ModelFitter::refit(CandidateModel& model, int most) const {
   model = refitted(model.fit.hypothesis, model.effects, most);
 }
 
+bool ends_at_bound(const firmware::PlacedEffect& effect) {
+  for (std::size_t i = 0; i < effect.values.size(); ++i) {
+    const model::EffectParameter& card = effect.entry->parameters[i];
+    const double reach = thresholds::at_bound * effect.values[i];
+    if (effect.values[i] + reach >= card.upper || effect.values[i] - reach <= card.lower) return true;
+  }
+  return false;
+}
+
 std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, const Scales& scales) const {
   auto list = candidates(problem_.samples(), base.fit.hypothesis, scales);
+  if (!criterion_.imitating) std::erase_if(list, [](const Candidate& c) { return c.entry->imitates; });
   if (!criterion_.sensors) std::erase_if(list, [](const Candidate& c) { return c.channel.has_value(); });
   std::vector<Scanned> scanned(list.size());
   const LinearRefit others(base.fit);
@@ -106,7 +126,7 @@ std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, 
     std::vector<Start> tried;
     std::vector<Variation> variations;
     for (const Start& start : list[i].starts) {
-      Hypothesis other = with(base.fit.hypothesis, placed(list[i], start), start.clock);
+      Hypothesis other = with(base.fit.hypothesis, list[i], start);
       if (firmware::find_rig_fault(other.rig, problem_.sample_period())) continue;
       if (list[i].channel) {
         keep(start, residuals(problem_, predict_sensor(problem_, other, base.fit.prediction, *list[i].channel)));
@@ -150,15 +170,23 @@ void ModelFitter::set_clock(CandidateModel& model, Channel channel) const {
 }
 
 CandidateModel ModelFitter::fitted_beside(const CandidateModel& base, const Scanned& scanned) const {
+  const Candidate& candidate = scanned.candidate;
+  const Eigen::MatrixXd none;
   CandidateModel best;
   best.fit.chi_squared = INFINITY;
   for (std::size_t s = 0; s < std::min<std::size_t>(2, scanned.starts.size()); ++s) {
     if (s > 0 && scanned.starts[s].first < thresholds::second_start * scanned.starts[0].first) break;
+    const Start& start = scanned.starts[s].second;
     std::vector<firmware::PlacedEffect> effects = base.effects;
-    effects.push_back(placed(scanned.candidate, scanned.starts[s].second));
-    CandidateModel other = fitted(with(base.fit.hypothesis, effects.back(), scanned.starts[s].second.clock), effects, 8,
-                                  base.fit.jacobian);
-    if (is_hold(*scanned.candidate.entry)) set_clock(other, *scanned.candidate.channel);
+    const auto replaced =
+        std::remove_if(effects.begin(), effects.end(), [&](const auto& e) { return e.entry == candidate.replaces; });
+    const bool adds = replaced == effects.end();
+    effects.erase(replaced, effects.end());
+    effects.push_back(placed(candidate, start));
+    const Eigen::MatrixXd& known = adds ? base.fit.jacobian : none;
+    CandidateModel other = fitted(with(base.fit.hypothesis, candidate, start), effects, 8, known);
+    if (is_hold(*candidate.entry)) set_clock(other, *candidate.channel);
+    if (has_left(start, other.effects.back()) || (!adds && ends_at_bound(other.effects.back()))) continue;
     if (other.fit.chi_squared < best.fit.chi_squared) best = std::move(other);
   }
   return best;
@@ -279,6 +307,24 @@ CandidateModel ModelFitter::without(const CandidateModel& whole, std::size_t lea
   firmware::remove_effect(hypothesis.rig, *effects[leave_out].entry, effects[leave_out].channel);
   effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(leave_out));
   return refitted(hypothesis, std::move(effects), 6);
+}
+
+std::optional<CandidateModel> ModelFitter::simplified(const CandidateModel& whole, std::size_t effect) const {
+  const firmware::PlacedEffect& own = whole.effects[effect];
+  if (own.entry->contains.empty()) return std::nullopt;
+  double value = 0.0;
+  for (std::size_t i = 0; i < own.values.size(); ++i) {
+    if (own.entry->parameters[i].from_contained) value = own.values[i];
+  }
+  const firmware::CatalogueEntry* const entry = firmware::find_effect(own.entry->contains);
+  const model::EffectParameter& card = entry->parameters.front();
+  const firmware::PlacedEffect simpler{entry, own.channel, {std::clamp(value, card.lower, card.upper)}};
+  Hypothesis start = whole.fit.hypothesis;
+  firmware::remove_effect(start.rig, *own.entry, own.channel);
+  firmware::put_effect(start.rig, simpler);
+  std::vector<firmware::PlacedEffect> effects = whole.effects;
+  effects[effect] = simpler;
+  return refitted(start, std::move(effects), 8);
 }
 
 void ModelFitter::refit_by_continuation(CandidateModel& model) const {

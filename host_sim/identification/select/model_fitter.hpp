@@ -20,6 +20,9 @@ struct Effort {
 /// Leaves of a fit its result, not the Jacobian and prediction that only a next step would need: megabytes for minutes.
 void drop_jacobian(Fit& fit);
 
+/// Whether a value of an effect lies at a limit of its card. No such rig is built, so it is another effect.
+[[nodiscard]] bool ends_at_bound(const firmware::PlacedEffect& effect);
+
 /// The only holder of the problem that a search works on: fits use it as it is, update_input_noise() weights it anew.
 ///
 /// A candidate is first scanned: what it gains while all else is refitted linearly (linear_refit.hpp, 1). So one start
@@ -49,6 +52,9 @@ class ModelFitter {
 
   /// Refitted without one of its effects.
   [[nodiscard]] CandidateModel without(const CandidateModel& whole, std::size_t leave_out) const;
+
+  /// With the effect that one of them contains in its place, beginning where this one is; nullopt: it contains none.
+  [[nodiscard]] std::optional<CandidateModel> simplified(const CandidateModel& whole, std::size_t effect) const;
 
   /// One more effect: the candidates with the largest gain, fitted, best first. At most `most`; no more than
   /// thresholds::always_fitted of those far behind the best, and none that gains less than `least`.

@@ -311,6 +311,11 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   if (fitter_.is_seen(best.effects[effect])) return false;
   report(0.6 + 0.3 * static_cast<double>(effect) / static_cast<double>(best.effects.size()),
          "rivals of " + std::string(best.effects[effect].entry->name));
+  if (auto simpler = fitter_.simplified(best, effect);
+      simpler && (ends_at_bound(best.effects[effect]) || criterion_.prefers(*simpler, best))) {
+    best = std::move(*simpler);
+    return true;
+  }
   CandidateModel reduced = without(effect, found);
   if (!criterion_.prefers(best, reduced)) {
     best = std::move(reduced);
@@ -442,9 +447,11 @@ std::vector<CandidateModel> Search::extended_on_part(const CandidateModel& base,
   const ModelFitter on_part(part, space_.common, criterion_, effort_);
   const CandidateModel start = on_part.refitted(base.fit.hypothesis, base.effects, 2);
   auto list = on_part.extended(start, scales, most(all), least_gain(start, all));
+  const Eigen::MatrixXd none;
   for_all(list.size(), [&](std::size_t i) {
     const int steps = i < criterion_.beam ? 6 : 0;
-    list[i] = fitter_.fitted(list[i].fit.hypothesis, list[i].effects, steps, base.fit.jacobian);
+    const bool adds = list[i].effects.size() > base.effects.size();  // and else replaces one
+    list[i] = fitter_.fitted(list[i].fit.hypothesis, list[i].effects, steps, adds ? base.fit.jacobian : none);
     drop_jacobian(list[i].fit);
   });
   sort(list);

@@ -1,8 +1,12 @@
 #include "host_sim/identification/select/select_model.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
+#include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/search_under_model_error.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
@@ -19,15 +23,10 @@ bool leaves_more(const IdentificationProblem& problem, const SearchResult& found
   return explained < share && unexplained_residual(problem, found.best.fit.hypothesis).significant;
 }
 
-}  // namespace
-
-double explained_share(double refit_per_residual, double after_per_residual, double count) {
-  return 1.0 - std::max(after_per_residual - 1.0, 0.0) / std::max(refit_per_residual - 1.0, 1.0 / count);
-}
-
-SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,
-                             const ProgressCallback& progress) {
-  const SearchOptions options{{}, true, progress};
+/// Steps 1, 2 and 4.
+SearchResult selected_in_noise(IdentificationProblem& problem, const SearchSpace& space,
+                               const ProgressCallback& progress, const SelectionCriterion& criterion) {
+  const SearchOptions options{criterion, true, progress};
   SearchResult found = search(problem, space, options);
   compare(problem, space, options, found);
   compare_parameters(problem, space, progress, found);
@@ -35,7 +34,70 @@ SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& 
   return found;
 }
 
+/// Whether the size of an effect changes, so that it is another law.
+bool changes(const SearchResult& found) {
+  const double temper = temper_of(found.best.fit);
+  return std::any_of(found.constancy.begin(), found.constancy.end(),
+                     [&](const LawConstancy& c) { return c.fails(temper); });
+}
+
+/// Whether two of the effects may be one law that could imitate them: it contains one of them, at the same place.
+bool may_be_one_law(const SearchResult& found) {
+  const auto at_suspension = [](const firmware::PlacedEffect& e) {
+    return e.entry->subsystem == model::Subsystem::suspension;
+  };
+  const auto& effects = found.best.effects;
+  if (std::count_if(effects.begin(), effects.end(), at_suspension) < 2) return false;
+  return std::any_of(effects.begin(), effects.end(), [](const firmware::PlacedEffect& e) {
+    const auto all = firmware::catalogue();
+    return std::any_of(all.begin(), all.end(), [&](const firmware::CatalogueEntry& other) {
+      return other.imitates && other.contains == e.entry->name;
+    });
+  });
+}
+
+/// Whether laws that could imitate others explain what the rest of the catalogue leaves, or the same with fewer
+/// effects.
+bool takes_its_place(const IdentificationProblem& problem, const SearchResult& imitating, const SearchResult& found,
+                     bool rest) {
+  const Hypothesis& hypothesis = imitating.best.fit.hypothesis;
+  if (!std::isfinite(imitating.best.fit.chi_squared) || !stays_finite(problem, hypothesis) || changes(imitating)) {
+    return false;
+  }
+  if (rest && explains_nearly_all(explained(problem, hypothesis), explained(problem, found.best.fit.hypothesis))) {
+    return true;
+  }
+  const SelectionCriterion criterion;
+  const bool simpler =
+      imitating.best.effects.size() < found.best.effects.size() && criterion.prefers(imitating.best, found.best);
+  return (rest || simpler) && is_whole(problem, hypothesis);
+}
+
+}  // namespace
+
+double explained_share(double refit_per_residual, double after_per_residual, double count) {
+  return 1.0 - std::max(after_per_residual - 1.0, 0.0) / std::max(refit_per_residual - 1.0, 1.0 / count);
+}
+
+double temper_of(const Fit& fit) {
+  return std::max(1.0, fit.chi_squared / std::max(1.0, static_cast<double>(fit.residual.size())));
+}
+
+bool leaves_a_rest(const IdentificationProblem& problem, const SearchResult& found) {
+  return changes(found) || !is_whole(problem, found.best.fit.hypothesis);
+}
+
+bool is_whole(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  return !unexplained_residual(problem, hypothesis).significant && !find_rest(problem, hypothesis).found();
+}
+
+SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,
+                             const ProgressCallback& progress) {
+  return selected_in_noise(problem, space, progress, {});
+}
+
 SearchResult select_model(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress) {
+  const IdentificationProblem before = problem;
   const SearchOptions options{{}, true, progress};
   SearchResult found = search(problem, space, options);
   const bool far = leaves_more(problem, found, thresholds::explains_most);
@@ -46,7 +108,19 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
   }
   compare_parameters(problem, space, progress, found);
   found.constancy = law_constancy(problem, found);
-  return found;
+  const bool rest = leaves_a_rest(problem, found);
+  if (!rest && !may_be_one_law(found)) return found;
+  IdentificationProblem other = before;
+  SearchResult imitating = selected_in_noise(other, space, progress, {.imitating = true});
+  if (!takes_its_place(other, imitating, found, rest)) {
+    found.simulations += imitating.simulations;
+    found.candidates += imitating.candidates;
+    return found;
+  }
+  imitating.simulations += found.simulations;
+  imitating.candidates += found.candidates;
+  problem = std::move(other);
+  return imitating;
 }
 
 }  // namespace host_sim::identification

@@ -16,11 +16,22 @@ namespace host_sim::identification {
 ///   2  elimination and swaps, unless the model explains too little to become the whole (thresholds::explains_most)
 ///   3  where it is not the whole: the search under model error
 ///   4  parameters of the description compete with the effects (suspect_parameters.hpp)
+///   5  where more than noise is left, or two effects may be one such law: steps 1, 2 and 4 with the laws that could
+///      imitate others (EffectCard::imitates). Their result is taken where it leaves nothing but noise, or nearly
+///      nothing (held_out.hpp); in the place of two effects that leave nothing but noise, where it costs less by (1) of
+///      SelectionCriterion
 [[nodiscard]] SearchResult select_model(IdentificationProblem& problem, const SearchSpace& space,
                                         const ProgressCallback& progress);
 
 /// Steps 1, 2 and 4: where only a model that leaves nothing but noise is of use.
 [[nodiscard]] SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,
                                            const ProgressCallback& progress);
+
+/// χ² per residual, at least 1: what odds are divided by where a model is not the whole.
+[[nodiscard]] double temper_of(const Fit& fit);
+/// Whether more than noise is left, or an effect is another one than its law says.
+[[nodiscard]] bool leaves_a_rest(const IdentificationProblem& problem, const SearchResult& found);
+/// Nothing but noise is left: in no band, in no stretch of time.
+[[nodiscard]] bool is_whole(const IdentificationProblem& problem, const Hypothesis& hypothesis);
 
 }  // namespace host_sim::identification

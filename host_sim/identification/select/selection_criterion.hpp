@@ -47,6 +47,7 @@ struct SelectionCriterion {
   /// [1] of χ² − n, for the first effect and for each later one. Tuned on our own generator; half and twice: the same
   /// names.
   double first_share = 0.03, later_share = 0.30;
+  bool imitating = false;           ///< laws that could imitate others are candidates
   bool sensors = true;              ///< effects of sensors are candidates
   bool faults = true;               ///< and faults of the recording
   std::size_t beam = 2;             ///< models kept for the next effect

@@ -22,6 +22,22 @@ inline constexpr double replaces = 1.0;
 /// Derivation: 2 ln 20, odds that count as not told apart (assess/thresholds.hpp). Half and twice: odds of 4.5 and of
 /// 400; equal causes differ by less than 1.
 inline constexpr double tie = 6.0;
+/// [1] Of what simpler effects leave beyond noise, the most that a law with a shape of its own may leave, and how much
+/// less of χ² than in the fitted windows it may explain in the held-out ones. Derivation: a table of 33 points follows
+/// a power of 3 within some per cent of the force at its ends, some 1e-3 of the power; an effect that is missing beside
+/// it leaves more than a fiftieth where it can be named at all.
+inline constexpr double nearly_all = 0.02, held_out_like_fitted = 2.0;
+/// [1] A value this near to a bound of its card stands at it: a fit stops there, up to rounding. Half and twice: no
+/// difference.
+inline constexpr double at_bound = 1e-3;
+/// [1] Power of a ripple over the travel, relative to the median of all periods, from which it is a candidate.
+/// Derivation: under noise 63 independent periods have powers of an exponential distribution; one of a thousand
+/// recordings has one above 16 medians. Half: nearly every recording has a candidate, which costs time and no verdict.
+/// Twice: a ripple must be 1.4 times as large.
+inline constexpr double ripple_prominence = 16.0;
+/// Samples in which it is looked for: the power of a ripple as large as the noise is then some 5000 medians. Half and
+/// twice: no difference, half and twice 10 ms.
+inline constexpr std::size_t ripple_samples = 20'000;
 /// Rounds of elimination and swaps at most: each round that changes something lowers the criterion, so it ends anyway.
 inline constexpr int most_rounds = 4;
 /// [1] Of the promise that makes an effect worth its penalty, the share from which a candidate is fitted: promises are

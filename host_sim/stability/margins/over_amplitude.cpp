@@ -49,11 +49,12 @@ class FirstHarmonic {
   void add(const Force& force) {
     for (std::size_t i = 0; i < turn_points; ++i) sum(i, force(deflection(i), amplitude_ * omega_ * cosine_[i]));
   }
-  /// The second turn, where a slider has forgotten how it began.
-  void add(const model::Branch<double>& slider) {
+  /// The second turn, where a force with memory, force_after(u, travel), has forgotten how it began.
+  template <class ForceAfter>
+  void add_with_memory(const ForceAfter& force_after) {
     double u = 0.0;
     for (std::size_t i = 1; i <= 2 * turn_points; ++i) {
-      u = slider.after(u, deflection(i % turn_points) - deflection((i - 1) % turn_points));
+      u = force_after(u, deflection(i % turn_points) - deflection((i - 1) % turn_points));
       if (i >= turn_points && i < 2 * turn_points) sum(i % turn_points, u);
     }
   }
@@ -90,7 +91,8 @@ void add_laws(FirstHarmonic& harmonic, const model::Laws<double>& laws, LawPlace
   }
   for (std::size_t i = 0; i < laws.branch_count; ++i) {
     if (laws.branches[i].place == place && laws.branches[i].slip_force > 0.0) {
-      harmonic.add(model::Branch<double>(laws.branches[i], 1.0));
+      const model::Branch<double> slider(laws.branches[i], 1.0);
+      harmonic.add_with_memory([&slider](double u, double travel) { return slider.after(u, travel); });
     }
   }
 }
@@ -249,13 +251,21 @@ EquivalentRig equivalent_rig(const model::RigParameters<double>& rig, double amp
   add_laws(suspension, rig.laws, LawPlace::suspension);
   FirstHarmonic tyre(amplitude * tyre_per_deflection(rig, omega), omega);
   add_laws(tyre, rig.laws, LawPlace::tyre);
-  if (auto& friction = result.rig.effects.get<model::CoulombFriction>(); friction.active) {
-    friction.active = false;
-    suspension.add([f = friction.effect.force](double, double v) { return v > 0.0 ? f : v < 0.0 ? -f : 0.0; });
-  }
   const double load = model::QuarterCar<double>::static_wheel_load(model::RigEquations<double>(rig).car());
   result.rig.effects.for_each([&](auto& slot) {
-    if (!slot.active || slot.effect.card.linearisation != model::Linearisation::left_out) return;
+    if (!slot.active || slot.effect.card.linearisation == model::Linearisation::exact) return;
+    if constexpr (requires(model::SuspensionComponent<double> & part) { slot.effect.act_on(part); }) {
+      model::SuspensionComponent<double> part{};
+      slot.effect.act_on(part);
+      if (const double f = part.dry_friction; f > 0.0) {
+        slot.active = false;
+        suspension.add([f](double, double v) { return v > 0.0 ? f : v < 0.0 ? -f : 0.0; });
+      }
+    }
+    if constexpr (requires { slot.effect.force_after(0.0, 0.0); }) {
+      slot.active = false;
+      suspension.add_with_memory([&](double u, double travel) { return slot.effect.force_after(u, travel); });
+    }
     if constexpr (requires { slot.effect.suspension_force(0.0, 0.0); }) {
       slot.active = false;
       suspension.add([&](double x, double v) { return slot.effect.suspension_force(x, v); });

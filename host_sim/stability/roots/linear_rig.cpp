@@ -275,7 +275,14 @@ model::RigParameters<double> linear_part(const model::RigParameters<double>& rig
   model::RigParameters<double> linear = rig;
   linear.laws = {};
   linear.fdva.minor_loss = 0.0;
-  linear.effects.for_each([](auto& slot) {
+  linear.effects.for_each([&linear](auto& slot) {
+    if (!slot.active) return;
+    if constexpr (requires { slot.effect.tangent(); }) {
+      const model::Tangent<double> tangent = slot.effect.tangent();
+      linear.suspension.stiffness += tangent.stiffness;
+      linear.suspension.damping += tangent.damping;
+      slot.active = false;
+    }
     if (slot.effect.card.linearisation == Linearisation::left_out) slot.active = false;
   });
   linear.effects.for_each_sensor([](auto& slot, model::Channel channel) {

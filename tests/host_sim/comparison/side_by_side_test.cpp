@@ -31,6 +31,7 @@ constexpr model::MotionScales scales{.force = 300.0,
                                      .tyre_force = 400.0,
                                      .tyre_deflection = 2e-3,
                                      .foot_acceleration = 5.0,
+                                     .ripple_period = 5e-3,
                                      .channel = 1.0};
 
 class Random {

@@ -1,6 +1,7 @@
 // The cards of the catalogue: complete, unambiguous, and with starts inside the bounds.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string_view>
 
@@ -48,7 +49,23 @@ TEST(EffectCards, HaveNamesOfTheirOwn) {
     std::set<std::string_view> parameters;
     for (const EffectParameter& p : card.parameters) EXPECT_TRUE(parameters.insert(p.name).second) << card.name;
   });
-  EXPECT_EQ(names.size(), 27U);
+  EXPECT_EQ(names.size(), 31U);
+}
+
+// An effect that contains another one names an effect of the same part, and says what they have in common.
+TEST(EffectCards, SayWhatTheyContain) {
+  for_each_card([&](const auto& card) {
+    const bool common =
+        std::any_of(card.parameters.begin(), card.parameters.end(), [](const auto& p) { return p.from_contained; });
+    EXPECT_EQ(common, !card.contains.empty()) << card.name;
+    if (card.contains.empty()) return;
+    bool there = false;
+    for_each_card([&](const auto& other) {
+      if (other.name != card.contains) return;
+      there = other.parameters.size() == 1 && other.subsystem == card.subsystem;
+    });
+    EXPECT_TRUE(there) << card.name << " contains " << card.contains;
+  });
 }
 
 // A fit starts inside the bounds of its parameter: on a rig of the usual size, a car on a road of class B.
@@ -62,6 +79,7 @@ TEST(EffectCards, StartFitsInsideTheBounds) {
                                 .tyre_force = 400.0,
                                 .tyre_deflection = 2e-3,
                                 .foot_acceleration = 8.0,
+                                .ripple_period = 5e-3,
                                 .channel = 300.0};
   for_each_card([&](const auto& card) {
     for (const EffectParameter& p : card.parameters) {

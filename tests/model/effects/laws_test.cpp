@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "model/rig_model.hpp"
 
@@ -118,6 +119,108 @@ TEST(TopMount, HasTheDynamicStiffnessOfSpringAndDamperInSeries) {
     const double expected = amplitude * (sre * std::sin(w * t) + sim * std::cos(w * t));
     EXPECT_NEAR(model.signals(x)[index(Channel::F)], expected, 1e-6 * amplitude * mount);
   }
+}
+
+// Point. Two slopes around the damping described: 45 N s/m more in compression, 45 less in rebound.
+TEST(AsymmetricDamper, HasASlopeForEachDirection) {
+  const model::AsymmetricDamper<double> damper{90.0};
+  EXPECT_NEAR(added_force(damper, 0.01, 0.4), 18.0, rounding);
+  EXPECT_NEAR(added_force(damper, 0.01, -0.4), 18.0, rounding);
+  EXPECT_EQ(added_force(damper, 0.01, 0.0), 0.0);
+}
+
+// Point. F_c (1 + e exp(−(v/v_s)²)) against the motion: 40 N that break away at 60 N, 20 mm/s.
+TEST(StribeckFriction, FallsWithVelocity) {
+  const model::StribeckFriction<double> friction{40.0, 0.5, 0.02};
+  EXPECT_NEAR(added_force(friction, 0.01, 0.02), 40.0 + 20.0 * std::exp(-1.0), rounding);
+  EXPECT_NEAR(added_force(friction, 0.01, -0.02), -40.0 - 20.0 * std::exp(-1.0), rounding);
+  EXPECT_NEAR(added_force(friction, 0.01, 0.4), 40.0, rounding);
+  EXPECT_EQ(added_force(friction, 0.01, 0.0), 0.0);
+}
+
+// Law. A spring that is deflected by less than the force that breaks away stays deflected, by more it moves; wheel and
+// body are free. 50 N: above the sliding 40 N, below the 60 N that break away.
+TEST(StribeckFriction, SticksUpToTheForceThatBreaksAway) {
+  const auto moved = [](double deflection) {
+    Rig rig = plain(RigKind::quarter_car);
+    rig.effects.add(model::StribeckFriction<double>{40.0, 0.5, 0.02});
+    const Model model(rig, period);
+    model::Column<double, 6> core = model::Column<double, 6>::Zero();
+    core(CoreIndex::body_position) = -deflection;
+    auto x = model.start(core, {}, {});
+    double most = 0.0;
+    for (int k = 0; k < 20; ++k) {
+      model.step(x, {});
+      most = std::max(most, std::abs(model.deflection(x).position - deflection));
+    }
+    return most;
+  };
+  EXPECT_LT(moved(50.0 / 30e3), 1e-12);
+  EXPECT_GT(moved(75.0 / 30e3), 1e-6);
+}
+
+/// u along a path in steps, beginning at u.
+double along(const model::BoucWen<double>& element, double u, double travel, int steps) {
+  for (int k = 0; k < steps; ++k) u = element.force_after(u, travel / steps);
+  return u;
+}
+
+// Law. Closed forms of (1): loading F_h (1 − e^{−kx/F_h}); back with s = 0 along the straight line of slope k, with s
+// along da/dσ = k − (s k/F_h) a. Steps of 0.02 F_h/k: z⁵/720 = 5e-12 each, some hundred of them; the step in which the
+// force passes zero is divided by a straight line, off by its curvature, z²/8 of its 1 N.
+TEST(BoucWen, FollowsTheClosedFormsOfLoadingAndUnloading) {
+  const double k = 80e3, f = 60.0, x = 1.5e-3;
+  const model::BoucWen<double> straight{k, f, 0.0}, bent{k, f, 0.6};
+  const double loaded = f * (1.0 - std::exp(-k * x / f));
+  EXPECT_NEAR(along(straight, 0.0, x, 100), loaded, 1e-6);
+  EXPECT_NEAR(along(straight, 0.0, -x, 100), -loaded, 1e-6);
+  EXPECT_NEAR(along(straight, loaded, -0.5 * loaded / k, 100), 0.5 * loaded, 1e-6);
+  const double back = 0.3 * loaded / k, rate = 0.6 * k / f;
+  const double unloaded = -(k / rate + (-loaded - k / rate) * std::exp(-rate * back));
+  EXPECT_NEAR(along(bent, loaded, -back, 100), unloaded, 1e-6);
+  const double beyond = loaded / k + x;  // unloads, then loads the other way
+  EXPECT_NEAR(along(straight, loaded, -beyond, 200), -loaded, 1e-3);
+}
+
+// Law. The force depends on the path alone: a bench that goes the same way twice as fast shows the same loop; one turn
+// loses energy; a step of any length stays within ± F_h.
+TEST(BoucWen, DependsOnThePathAlone) {
+  Rig rig = plain(RigKind::component_bench);
+  rig.effects.add(model::BoucWen<double>{80e3, 60.0, 0.2});
+  const Model model(rig, period);
+  const auto forces = [&](int every) {
+    auto x = model.start();
+    std::vector<double> list;
+    const double w = 2.0 * std::numbers::pi * every;
+    for (int k = 1; k * every <= 2000; ++k) {
+      const double t = k * period, a = 4e-3;
+      model.step(x, {.command = {a * std::sin(w * t), a * w * std::cos(w * t)}});
+      list.push_back(model.signals(x)[index(Channel::F)] - 1000.0 * a * w * std::cos(w * t));
+    }
+    return list;
+  };
+  const auto slow = forces(1), fast = forces(2);
+  double lost = 0.0;
+  for (std::size_t k = 1000; k + 2 < 2000; ++k) {
+    const double travel = 4e-3 * (std::sin(2e-3 * std::numbers::pi * static_cast<double>(k + 1)) -
+                                  std::sin(2e-3 * std::numbers::pi * static_cast<double>(k)));
+    lost += slow[k] * travel;
+    // z = k Δx/F_h up to 0.07: the ends of travel differ by that much of a step
+    if (k % 2 == 1) {
+      EXPECT_NEAR(slow[k], fast[k / 2], 60.0 * 5e-3) << k;
+    }
+  }
+  EXPECT_GT(lost, 0.2);
+  EXPECT_LT(std::abs(model::BoucWen<double>{1e7, 60.0, 0.0}.force_after(-60.0, 1.0)), 60.0 * (1.0 + 1e-9));
+}
+
+// Point. A ripple of 5 mm: sine at a quarter of it, nothing after a whole one, twice the cosine at a half.
+TEST(PositionRipple, RepeatsAlongTheTravel) {
+  const model::PositionRipple<double> ripple{5e-3, 12.0, 7.0};
+  EXPECT_NEAR(added_force(ripple, 1.25e-3, 0.1), 12.0 - 7.0, rounding);
+  EXPECT_NEAR(added_force(ripple, 2.5e-3, 0.1), -14.0, rounding);
+  EXPECT_NEAR(added_force(ripple, -5e-3, 0.1), 0.0, rounding);
+  EXPECT_NEAR(ripple.tangent().stiffness, ripple.suspension_force(1e-9, 0.0) / 1e-9, 1e-2);
 }
 
 // Law. The Maxwell branch k_r jωT/(1 + jωT) beside spring and damper, on a sine; bound as above.

@@ -32,7 +32,8 @@ double number(const DescribedLaw& law, const std::string& name) {
   return NAN;
 }
 
-// Truth by construction. Power, lopsided damper and blow-off on a bench: shape and number, and nothing is left.
+// Truth by construction. Power and blow-off on a bench: shape and number, and nothing is left. A lopsided damper, which
+// the catalogue holds, is no law.
 TEST(LearnLaws, namesHiddenLawsByTheirShape) {
   const std::string group = "law:component_bench:";
   const Diagnosis power = diagnosed(group + "power_law_low", 1);
@@ -43,10 +44,9 @@ TEST(LearnLaws, namesHiddenLawsByTheirShape) {
   EXPECT_FALSE(power.unexplained);
 
   const Diagnosis lopsided = diagnosed(group + "asymmetric_damper", 1);
-  ASSERT_EQ(lopsided.laws.size(), 1U);
-  EXPECT_EQ(lopsided.laws.front().shape, "asymmetric");
-  const double a = hidden(group + "asymmetric_damper", 1, "asymmetry");
-  EXPECT_NEAR(number(lopsided.laws.front(), "rebound_harder_by_per_cent"), 100.0 * ((1.0 - a) / (1.0 + a) - 1.0), 3.0);
+  EXPECT_TRUE(lopsided.laws.empty());
+  ASSERT_EQ(lopsided.effects.size(), 1U);
+  EXPECT_EQ(lopsided.effects.front().effect.entry->name, "asymmetric_damper");
 
   const Diagnosis valve = diagnosed(group + "blow_off", 1);
   ASSERT_EQ(valve.laws.size(), 1U);

@@ -40,6 +40,25 @@ TEST(OverAmplitude, HasTheClosedFormsOfEffects) {
   EXPECT_NEAR(found.rig.suspension.damping, rig.suspension.damping + found.suspension.damping, 1e-9);
 }
 
+// Law. Two slopes count with their mean, which is the damping described. Friction that has fallen to its sliding force
+// counts with that. A Bouc–Wen element is its stiffness at small amplitudes, dry friction of F_h at large ones: half a
+// turn loses 2 F_h A, less 3/2 F_h²/k while it unloads and F_h²/k while it builds up.
+TEST(OverAmplitude, CountsLawsOfTheCatalogueWithShapesOfTheirOwn) {
+  Rig damper = stability_tests::linear_rig(), friction = damper, hysteresis = damper;
+  damper.effects.add(model::AsymmetricDamper<double>{120.0});
+  const auto slopes = equivalent_rig(damper, amplitude, omega);
+  EXPECT_NEAR(slopes.suspension.damping, 0.0, 60.0 * at_kinks);
+  friction.effects.add(model::StribeckFriction<double>{30.0, 0.8, 1e-3});
+  const auto slides = equivalent_rig(friction, amplitude, omega);
+  EXPECT_NEAR(slides.suspension.damping / (4.0 * 30.0 / (pi * amplitude * omega)), 1.0, 2e-3);
+  const double k = 50e3, f = 10.0;
+  hysteresis.effects.add(model::BoucWen<double>{k, f, 0.0});
+  EXPECT_NEAR(equivalent_rig(hysteresis, 1e-3 * f / k, omega).suspension.stiffness / k, 1.0, 2e-3);
+  const auto yields = equivalent_rig(hysteresis, amplitude, omega).suspension;
+  EXPECT_NEAR(yields.damping * omega / (4.0 * f / (pi * amplitude)), 1.0 - 1.25 * f / k / amplitude, 1e-4);
+  EXPECT_FALSE(equivalent_rig(hysteresis, amplitude, omega).rig.effects.get<model::BoucWen>().active);
+}
+
 // Law. An elastic slider beyond its slip: with cos θ = 1 − 2 s/(k A) its loop has k_eq = k (θ − ½ sin 2θ)/π and
 // ω c_eq = 4 s (1 − s/(k A))/(π A) (Jenkins element). Below its slip it is a spring. A Maxwell branch is linear.
 TEST(OverAmplitude, HasTheClosedFormsOfBranches) {

@@ -1,0 +1,76 @@
+// Hysteresis that does not depend on the rate.
+#pragma once
+
+#include "model/effects/effect.hpp"
+#include "model/select.hpp"
+#include "model/subsystems.hpp"
+
+namespace model {
+
+/// Bouc–Wen element parallel to spring, damper and FDVA, with exponent n = 1: stiff after a reversal, then yielding
+/// towards ± F_h.
+///
+///   (1)  F_s += u,   u̇ = k ḋz_b − β |ḋz_b| u − γ ḋz_b |u|
+///   (2)  β + γ = k/F_h,   β − γ = s k/F_h
+///
+/// With a = u sgn(ḋz_b) and the path σ, (1) is da/dσ = k − r a; r = k/F_h while loading (a > 0), s k/F_h while
+/// unloading. One travel of the deflection solves it with e^{−z} ≈ (1 − z/2 + z²/12)/(1 + z/2 + z²/12), z = r σ: error
+/// ∝ z⁵/720, bounded for every k. Source: Ismail, Ikhouane, Rodellar, The hysteresis Bouc–Wen model, a survey, Arch.
+/// Comput. Methods Eng. 2009.
+template <class S>
+struct BoucWen {
+  S stiffness{};  ///< k [N/m] after a reversal
+  S force{};      ///< F_h [N]
+  S unloading{};  ///< s [1]; 0: back along the stiffness k, straight
+
+  static constexpr EffectCard<3> card{
+      .name = "bouc_wen",
+      .subsystem = Subsystem::suspension,
+      .rigs = every_rig,
+      .parameters = {{{.name = "stiffness",
+                       .unit = "N/m",
+                       .lower = 0.0,
+                       .upper = 1e7,
+                       .starts = {.scale = scales::stiffness, .factors = {0.3, 3.0}}},
+                      {.name = "force",
+                       .unit = "N",
+                       .lower = 1e-3,
+                       .upper = 20e3,
+                       .starts = {.scale = scales::force, .factors = {0.05, 0.3}}},
+                      {.name = "unloading",
+                       .unit = "1",
+                       .lower = -3.0,
+                       .upper = 3.0,
+                       .starts = {.scale = scales::unit, .factors = {0.3}}}}},
+      .equation =
+          "F_s += u, u̇ = stiffness · (ḋz_b − (1 + unloading)/2 · |ḋz_b| u/force − (1 − unloading)/2 · ḋz_b "
+          "|u|/force)",
+      .shows =
+          "rounded loops of force over deflection whose height does not depend on frequency: rubber, cables, leaves",
+      .linearisation = Linearisation::tangent,
+      .imitates = true};
+  static constexpr auto values = std::array{&BoucWen::stiffness, &BoucWen::force, &BoucWen::unloading};
+
+  /// u after a travel of the deflection [m].
+  [[nodiscard]] constexpr S force_after(S u, S travel) const {
+    const S along = select(travel < S(0), S(-u), u);  // a
+    const S path = absolute(travel);
+    const S loading = stiffness / force;
+    const auto yields = along < S(0);
+    const S end = after(along, path, select(yields, S(unloading * loading), loading));
+    // unloaded within the travel: the rest of it loads anew
+    const auto passes = yields && end > S(0);
+    const S rest = select(passes, S(path * end), S(0)) / select(passes, S(end - along), S(1));
+    const S reached = select(passes, after(S(0), rest, loading), end);
+    return select(travel < S(0), S(-reached), reached);
+  }
+  [[nodiscard]] constexpr Tangent<S> tangent() const { return {.stiffness = stiffness}; }
+
+ private:
+  [[nodiscard]] constexpr S after(S along, S path, S rate) const {
+    const S z = rate * path, even = S(1) + z * z / S(12), odd = z / S(2);
+    return (along * (even - odd) + stiffness * path) / (even + odd);
+  }
+};
+
+}  // namespace model
