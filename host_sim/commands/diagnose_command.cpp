@@ -128,8 +128,15 @@ void keep_laws(const std::string& name, identification::Diagnosis& diagnosis) {
   for (std::size_t i = 0; i < diagnosis.laws.size(); ++i) {
     firmware::LawDescription law;
     law.name = i == 0 ? name : name + "_" + std::to_string(i + 1);
-    law.curve = diagnosis.laws[i].law.slot;
-    law.feeds_energy = true;  // it stands beside damping of the rig, of which it may take away
+    const identification::PlacedLaw& learned = diagnosis.laws[i].law;
+    if (identification::has_memory(learned.family)) {
+      law.first_branch = learned.slot;
+      law.branches = diagnosis.rig.rig.laws.branch_count - learned.slot;
+    } else {
+      law.curve = learned.slot;
+    }
+    law.feeds_energy = !identification::has_memory(
+        diagnosis.laws[i].law.family);  // it stands beside damping of the rig, of which it may take away
     diagnosis.rig.laws.push_back(std::move(law));
   }
   if (diagnosis.laws.empty()) diagnosis.remarks.push_back("no law was learned: nothing is kept as " + name);

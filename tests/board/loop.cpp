@@ -138,8 +138,12 @@ void ride(const model::RigParameters<double>& parameters) {
   static std::optional<firmware::ControlLoop> loop;
   static firmware::JournalStorage<2> storage;
   firmware::Journal journal(storage);
-  firmware::Settings settings;
-  settings.limits.speed = 5.0;
+  // In flash: of the stack it would take what the effects' parameters need.
+  static constexpr firmware::Settings settings = [] {
+    firmware::Settings usual;
+    usual.limits.speed = 5.0;
+    return usual;
+  }();
   rig.emplace(fitted(parameters.kind));
   loop.emplace(settings, parameters, rig->roles(), waves.emplace(), board::valves, journal);
   const unsigned long deepest = board::deepest_stack();

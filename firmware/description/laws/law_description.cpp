@@ -97,14 +97,19 @@ std::vector<LawDescription> named_laws(const std::vector<LawDescription>& laws, 
     add(std::move(law));
   }
   for (std::size_t i = 0; i < rig.laws.branch_count; ++i) {
-    const auto covers = [i](const LawDescription& law) {
+    const auto covers = [&i](const LawDescription& law) {
       return i >= law.first_branch && i < law.first_branch + law.branches;
     };
     if (has(covers)) continue;
-    LawDescription law;
+    LawDescription law;  // those of one place that follow each other are one law
     law.first_branch = i;
-    law.branches = 1;
+    while (i < rig.laws.branch_count && !has(covers) &&
+           rig.laws.branches[i].place == rig.laws.branches[law.first_branch].place) {
+      ++i;
+    }
+    law.branches = i-- - law.first_branch;
     add(std::move(law));
+    all.back().feeds_energy = false;  // no branch can
   }
   return all;
 }

@@ -186,13 +186,12 @@ std::vector<FreeParameter> law_parameters(const std::vector<PlacedLaw>& laws) {
       u.law = l;
       u.number = v;
       u.difference = thresholds::law_difference;
-      const LawValue::Kind kind =
-          law.family == LawFamily::points ? LawValue::Kind::force : values_of(law.family)[v].kind;
+      const LawValue::Kind kind = has_grid(law.family) ? LawValue::Kind::force : values_of(law.family)[v].kind;
       if (kind == LawValue::Kind::force) {
         u.scale = law.size;
-        u.lower = -thresholds::largest_law_force;
+        u.lower = has_memory(law.family) ? 0.0 : -thresholds::largest_law_force;
         u.upper = thresholds::largest_law_force;
-        u.is_linear = law.family == LawFamily::points;
+        u.is_linear = has_grid(law.family);
       } else {
         const LawValue& value = values_of(law.family)[v];
         const double unit = kind == LawValue::Kind::width ? law.rms : 1.0;

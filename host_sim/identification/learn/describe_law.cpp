@@ -61,6 +61,12 @@ class LawDescription {
       case LawFamily::one_sided:
         knee(out);
         break;
+      case LawFamily::sliders:
+        sliders(out);
+        break;
+      case LawFamily::maxwell:
+        maxwell(out);
+        break;
     }
     return out;
   }
@@ -146,6 +152,36 @@ class LawDescription {
                         law_.over == CurveOver::velocity ? "mm/s" : "mm");
   }
 
+  /// The end of the curve, at which every slider slides.
+  [[nodiscard]] static LawNumber end_of(const DescribedLaw& out, std::string name, double factor = 1.0) {
+    return {std::move(name), factor * out.force.back(), factor * out.lower.back(), factor * out.upper.back()};
+  }
+
+  void sliders(DescribedLaw& out) const {
+    out.shape = "hysteresis";
+    out.numbers = {end_of(out, "force")};
+    const double all = out.numbers[0].value;
+    double half = 0.0;  // travel in which half of the force builds up
+    for (std::size_t k = out.at.size(); k-- > 0 && out.at[k] > 0.0 && out.force[k] >= 0.5 * all;) half = out.at[k];
+    out.numbers.push_back({"half_travel", half, half, half});
+    out.words = text_of("hysteresis of %.3g N independent of frequency (elastic sliders), half of it within %.2g mm",
+                        all, 1e3 * half);
+  }
+
+  void maxwell(DescribedLaw& out) const {
+    out.shape = "relaxation";
+    out.numbers = {end_of(out, "stiffness", 1.0 / out.at.back())};
+    double shortest = INFINITY, longest = 0.0;
+    for (std::size_t i = 0; i < law_.at.size(); ++i) {
+      if (!(law_.values[i] > 0.0)) continue;
+      shortest = std::min(shortest, law_.at[i]);
+      longest = std::max(longest, law_.at[i]);
+    }
+    out.numbers.push_back({"time_constant", std::sqrt(shortest * longest), shortest, longest});
+    out.words = shortest == longest ? text_of("relaxes within %.2g ms", 1e3 * longest)
+                                    : text_of("relaxes within %.2g to %.2g ms", 1e3 * shortest, 1e3 * longest);
+  }
+
   void add_curve(DescribedLaw& out) const {
     const LawTable table = table_of(law_);
     out.at = table.at;
@@ -209,12 +245,13 @@ void add_points(const IdentificationProblem& problem, const Hypothesis& hypothes
     const Response readings =
         read_channels(hypothesis, *r.samples, r.samples->input, hypothesis.starts[i], window.to, r.resolution());
     const std::vector<double> x = motion_at(*r.samples, readings, out.law.place, out.law.over);
+    const std::vector<double> force = out.law.forces_along(x, r.samples->input.period);
     const std::vector<double> error = force_error(*r.samples, readings, hypothesis, out.law.place);
     if (error.empty()) return;
     const std::size_t step = std::max<std::size_t>(window.size() / thresholds::points_shown, 1);
     for (std::size_t k = window.from; k < std::min({window.to, x.size(), error.size()}); k += step) {
       out.seen_at.push_back(x[k]);
-      out.seen_force.push_back(out.law.force(x[k]) + error[k]);
+      out.seen_force.push_back(force[k] + error[k]);
     }
     return;
   }

@@ -10,6 +10,7 @@
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/learn/curve_family.hpp"
+#include "host_sim/identification/learn/stack_fit.hpp"
 #include "host_sim/identification/learn/thresholds.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/select_model.hpp"
@@ -71,6 +72,27 @@ std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace p
     if (std::none_of(different.begin(), different.end(), [&](const EffectsBeside& d) { return are_same(d, effects); }))
       different.push_back(std::move(effects));
   }
+  return different;
+}
+
+/// What may act beside a stack of branches: everything but other memory and dry friction at the suspension, also with
+/// dry friction, and what is elsewhere alone.
+std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
+  constexpr std::array<std::string_view, 4> with_memory{"stribeck_friction", "bouc_wen", "relaxation",
+                                                        "coulomb_friction"};
+  std::vector<EffectsBeside> different;
+  const auto add = [&](const auto& keep) {
+    EffectsBeside kept;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(kept), keep);
+    if (std::none_of(different.begin(), different.end(), [&](const EffectsBeside& d) { return are_same(d, kept); }))
+      different.push_back(std::move(kept));
+  };
+  const auto remembers = [&](const firmware::PlacedEffect& e) {
+    return std::find(with_memory.begin(), with_memory.end(), e.entry->name) != with_memory.end();
+  };
+  add([&](const auto& e) { return !remembers(e); });
+  add([&](const auto& e) { return !remembers(e) || is_friction(e); });
+  add([](const auto& e) { return e.channel || e.entry->subsystem != model::Subsystem::suspension; });
   return different;
 }
 
@@ -140,9 +162,12 @@ class LawSearch {
   [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
   [[nodiscard]] std::vector<Curve> curves() const;
   [[nodiscard]] std::vector<Candidate> candidates(const std::vector<Curve>& curves) const;
+  [[nodiscard]] std::optional<Hypothesis> start_of_stack(LawFamily family, const EffectsBeside& effects) const;
+  [[nodiscard]] std::vector<Candidate> stacks() const;
   [[nodiscard]] double cost_of(const CandidateModel& model, double freedom) const;
   [[nodiscard]] static bool is_possible(const Candidate& candidate);
   void eliminate(Candidate& law) const;
+  [[nodiscard]] bool draws_friction(const Candidate& law) const;
   [[nodiscard]] bool is_kept(const Candidate& law, Learned& learned) const;
   void adopt(Candidate law);
   void tell(double share, const char* what) const {
@@ -287,7 +312,66 @@ std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>
   for (auto& candidate : fitted) {
     if (candidate && is_possible(*candidate)) list.push_back(std::move(*candidate));
   }
-  std::sort(list.begin(), list.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  return list;
+}
+
+std::optional<Hypothesis> LawSearch::start_of_stack(LawFamily family, const EffectsBeside& effects) const {
+  Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, effects);
+  for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
+  const auto range = excited_range(problem_, start, CurvePlace::suspension, CurveOver::deflection);
+  const std::size_t slot = space_.given.rig.laws.branch_count;
+  if (!range || slot == model::usual_laws.branches) return std::nullopt;
+  start.laws.push_back(empty_stack(family, *range, slot));
+  PlacedLaw& law = start.laws.back();
+  const ForceOfEffects replaced(found_.best.effects, effects, law.place, CurveOver::velocity);
+  const double friction = std::max(replaced(1e-9), 0.0);  // [m/s]: dry friction alone
+  law.size = std::max({thresholds::force_share * start.rig.suspension.stiffness * range->rms, friction, 1e-3});
+  if (family == LawFamily::sliders) law.values.back() = friction;
+  put_laws(start.laws, start.rig);
+  return start;
+}
+
+/// Stacks of branches with memory on the whole: of each kind the one beside the right effects.
+std::vector<LawSearch::Candidate> LawSearch::stacks() const {
+  struct Stack {
+    LawFamily family;
+    EffectsBeside effects;
+    std::optional<CandidateModel> model;
+    double cost = INFINITY;
+  };
+  std::vector<Stack> tried;
+  for (const LawFamily family : {LawFamily::sliders, LawFamily::maxwell}) {
+    for (EffectsBeside& effects : effects_beside_stack(found_.best.effects)) {
+      tried.push_back({family, std::move(effects), std::nullopt});
+    }
+  }
+  const auto fit_on = [&](const IdentificationProblem& problem, const Hypothesis& start, Stack& stack) {
+    stack.cost = INFINITY;
+    stack.model = fit_stack(problem, space_, start, stack.effects, criterion_);
+    if (stack.model) {
+      stack.cost = cost_of(*stack.model, 2.0 * static_cast<double>(branch_count(stack.model->fit.hypothesis)));
+    }
+  };
+  const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
+  const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
+  for_all(tried.size(), [&](std::size_t i) {
+    if (const auto start = start_of_stack(tried[i].family, tried[i].effects)) fit_on(part, *start, tried[i]);
+  });
+  std::erase_if(tried, [](const Stack& stack) { return !stack.model; });
+  std::stable_sort(tried.begin(), tried.end(), [](const Stack& a, const Stack& b) { return a.cost < b.cost; });
+  std::vector<Stack> best;
+  for (Stack& stack : tried) {
+    if (std::none_of(best.begin(), best.end(), [&](const Stack& b) { return b.family == stack.family; })) {
+      best.push_back(std::move(stack));
+    }
+  }
+  for_all(best.size(), [&](std::size_t i) {
+    if (const auto start = start_of_stack(best[i].family, best[i].effects)) fit_on(problem_, *start, best[i]);
+  });
+  std::vector<Candidate> list;
+  for (Stack& stack : best) {
+    if (stack.model) list.push_back({std::move(*stack.model), stack.cost, stack.family});
+  }
   return list;
 }
 
@@ -316,6 +400,14 @@ void LawSearch::eliminate(Candidate& law) const {
   }
 }
 
+/// Whether a curve stands in the place of dry friction, which no curve of points can draw.
+bool LawSearch::draws_friction(const Candidate& law) const {
+  const auto has = [](const EffectsBeside& effects) {
+    return std::any_of(effects.begin(), effects.end(), is_friction);
+  };
+  return !has_memory(law.family) && has(found_.best.effects) && !has(law.model.effects);
+}
+
 bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
   const Hypothesis &with = law.model.fit.hypothesis, &without = found_.best.fit.hypothesis;
   const double temper = temper_of(law.model.fit);
@@ -325,6 +417,8 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
   learned.gain_held_out = before - after;
   if (before > 0.0 && learned.gain_held_out < thresholds::law_margin_held_out * temper) return false;
   if (!stays_finite(problem_, with)) return false;
+  constexpr double share = thresholds::law_replaces_error * thresholds::law_replaces_error;
+  if (before > 0.0 && after < share * before && !draws_friction(law)) return true;
   const Explained now{law.model.fit.chi_squared, static_cast<double>(law.model.fit.residual.size()), after};
   return explains_nearly_all(now, {chi_squared_without_, now.residuals, before}) || is_whole(problem_, with);
 }
@@ -366,6 +460,8 @@ Learned LawSearch::learn() {
   best_cost_ = found_.best.penalised_chi_squared(criterion_) - found_.best.fit.chi_squared + chi_squared_without_;
   tell(0.96, "learning a law");
   std::vector<Candidate> list = candidates(curves());
+  for (Candidate& stack : stacks()) list.push_back(std::move(stack));
+  std::sort(list.begin(), list.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
   if (list.empty()) return learned;
   eliminate(list.front());
   if (!is_kept(list.front(), learned)) return learned;

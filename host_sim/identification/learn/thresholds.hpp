@@ -53,6 +53,14 @@ inline constexpr double seconds_of_curves = 20.0;
 /// twice the time.
 inline constexpr std::size_t continued_curves = 4, fitted_curves = 3, fitted_families = 3;
 
+/// [s] Shortest time constant of a Maxwell branch; eight of them, each three times the last, end at 4.4 s. Derivation:
+/// below, a branch is a dashpot up to 90 Hz (1/(2π 90 Hz) = 1.8 ms); two in one of the gaps differ by less than 8 %
+/// from one between them. Half: the first is viscous damping.
+inline constexpr double shortest_time = 2e-3;
+/// Steps of a stack's fit, and rounds in which branches are left out. Forces of branches enter linearly where the
+/// deflection is the input (one step), nearly so elsewhere.
+inline constexpr int stack_steps = 5, stack_rounds = 3;
+
 // What is believed ----------------------------------------------------------------------------------------------------
 
 /// [χ²/τ] by which a law must beat the effects it replaces, beside its own penalty: odds of e⁶. Derivation: the
@@ -61,6 +69,11 @@ inline constexpr std::size_t continued_curves = 4, fitted_curves = 3, fitted_fam
 inline constexpr double law_margin = 12.0;
 /// [χ²/τ] and on held-out windows, a third as long as the fitted ones: a third of it. Half and twice: the same names.
 inline constexpr double law_margin_held_out = 4.0;
+/// [1] Error of the held-out windows, relative to that without it, below which a law is taken although more than noise
+/// is left: that from which effects of sensors may explain a model error (select, sensors_replace_error). Looked at:
+/// stacks for a friction damper, learned on two of its three records, 0.58, 0.78 and 0.66. Half: none of these. Of the
+/// distance to 1, half: all three.
+inline constexpr double law_replaces_error = 0.75;
 /// [ln] Odds are capped, so that they stay finite numbers.
 inline constexpr double most_odds = 300.0;
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "model/laws/branch.hpp"
+
 namespace host_sim::identification {
 namespace {
 
@@ -32,23 +34,66 @@ double bend(const PlacedLaw& law) {
   }
 }
 
+model::LawPlace place_of(const PlacedLaw& law) {
+  return law.place == CurvePlace::tyre ? model::LawPlace::tyre : model::LawPlace::suspension;
+}
+
 }  // namespace
 
 std::string_view name(CurvePlace place) { return place == CurvePlace::suspension ? "suspension" : "tyre"; }
 std::string_view name(CurveOver over) { return over == CurveOver::velocity ? "velocity" : "deflection"; }
 
+/// The branches of (9) and (10) that carry a force.
+std::vector<model::BranchNumbers<double>> branches_of(const PlacedLaw& law) {
+  std::vector<model::BranchNumbers<double>> list;
+  for (std::size_t i = 0; i < law.values.size(); ++i) {
+    const double c = law.values[i];
+    if (!(c > 0.0)) continue;
+    model::BranchNumbers<double> branch;
+    branch.place = place_of(law);
+    if (law.family == LawFamily::sliders) {
+      branch.stiffness = c / law.at[i];
+      branch.slip_force = c;
+    } else {
+      branch.stiffness = c / law.rms;
+      branch.time_constant = law.at[i];
+    }
+    list.push_back(branch);
+  }
+  return list;
+}
+
 const std::vector<LawValue>& values_of(LawFamily family) {
   constexpr LawValue c{"force", Kind::force, 0.0, 0.0}, other{"force_below", Kind::force, 0.0, 0.0};
   constexpr LawValue exponent{"exponent", Kind::exponent, 0.2, 5.0}, width{"width", Kind::width, 0.01, 5.0};
-  static const std::array<std::vector<LawValue>, 8> values{{{},
-                                                            {c, exponent},
-                                                            {c, other},
-                                                            {c, other, exponent},
-                                                            {c, width},
-                                                            {c, width},
-                                                            {c, other, width},
-                                                            {c, other, width}}};
+  static const std::array<std::vector<LawValue>, law_families> values{{{},
+                                                                       {c, exponent},
+                                                                       {c, other},
+                                                                       {c, other, exponent},
+                                                                       {c, width},
+                                                                       {c, width},
+                                                                       {c, other, width},
+                                                                       {c, other, width},
+                                                                       {},
+                                                                       {}}};
   return values[static_cast<std::size_t>(family)];
+}
+
+std::vector<double> PlacedLaw::forces_along(const std::vector<double>& x, double period) const {
+  std::vector<double> forces(x.size(), 0.0);
+  if (!has_memory(family)) {
+    std::transform(x.begin(), x.end(), forces.begin(), [this](double each) { return force(each); });
+    return forces;
+  }
+  for (const model::BranchNumbers<double>& numbers : branches_of(*this)) {
+    const model::Branch<double> branch(numbers, period);
+    double u = 0.0;
+    for (std::size_t k = 1; k < x.size(); ++k) {
+      u = branch.after(u, x[k] - x[k - 1]);
+      forces[k] += u;
+    }
+  }
+  return forces;
 }
 
 double PlacedLaw::force(double x) const {
@@ -70,8 +115,15 @@ double PlacedLaw::force(double x) const {
       return s * (values[0] * std::min(a, values[2]) + values[1] * std::max(a - values[2], 0.0)) / rms;
     case LawFamily::one_sided:
       return (values[0] * std::max(x - values[2], 0.0) + values[1] * std::min(x + values[2], 0.0)) / rms;
+    case LawFamily::sliders:
+    case LawFamily::maxwell:
+      break;
   }
-  return 0.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sum += values[i] * (family == LawFamily::sliders ? std::clamp(x / at[i], -1.0, 1.0) : x / rms);
+  }
+  return sum;
 }
 
 LawTable table_of(const PlacedLaw& law) {
@@ -96,10 +148,18 @@ LawTable table_of(const PlacedLaw& law) {
 
 void put_laws(const std::vector<PlacedLaw>& laws, model::RigParameters<double>& rig) {
   for (const PlacedLaw& law : laws) {
+    if (has_memory(law.family)) {
+      const auto branches = branches_of(law);
+      rig.laws.branch_count = static_cast<std::uint8_t>(law.slot);
+      for (std::size_t i = 0; i < std::min(branches.size(), rig.laws.branches.size() - law.slot); ++i) {
+        rig.laws.branches[rig.laws.branch_count++] = branches[i];
+      }
+      continue;
+    }
     if (law.slot >= rig.laws.curves.size()) continue;
     const LawTable table = table_of(law);
     auto& out = rig.laws.curves[law.slot];
-    out.place = law.place == CurvePlace::tyre ? model::LawPlace::tyre : model::LawPlace::suspension;
+    out.place = place_of(law);
     out.over = law.over == CurveOver::velocity ? model::LawOver::velocity : model::LawOver::deflection;
     out.count = static_cast<std::uint8_t>(std::min(table.at.size(), model::curve_points));
     std::copy_n(table.at.begin(), out.count, out.at.begin());

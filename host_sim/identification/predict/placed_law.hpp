@@ -1,6 +1,7 @@
 // A law that no catalogue holds, as part of a hypothesis: a family of curves, its values, and the place where it acts.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 #include <vector>
 
@@ -18,7 +19,29 @@ namespace host_sim::identification {
 ///   falling       (6)  F = −c (1 − exp(−(x/w)²)) sgn(x)                   values: c, w; beside dry friction: Stribeck
 ///   knee          (7)  F = (c min(|x|, w) + c′ max(|x| − w, 0)) sgn(x)/r          values: c, c′, w
 ///   one_sided     (8)  F = c (x − w)/r for x > w, c′ (x + w)/r for x < −w   values: c, c′, w
-enum class LawFamily : unsigned char { points, power, two_slopes, two_powers, soft_sign, falling, knee, one_sided };
+///
+/// and with memory of a deflection, stacks of branches (model/laws/branch.hpp):
+///
+///   sliders       (9)  F = Σ u_i, u_i ← clamp(u_i + c_i Δx/d_i, ±c_i)      values: c_i ≥ 0 of the slip travels d_i
+///   maxwell      (10)  F = Σ u_i, u̇_i = c_i ẋ/r − u_i/T_i                values: c_i ≥ 0 of the time constants T_i
+enum class LawFamily : unsigned char {
+  points,
+  power,
+  two_slopes,
+  two_powers,
+  soft_sign,
+  falling,
+  knee,
+  one_sided,
+  sliders,
+  maxwell
+};
+inline constexpr std::size_t law_families = 10;
+[[nodiscard]] constexpr bool has_memory(LawFamily family) {
+  return family == LawFamily::sliders || family == LawFamily::maxwell;
+}
+/// Whether its values are forces that belong to the numbers of PlacedLaw::at.
+[[nodiscard]] constexpr bool has_grid(LawFamily family) { return family == LawFamily::points || has_memory(family); }
 
 enum class CurvePlace : unsigned char { suspension, tyre };
 enum class CurveOver : unsigned char { velocity, deflection };
@@ -31,12 +54,15 @@ struct PlacedLaw {
   LawFamily family = LawFamily::points;
   double rms = 1.0, largest = 1.0;  ///< r and X
   double size = 1.0;                ///< a force [N] that matters here: unit of the values that are forces, in a fit
-  std::vector<double> at{};         ///< x_i of (1)
+  std::vector<double> at{};         ///< x_i of (1), d_i [m] of (9), T_i [s] of (10)
   std::vector<double> values{};
-  std::size_t slot = 0;  ///< of the rig's laws: behind those of its description
+  std::size_t slot = 0;  ///< of the rig's laws, the curve or first branch: behind those of its description
 
-  /// F(x) of (2)–(8); of (1) the straight lines between points.
+  /// F(x) of (2)–(8); of (1) the straight lines between points. With memory: at the end of a first travel from rest to
+  /// x, for (10) one that is fast beside every T_i.
   [[nodiscard]] double force(double x) const;
+  /// F along a motion that is sampled with a period [s].
+  [[nodiscard]] std::vector<double> forces_along(const std::vector<double>& x, double period) const;
 };
 
 /// What a value of a family is: its unit is a force, or x, or none.

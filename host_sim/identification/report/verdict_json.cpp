@@ -64,7 +64,17 @@ ordered_json to_json(const DescribedLaw& law) {
   json["parameters"] = ordered_json::object();
   for (const LawNumber& number : law.numbers)
     json["parameters"][number.name] = {{"value", number.value}, {"ci95", {number.lower, number.upper}}};
-  json["memory"] = false;
+  json["memory"] = has_memory(law.law.family);
+  if (has_memory(law.law.family)) {
+    const bool slides = law.law.family == LawFamily::sliders;
+    json["branches"] = ordered_json::array();
+    for (std::size_t i = 0; i < law.law.at.size(); ++i) {
+      const double force = law.law.values[i], at = law.law.at[i];
+      if (!(force > 0.0)) continue;
+      if (slides) json["branches"].push_back({{"stiffness", force / at}, {"slip_force", force}});
+      if (!slides) json["branches"].push_back({{"stiffness", force / law.law.rms}, {"time_constant", at}});
+    }
+  }
   json["table"] = {{over, law.at}, {"force", law.force}, {"band95", ordered_json::array()}};
   for (std::size_t i = 0; i < law.at.size(); ++i) json["table"]["band95"].push_back({law.lower[i], law.upper[i]});
   json["excited"] = {law.lowest, law.highest};

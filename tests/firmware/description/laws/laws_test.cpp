@@ -86,6 +86,22 @@ TEST(Laws, OneWithoutANameIsWritten) {
   EXPECT_EQ(parse_rig(format_rig(rig), "again.toml").laws.at(0).name, "law_1");
 }
 
+// Law. Branches of one place that nobody named are one law; it needs no leave to feed energy, since no branch can.
+TEST(Laws, BranchesOfOnePlaceAreOneLaw) {
+  RigDescription rig = with("");
+  for (const double force : {5.0, 7.0}) {
+    rig.rig.laws.branches[rig.rig.laws.branch_count++] = {.stiffness = 1e3, .slip_force = force};
+  }
+  rig.rig.laws.branches[rig.rig.laws.branch_count++] = {
+      .place = model::LawPlace::tyre, .stiffness = 1e3, .slip_force = 9.0};
+  const RigDescription again = parse_rig(format_rig(rig), "again.toml");
+  ASSERT_EQ(again.laws.size(), 2U);
+  EXPECT_EQ(again.laws[0].branches, 2U);
+  EXPECT_FALSE(again.laws[0].feeds_energy);
+  EXPECT_EQ(again.laws[1].first_branch, 2U);
+  EXPECT_EQ(again.laws[1].branches, 1U);
+}
+
 struct Wrong {
   const char* law;
   const char* message;

@@ -46,6 +46,38 @@ TEST(PlacedLaw, familiesByHand) {
   EXPECT_NEAR(sided.force(-0.07), -10.0, 1e-12);
 }
 
+// Point. A stack of sliders at its corners, by hand: out 2 mm, back 1 mm, with slip travels of 0.5 and 4 mm. A Maxwell
+// branch that is moved at once keeps e⁻¹ of its force after T.
+TEST(PlacedLaw, StacksRememberHowTheDeflectionWent) {
+  PlacedLaw sliders = law_of(LawFamily::sliders, {10.0, 0.0, 20.0});
+  sliders.at = {0.5e-3, 1e-3, 4e-3};
+  EXPECT_NEAR(sliders.force(2e-3), 10.0 + 20.0 * 2.0 / 4.0, 1e-12);
+  EXPECT_NEAR(sliders.force(-1.0), -30.0, 1e-12);
+  const std::vector<double> forces = sliders.forces_along({0.0, 2e-3, 1e-3}, 1e-3);
+  EXPECT_NEAR(forces[1], 20.0, 1e-12);
+  EXPECT_NEAR(forces[2], -10.0 + 5.0, 1e-12);
+  PlacedLaw maxwell = law_of(LawFamily::maxwell, {10.0});
+  maxwell.at = {0.1};
+  std::vector<double> moved(1001, 0.1);  // r, after which nothing moves for T
+  moved[0] = 0.0;
+  const std::vector<double> relaxing = maxwell.forces_along(moved, 1e-4);
+  EXPECT_NEAR(relaxing.back() / relaxing[1], std::exp(-0.999), 1e-9);
+  EXPECT_NEAR(relaxing[1], 10.0, 0.01);  // 10 N at once, less half of a period's relaxation: h/2T = 5e-4
+
+  model::RigParameters<double> rig;
+  put_laws({sliders}, rig);
+  ASSERT_EQ(rig.laws.branch_count, 2);  // one without a force is none
+  EXPECT_EQ(rig.laws.branches[0].slip_force, 10.0);
+  EXPECT_NEAR(rig.laws.branches[1].stiffness, 20.0 / 4e-3, 1e-9);
+  EXPECT_EQ(rig.laws.branches[1].time_constant, 0.0);
+  sliders.values[0] = 0.0;
+  put_laws({sliders}, rig);
+  EXPECT_EQ(rig.laws.branch_count, 1);
+  put_laws({maxwell}, rig);
+  EXPECT_NEAR(rig.laws.branches[0].stiffness, 100.0, 1e-9);
+  EXPECT_EQ(rig.laws.branches[0].time_constant, 0.1);
+}
+
 // Law. A table ascends through zero, has room in a rig, and holds the family's force at its points.
 TEST(PlacedLaw, tablesHoldTheForce) {
   const std::vector<PlacedLaw> laws{law_of(LawFamily::power, {50.0, 1.5}), law_of(LawFamily::soft_sign, {40.0, 0.004}),
