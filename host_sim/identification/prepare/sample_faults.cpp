@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -221,12 +222,38 @@ std::vector<double> relative_deviations(const std::vector<double>& samples, cons
   return errors;
 }
 
+std::optional<double> cut_off_at(const std::vector<double>& samples) {
+  double highest = 0.0;
+  for (const double v : samples) highest = std::max(highest, std::abs(v));
+  if (!(highest > 0.0) || !std::isfinite(highest)) return std::nullopt;
+  std::vector<double> large;
+  for (const double v : samples) {
+    if (std::abs(v) > thresholds::overshoot * highest) large.push_back(std::abs(v));
+  }
+  std::sort(large.begin(), large.end(), std::greater<>());
+  for (std::size_t first = 0; first < large.size();) {
+    std::size_t next = first;
+    while (next < large.size() && large[next] >= large[first] * (1.0 - 1e-9)) ++next;
+    if (next - first >= thresholds::fewest_at_limit && 4 * first <= next - first) return large[first];
+    first = next;
+  }
+  return std::nullopt;
+}
+
 std::vector<std::size_t> find_outliers(const std::vector<double>& samples, const std::vector<bool>& unusable,
                                        double step) {
   const std::vector<double> errors = deviations(samples, unusable);
   const NoiseScale noise = noise_scale(samples, errors, step);
+  const std::optional<double> limit = cut_off_at(samples);
+  const auto is_beside_limit = [&](std::size_t k) {
+    for (std::size_t i = k - std::min<std::size_t>(k, 6); i < std::min(k + 7, samples.size()); ++i) {
+      if (i != k && std::abs(samples[i]) >= *limit * (1.0 - 1e-9)) return true;
+    }
+    return false;
+  };
   std::vector<std::size_t> candidates;
   for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (limit && is_beside_limit(k)) continue;
     const double s = noise(k) * noise.tails;
     if (s > 0.0 && std::abs(errors[k]) > thresholds::outlier_deviations * s) candidates.push_back(k);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace host_sim::identification {
@@ -25,12 +26,18 @@ namespace host_sim::identification {
 /// model does not explain.
 ///
 /// The first and the last two samples have too few neighbours. `unusable`: samples that say nothing; empty: none.
-/// `step`: of quantisation, 0: none. Returns places, ascending; none where none stands thresholds::surest_outlier · s
-/// off, or where more than thresholds::most_outliers of the samples would be outliers: then it is how the channel is.
+/// At the limit of a channel that is cut off there is no noise, so no sample counts that has one of these among its six
+/// neighbours on either side. `step`: of quantisation, 0: none. Returns places, ascending; none where none stands
+/// thresholds::surest_outlier · s off, or where more than thresholds::most_outliers of the samples would be outliers:
+/// then it is how the channel is.
 [[nodiscard]] std::vector<std::size_t> find_outliers(const std::vector<double>& samples,
                                                      const std::vector<bool>& unusable = {}, double step = 0.0);
 
 /// Of one channel, as they are left out.
+/// The |value| at which a channel is cut off: the largest that comes again exactly, four times and more. Beyond it are
+/// at most a quarter as many: what an interpolation makes of the corners. nullopt: it is not.
+[[nodiscard]] std::optional<double> cut_off_at(const std::vector<double>& samples);
+
 struct Outliers {
   std::size_t count = 0;        ///< in the recording at its own rate
   std::vector<std::size_t> at;  ///< samples of the simulation that are among them

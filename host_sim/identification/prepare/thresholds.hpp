@@ -114,6 +114,12 @@ inline constexpr double outlier_deviations = 6.5;
 /// play that last a sample stood up to 9.7 deviations off (tests/truth daq, seeds 100 and 110). Half: counts as
 /// outliers what these leave. Twice: a channel with few outliers of 10 … 20 deviations keeps them.
 inline constexpr double surest_outlier = 10.0;
+/// [1] of a channel's largest |value|: how far an interpolation overshoots the limit at which the channel is cut off.
+/// Derivation: a cubic through a corner of a sine 1.3 times the limit overshoots by 4 % at most with 20 samples a
+/// period, so twice the distance to 1 only sorts more values, and half of it would do. And samples at the limit at
+/// least: a value with nine digits comes again by chance in no recording.
+inline constexpr double overshoot = 0.9;
+inline constexpr std::size_t fewest_at_limit = 4;
 /// [1] Least scale, relative to the median distance of a channel's samples from their median: an outlier below 2e-4 of
 /// it is less than the simulation's own error (noise::simulation_error). Half and twice: no difference where a channel
 /// has noise.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host_sim/identification/prepare/sample_faults.hpp"
 #include "host_sim/identification/select/ripple_period.hpp"
 
 namespace host_sim::identification {
@@ -28,22 +29,12 @@ Size size_of(const std::vector<double>& values) {
   return size;
 }
 
-/// The value at which a channel is cut off: its extreme, where that is repeated exactly.
-std::optional<double> repeated_extreme(const std::vector<double>& data) {
-  double highest = 0.0;
-  for (const double v : data) highest = std::max(highest, std::abs(v));
-  const auto count =
-      std::count_if(data.begin(), data.end(), [&](double v) { return std::abs(v) >= highest * (1.0 - 1e-9); });
-  if (count < 4 || highest == 0.0) return std::nullopt;
-  return highest;
-}
-
-/// The largest |value| of a channel, of each recording in which it is repeated.
+/// The |value| at which a channel is cut off, of each recording in which it is.
 Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Channel channel) {
   Starts starts;
   for (const PreparedRecording& e : recordings) {
     if (!e.recording.has(channel)) continue;
-    if (const auto limit = repeated_extreme(e.recording[channel])) starts.push_back({{*limit}});
+    if (const auto limit = cut_off_at(e.recording[channel])) starts.push_back({{*limit}});
   }
   return starts;
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "host_sim/identification/prepare/sampled_recording.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "tests/host_sim/identification/test_signals.hpp"
+#include "tests/host_sim/identification/truth_recording.hpp"
 #include "tests/support/reference_road.hpp"
 
 namespace {
@@ -38,6 +40,27 @@ TEST(Outliers, AreSingleSamplesFarOff) {
     for (const std::size_t k : places) samples[k] += k == 2 || k == 19'997 ? 30.0 : 15.0 - 30.0 * (k % 3 == 0);
     EXPECT_EQ(find_outliers(samples), places) << "seed " << seed;
   }
+}
+
+// Law. A channel that is cut off most of the time has no noise at its limit; single samples below it are no outliers.
+TEST(Outliers, AreNotBesideALimit) {
+  const sample::Given given = sample::given("pair:quarter_car", 6);
+  EXPECT_EQ(find_outliers(given.recording[Channel::zdd_b]), Places{});
+}
+
+// Point. The limit is the largest value that comes again, also where an interpolation overshoots it now and then; a
+// channel whose largest values differ has none.
+TEST(Limit, IsTheLargestValueThatComesAgain) {
+  std::vector<double> samples = noisy(2'000, 3);
+  EXPECT_FALSE(cut_off_at(samples));
+  for (double& v : samples) v = std::clamp(v, -80.0, 80.0);
+  ASSERT_TRUE(cut_off_at(samples));
+  EXPECT_EQ(*cut_off_at(samples), 80.0);
+  samples[10] = 81.0;
+  samples[700] = -82.5;
+  EXPECT_EQ(cut_off_at(samples), 80.0);
+  EXPECT_FALSE(cut_off_at({}));
+  EXPECT_FALSE(cut_off_at({0.0, 0.0, 0.0, 0.0}));
 }
 
 // Law. What has samples beside it is motion: a jump, a bend, pulses of 3 samples and more, and the ringing of a knock.
