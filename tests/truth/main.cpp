@@ -3,6 +3,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include "tests/truth/truth.hpp"
@@ -38,6 +39,7 @@ int main(int argc, char** argv) {
     const std::uint64_t seed = std::stoull(argv[rough ? 3 : 2]);
     const truth::Truth drawn = rough ? truth::draw_rough(group, seed) : truth::draw(group, seed, wanted);
     const std::filesystem::path folder(argv[rough ? 4 : 3]);
+    if (folder.string().starts_with("-")) throw std::invalid_argument("OUTDIR is missing before " + folder.string());
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "rig.toml") << truth::rig_toml(drawn);
     std::ofstream(folder / "truth.json") << truth::truth_json(drawn);
