@@ -92,12 +92,19 @@ std::vector<firmware::Recording> parts_of(const std::string& csv, const firmware
 bool says_what_is_outside(const std::string& id, const truth::Truth& truth, const Diagnosis& diagnosis) {
   for (const auto& [unknown, fault] :
        {std::pair(":mains_hum:", "mains_hum"), std::pair(":quantisation:", "quantisation"),
-        std::pair(":spikes:", "outliers")}) {
+        std::pair(":spikes:", "outliers"), std::pair(":clock_drift:", "clock_drift")}) {
     if (id.find(unknown) == std::string::npos) continue;
     for (const auto& said : diagnosis.recording_faults) {
       const auto here = [&](model::Channel c) { return model::name(c) == truth.unknown_channel; };
       if (said.name == fault && std::any_of(said.channels.begin(), said.channels.end(), here)) return true;
     }
+  }
+  for (const auto& [unknown, path] :
+       {std::pair(":fading_damping:", "suspension.damping"), std::pair(":stiffness_drift:", "suspension.stiffness")}) {
+    if (id.find(unknown) == std::string::npos) continue;
+    if (std::any_of(diagnosis.recording_faults.begin(), diagnosis.recording_faults.end(),
+                    [&, p = path](const auto& said) { return said.name == "drift" && said.path == p; }))
+      return true;
   }
   return false;
 }

@@ -40,7 +40,10 @@ std::optional<ExcitedRange> excited_range(const IdentificationProblem& problem, 
   for (const double x : seen) squares += x * x;
   if (seen.size() < thresholds::fewest_samples || !(squares > 0.0) || !std::isfinite(squares)) return std::nullopt;
   const auto cut = static_cast<std::size_t>(thresholds::rarely_reached * static_cast<double>(seen.size()));
-  return ExcitedRange{seen[cut], seen[seen.size() - 1 - cut], std::sqrt(squares / static_cast<double>(seen.size()))};
+  const ExcitedRange range{std::min(seen[cut], 0.0), std::max(seen[seen.size() - 1 - cut], 0.0),
+                           std::sqrt(squares / static_cast<double>(seen.size()))};
+  if (!(range.largest() > 0.0)) return std::nullopt;
+  return range;
 }
 
 }  // namespace host_sim::identification

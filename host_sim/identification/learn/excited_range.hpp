@@ -7,7 +7,8 @@
 
 namespace host_sim::identification {
 
-/// Of x over the fitted windows, as a hypothesis simulates it: where a law was seen, and where it is only continued.
+/// Of x over the fitted windows, as a hypothesis simulates it: where a law was seen, and where it is only continued. It
+/// holds 0, where every law begins.
 struct ExcitedRange {
   double lowest = 0.0, highest = 0.0;  ///< without thresholds::rarely_reached of the samples at each end
   double rms = 0.0;

@@ -129,16 +129,23 @@ ParityResidual check(const firmware::RigDescription& description, const std::vec
   return out;
 }
 
+/// Whether the relations are those of a described rig.
+bool relations_hold_for(const model::RigParameters<double>& rig) {
+  if (rig.laws.any()) return false;
+  const auto effects = firmware::effects_of(rig);
+  return std::all_of(effects.begin(), effects.end(), [](const firmware::PlacedEffect& effect) {
+    const auto subsystem = effect.entry->subsystem;
+    const bool has_relations = subsystem == model::Subsystem::suspension || subsystem == model::Subsystem::fdva ||
+                               subsystem == model::Subsystem::machine;
+    return has_relations && effect.entry->corner != model::Corner::sticking;
+  });
+}
+
 }  // namespace
 
 std::vector<ParityResidual> parity_residuals(const firmware::RigDescription& description,
                                              const std::vector<PreparedRecording>& recordings) {
-  for (const firmware::PlacedEffect& effect : firmware::effects_of(description.rig)) {
-    const auto subsystem = effect.entry->subsystem;
-    if (subsystem != model::Subsystem::suspension && subsystem != model::Subsystem::fdva &&
-        subsystem != model::Subsystem::machine)
-      return {};
-  }
+  if (!relations_hold_for(description.rig)) return {};
   std::vector<firmware::Recording> parts;  // copies of two minutes at most, made once, of one rate
   firmware::RigDescription known = description;
   double highest = thresholds::parity_band_edges.back();

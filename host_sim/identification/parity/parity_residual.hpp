@@ -38,8 +38,9 @@ struct ParityResidual {
   }
 };
 
-/// Over the fitted windows. Empty for a rig whose description has effects outside its component and machine: the
-/// relations are those of a rig without.
+/// Over the fitted windows. Empty for a rig whose description has effects outside its component and machine, laws, or
+/// dry friction: the relations are those of a rig without. A force of friction follows from the measured motion only up
+/// to its sign, which noise decides wherever the motion is slow.
 [[nodiscard]] std::vector<ParityResidual> parity_residuals(const firmware::RigDescription& description,
                                                            const std::vector<PreparedRecording>& recordings);
 

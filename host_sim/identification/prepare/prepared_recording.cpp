@@ -177,6 +177,7 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   prepared.rounding = sampled.rounding;
   prepared.channel_noise = sampled.channel_noise;
   prepared.declared_noise = description.noise;
+  prepared.range = description.range;
   prepared.expected_colour = sampled.expected_colour;
   std::vector<Channel> sensors = prepared.channels;
   if (rig.kind == model::RigKind::quarter_car) sensors.insert(sensors.end(), {Channel::z_r, Channel::zdd_r});

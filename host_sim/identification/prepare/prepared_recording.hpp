@@ -44,6 +44,7 @@ struct PreparedRecording {
   std::array<double, model::channel_count> noise{};  ///< level of compared samples [SI], declared or estimated
   ChannelNoises channel_noise{};                     ///< the same with its colour; inputs too
   std::array<std::optional<double>, model::channel_count> declared_noise{};  ///< rms [SI]
+  firmware::MeasuringRanges range{};                                         ///< of the sensors
   std::optional<NoiseColour> expected_colour{};                              ///< of the recorder: noise_spectrum.hpp
   /// How much louder the noise is than declared; nullopt: not known. Of all channels with samples, inputs too.
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};

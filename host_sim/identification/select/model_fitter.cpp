@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host_sim/comparison/start_state.hpp"
 #include "host_sim/identification/common/frequency_bands.hpp"
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/common/parallel.hpp"
@@ -336,6 +337,28 @@ void ModelFitter::refit_by_continuation(CandidateModel& model) const {
   }
   CandidateModel grown = refitted(hypothesis, model.effects, 8);
   if (grown.fit.chi_squared < model.fit.chi_squared) model = std::move(grown);
+  refit_from_new_start(model);
+}
+
+void ModelFitter::refit_from_new_start(CandidateModel& model) const {
+  const auto begins_moving = [](const ProblemRecording& r) { return r.is_fitted() && !r.samples->at_rest; };
+  const auto& recordings = problem_.recordings();
+  if (std::none_of(recordings.begin(), recordings.end(), begins_moving)) return;
+  auto sliding = model.fit.hypothesis.rig;
+  for (const firmware::PlacedEffect& effect : firmware::effects_of(sliding)) {
+    if (effect.entry->corner == model::Corner::sticking)
+      firmware::remove_effect(sliding, *effect.entry, effect.channel);
+  }
+  for (const auto& rig : {model.fit.hypothesis.rig, sliding}) {
+    Hypothesis start = model.fit.hypothesis;
+    for (std::size_t i = 0; i < recordings.size(); ++i) {
+      const PreparedRecording& samples = *recordings[i].samples;
+      if (!begins_moving(recordings[i])) continue;
+      start.starts[i] = estimated_start(rig, samples.input, samples.recording, samples.range);
+    }
+    CandidateModel other = refitted(start, model.effects, 8);
+    if (other.fit.chi_squared < model.fit.chi_squared) model = std::move(other);
+  }
 }
 
 bool ModelFitter::leaves_noise(const CandidateModel& model) const {

@@ -77,7 +77,8 @@ class ModelFitter {
   [[nodiscard]] bool is_seen(const firmware::PlacedEffect& effect) const;
 
   /// Refitted in growing shares of the windows: with free play, stops or friction a long recording has many minima, a
-  /// short one few. As it was where that is no better. Source: numerical continuation, E. Allgower and K. Georg, 1990.
+  /// short one few. Also from the state at the start that the model's own rig, with what was found, makes of the first
+  /// seconds. As it was where that is no better. Source: numerical continuation, E. Allgower and K. Georg, 1990.
   void refit_by_continuation(CandidateModel& model) const;
 
   /// Whether a model leaves nothing but noise, in each band and altogether (thresholds::leaves_noise).
@@ -96,6 +97,10 @@ class ModelFitter {
 
   /// A candidate beside a model, fitted from its best start or two; columns of the Jacobian of the model are kept.
   [[nodiscard]] CandidateModel fitted_beside(const CandidateModel& base, const Scanned& scanned) const;
+
+  /// Where recordings begin in motion: refitted from starts estimated anew, with this rig and with its dry friction
+  /// left out of that estimate, since what sticks at first shows nothing of the start.
+  void refit_from_new_start(CandidateModel& model) const;
 
   /// A hold with a clock of its own: the phase at which its values are taken, by golden section over what the renewals
   /// allow. All else moves linearly inside its bounds, since a little damping looks like a little time.

@@ -137,6 +137,8 @@ void Search::begin(SearchResult& found) {
   found.nothing = fitter_.refitted(space_.given, {});
   const Hypothesis& hypothesis = found.nothing.fit.hypothesis;
   found.scales = scales_of(fitter_.problem().samples(), hypothesis, read_all(fitter_.problem(), hypothesis));
+  // A described rig with corners has minima of its own.
+  if (options_.truncates && has_corners(space_.given.rig)) fitter_.refit_by_continuation(found.nothing);
   found.best = found.nothing;
   for (const Channel channel : fitter_.problem().channels()) {
     auto held = fitter_.held(found.best, found.scales, channel);
@@ -373,6 +375,14 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
     others.push_back(std::move(other));
   }
   sort(others);
+  std::vector<CandidateModel> each;  // of the two fits of an effect the better one
+  for (CandidateModel& other : others) {
+    if (std::none_of(each.begin(), each.end(), [&](const CandidateModel& better) {
+          return same_effect(better.effects.back(), other.effects.back());
+        }))
+      each.push_back(std::move(other));
+  }
+  others = std::move(each);
   for (std::size_t i = 0; i < others.size(); ++i) {
     const CandidateModel& other = others[i];
     Rival rival{other.effects.back(), other.penalised_chi_squared(criterion_), other.fit.hypothesis};

@@ -23,15 +23,16 @@ bool leaves_more(const IdentificationProblem& problem, const SearchResult& found
   return explained < share && unexplained_residual(problem, found.best.fit.hypothesis).significant;
 }
 
-/// Steps 1, 2 and 4.
-SearchResult selected_in_noise(IdentificationProblem& problem, const SearchSpace& space,
-                               const ProgressCallback& progress, const SelectionCriterion& criterion) {
+/// Steps 1, 2 and 4. false: the search was stopped behind step 1, since it explains less than `worth_comparing`.
+bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
+                     const SelectionCriterion& criterion, double worth_comparing, SearchResult& found) {
   const SearchOptions options{criterion, true, progress};
-  SearchResult found = search(problem, space, options);
+  found = search(problem, space, options);
+  if (worth_comparing > 0.0 && leaves_more(problem, found, worth_comparing)) return false;
   compare(problem, space, options, found);
   compare_parameters(problem, space, progress, found);
   found.constancy = law_constancy(problem, found);
-  return found;
+  return true;
 }
 
 /// Whether the size of an effect changes, so that it is another law.
@@ -93,7 +94,9 @@ bool is_whole(const IdentificationProblem& problem, const Hypothesis& hypothesis
 
 SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,
                              const ProgressCallback& progress) {
-  return selected_in_noise(problem, space, progress, {});
+  SearchResult found;
+  select_in_noise(problem, space, progress, {}, 0.0, found);
+  return found;
 }
 
 SearchResult select_model(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress) {
@@ -111,8 +114,11 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
   const bool rest = leaves_a_rest(problem, found);
   if (!rest && !may_be_one_law(found)) return found;
   IdentificationProblem other = before;
-  SearchResult imitating = selected_in_noise(other, space, progress, {.imitating = true});
-  if (!takes_its_place(other, imitating, found, rest)) {
+  SearchResult imitating;
+  // What leaves that much is no answer, however its effects are exchanged.
+  const bool compared =
+      select_in_noise(other, space, progress, {.imitating = true}, thresholds::explains_most, imitating);
+  if (!compared || !takes_its_place(other, imitating, found, rest)) {
     found.simulations += imitating.simulations;
     found.candidates += imitating.candidates;
     return found;

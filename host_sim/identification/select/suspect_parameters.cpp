@@ -325,13 +325,15 @@ bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, 
     space_of_freed.given = model.fit.hypothesis;
     const SearchOptions options{{}, true, progress};
     other = search(problem, space_of_freed, options);
-    compare(problem, space_of_freed, options, other);
     // Compared under the weights of that search; without a replacement those of the effects alone come back, since
     // their rivals were rated under them.
     const CandidateModel effects_alone = ModelFitter::refitted_in(problem, space, criterion, found.best);
+    const double to_beat = effects_alone.penalised_chi_squared(criterion) - search_for.price(freed.size());
+    // Leaving out its effects could save no more than their price.
+    const bool may_replace = other.best.fit.chi_squared < to_beat;
+    if (may_replace) compare(problem, space_of_freed, options, other);
     const bool replaces =
-        other.best.penalised_chi_squared(criterion) + search_for.price(freed.size()) <
-            effects_alone.penalised_chi_squared(criterion) &&
+        may_replace && other.best.penalised_chi_squared(criterion) < to_beat &&
         pooled_error(problem, other.best.fit.hypothesis) <=
             thresholds::parameters_replace_error * pooled_error(problem, effects_alone.fit.hypothesis);
     if (!replaces) {

@@ -10,6 +10,7 @@
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
+#include "tests/host_sim/identification/truth_recording.hpp"
 #include "tests/support/reference_rig.hpp"
 #include "tests/support/reference_road.hpp"
 #include "tests/support/report_page.hpp"
@@ -171,6 +172,19 @@ TEST(Diagnosis, FindsANegativeOffsetAndAGainBelowOne) {
       EXPECT_EQ(named.effect.entry->name, "sensor_gain");
       EXPECT_NEAR(value.value, 0.97, 5e-4);
     }
+  }
+}
+
+// Journey. The rig description that a diagnosis writes is diagnosed again on the same recording: nothing more is found.
+TEST(Diagnosis, NamesNothingMoreOnceWhatItFoundIsDescribed) {
+  for (const char* group : {"single:quarter_car:coulomb_friction", "single:quarter_car:quadratic_damping",
+                            "single:component_bench:bump_stop"}) {
+    const sample::Given given = sample::given(group);
+    const Diagnosis first = identification::diagnose(given.description, {{given.recording, Use::shared}});
+    ASSERT_EQ(first.effects.size(), 1U) << group;
+    const Diagnosis again = identification::diagnose(first.rig, {{given.recording, Use::shared}});
+    EXPECT_EQ(again.verdict, Verdict::no_discrepancy) << group;
+    EXPECT_TRUE(again.effects.empty() && again.laws.empty()) << group;
   }
 }
 
