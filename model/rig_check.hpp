@@ -137,6 +137,8 @@ std::optional<RigFault> find_law_fault(const RigParameters<S, capacity>& rig) {
       demand(finite(branch.time_constant) && finite(branch.slip_force) &&
                  (branch.time_constant > S(0)) != (branch.slip_force > S(0)),
              "time_constant", "either time_constant or slip_force > 0");
+      demand(finite(branch.gap) && (branch.slip_force > S(0) ? branch.gap >= S(0) : !(branch.gap != S(0))), "gap",
+             "0 or more, of a slider");
     }
   }
   return fault;

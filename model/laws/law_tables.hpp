@@ -69,13 +69,15 @@ struct SurfaceTable {
   std::array<std::array<S, surface_points>, surface_points> value{};  ///< [N]
 };
 
-/// A spring in series with a dashpot (time_constant > 0) or with a dry slider (slip_force > 0), over the deflection.
+/// A spring in series with a dashpot (time_constant > 0) or with a dry slider (slip_force > 0), over the deflection; a
+/// slider may have free play in series, too.
 template <class S>
 struct BranchNumbers {
   LawPlace place = LawPlace::suspension;
   S stiffness{};      ///< [N/m], > 0
   S time_constant{};  ///< [s] of a Maxwell branch, > 0; else 0
   S slip_force{};     ///< [N] of an elastic slider, > 0; else 0
+  S gap{};            ///< [m] of a slider, ≥ 0: lost motion, the travel without force at each change of its sign
 };
 
 /// The laws of a rig, each kind in the order of the description.

@@ -42,7 +42,7 @@ class PlacedLaws {
     std::array<S, capacity.curves> curves{};   ///< by place, as in PlacedLaws
     std::array<std::uint8_t, capacity.curves> intervals{};
     std::array<S, capacity.surfaces> surfaces{};
-    std::array<S, capacity.branches> branches{};  ///< u
+    std::array<S, capacity.branches> branches{};  ///< w of Branch
   };
 
   PlacedLaws() = default;
@@ -105,9 +105,9 @@ class PlacedLaws {
     }
     for (std::size_t i = first.branches; i < last.branches; ++i) {
       const Branch<S>& law = branches_[i];
-      const S end = law.after(x.branches[i], moved);
-      delta += end - x.branches[i];
-      stiffness += chord(end - law.kept(x.branches[i]), per_moved, law.stiffness());
+      const S end = law.force(law.after(x.branches[i], moved));
+      delta += end - law.force(x.branches[i]);
+      stiffness += chord(end - law.force(law.kept(x.branches[i])), per_moved, law.stiffness());
     }
     const auto resistance = [&](const Stroke<S>& response) {
       const S resists = -(stiffness * response.position + damping * response.velocity);
@@ -131,7 +131,8 @@ class PlacedLaws {
       force += x.surfaces[i] = surfaces_[i](motion.position, motion.velocity);
     }
     for (std::size_t i = first.branches; i < last.branches; ++i) {
-      force += x.branches[i] = branches_[i].after(x.branches[i], moved);
+      x.branches[i] = branches_[i].after(x.branches[i], moved);
+      force += branches_[i].force(x.branches[i]);
     }
     x.force[index(place)] = force;
     x.at[index(place)] = motion;

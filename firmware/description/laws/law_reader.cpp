@@ -222,7 +222,7 @@ class LawReader {
     model::Laws<double>& laws = rig_.laws;
     const toml::node& node = table_.need("branches", "a list of branches");
     constexpr std::string_view expected =
-        "1 to 8 branches { stiffness = …, time_constant = … } or { stiffness = …, slip_force = … }";
+        "1 to 8 branches { stiffness = …, time_constant = … } or { stiffness = …, slip_force = …, gap = … }";
     if (place_ == LawPlace::sensor) table_.fail(node, "branches of a sensor", "a place where a force acts");
     const auto* list = node.as_array();
     if (list == nullptr || list->empty()) table_.fail(node, table_.path("branches") + " is not a list", expected);
@@ -240,6 +240,10 @@ class LawReader {
             "a branch of " + law_.name + " with " + (time ? "both" : "neither") + " time_constant and slip_force",
             expected);
       (time ? numbers.time_constant : numbers.slip_force) = branch.positive(time ? "time_constant" : "slip_force");
+      if (branch.has("gap")) {
+        if (time) table_.fail(entry, "a gap of a branch of " + law_.name + " with a time_constant", "a gap of a slider");
+        numbers.gap = branch.not_negative("gap");
+      }
       branch.finish();
       laws.branches[laws.branch_count++] = numbers;
       ++law_.branches;

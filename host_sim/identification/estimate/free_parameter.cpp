@@ -20,7 +20,7 @@ void FreeParameter::put(Hypothesis& hypothesis, double u) const {
   } else if (role == Role::fault) {
     hypothesis.faults[fault].values[number] = value(u);
   } else if (role == Role::law) {
-    hypothesis.laws[law].values[number] = value(u);
+    hypothesis.laws[law].value(number) = value(u);
     put_laws(hypothesis.laws, hypothesis.rig);
   } else if (double* const parameter = firmware::find_parameter(hypothesis.rig, path)) {
     *parameter = value(u);
@@ -30,7 +30,7 @@ void FreeParameter::put(Hypothesis& hypothesis, double u) const {
 double FreeParameter::get(const Hypothesis& hypothesis) const {
   if (role == Role::start) return coordinate(hypothesis.starts[recording](state));
   if (role == Role::fault) return coordinate(hypothesis.faults[fault].values[number]);
-  if (role == Role::law) return coordinate(hypothesis.laws[law].values[number]);
+  if (role == Role::law) return coordinate(hypothesis.laws[law].value(number));
   model::RigParameters<double> rig = hypothesis.rig;
   const double* const parameter = firmware::find_parameter(rig, path);
   return parameter != nullptr ? coordinate(*parameter) : 0.0;
@@ -200,6 +200,17 @@ std::vector<FreeParameter> law_parameters(const std::vector<PlacedLaw>& laws) {
         u.lower = std::log(value.lower * unit / u.scale);
         u.upper = std::log(value.upper * unit / u.scale);
       }
+      parameters.push_back(u);
+    }
+    if (law.gap > 0.0) {
+      FreeParameter u{.role = FreeParameter::Role::law, .path = ""};
+      u.law = l;
+      u.number = law.values.size();
+      u.difference = thresholds::law_difference;
+      u.logarithmic = true;
+      u.scale = law.gap;
+      u.lower = std::log(thresholds::narrowest_gap * law.largest / law.gap);
+      u.upper = std::log(law.largest / law.gap);
       parameters.push_back(u);
     }
   }

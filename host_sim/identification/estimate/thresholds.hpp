@@ -54,6 +54,9 @@ inline constexpr double law_difference = 1e-3;
 /// [1] Bound of a law's force, relative to its size where the fit began: a law that grows by more has found another
 /// explanation. Half and twice: the same names.
 inline constexpr double largest_law_force = 50.0;
+/// [largest deflection] A learned lost motion is no smaller. Derivation: beside the stroke it is nothing, and a stack
+/// without it is tried, too. Half and twice: no difference.
+inline constexpr double narrowest_gap = 1e-3;
 
 // What a fit leaves ---------------------------------------------------------------------------------------------------
 

@@ -166,6 +166,9 @@ class LawDescription {
     out.numbers.push_back({"half_travel", half, half, half});
     out.words = text_of("hysteresis of %.3g N independent of frequency (elastic sliders), half of it within %.2g mm",
                         all, 1e3 * half);
+    if (!(law_.gap > 0.0)) return;
+    out.numbers.push_back(number("lost_motion", law_.values.size()));
+    out.words += text_of(", after each reversal %.2g mm of lost motion", 1e3 * law_.gap);
   }
 
   void maxwell(DescribedLaw& out) const {
@@ -199,7 +202,7 @@ class LawDescription {
       PlacedLaw moved = law_;
       const FreeParameter& parameter = fit_.parameters[p];
       const double u = parameter.get(fit_.hypothesis);
-      moved.values[parameter.number] = parameter.value(u + parameter.difference);
+      moved.value(parameter.number) = parameter.value(u + parameter.difference);
       for (std::size_t k = 0; k < table.at.size(); ++k) {
         const double force = law_.family == LawFamily::points ? moved.values[k] : moved.force(table.at[k]);
         change(static_cast<Eigen::Index>(k), i) = (force - table.value[k]) / parameter.difference;

@@ -21,7 +21,8 @@ namespace host_sim::identification {
 /// | stribeck             | falling          | break_away F_c, sliding F_c − c, velocity w; F_c: dry friction beside |
 /// | degressive           | knee             | slopes b + c/r below, b + c′/r above the knee w; the upper is lower   |
 /// | progressive          | knee, one_sided  | the upper slope is larger: "stiffens from w on"                       |
-/// | hysteresis           | sliders          | force Σ c_i, half_travel: within it half of the force builds up        |
+/// | hysteresis           | sliders          | force Σ c_i, half_travel: within it half of the force builds up;       |
+/// |                      |                  | lost_motion, where there is a gap                                      |
 /// | relaxation           | maxwell          | stiffness Σ c_i/r, time_constant: its ends are the smallest and the    |
 /// |                      |                  | largest T_i                                                           |
 /// | curve                | points           | none                                                                  |

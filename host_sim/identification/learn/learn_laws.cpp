@@ -162,7 +162,8 @@ class LawSearch {
   [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
   [[nodiscard]] std::vector<Curve> curves() const;
   [[nodiscard]] std::vector<Candidate> candidates(const std::vector<Curve>& curves) const;
-  [[nodiscard]] std::optional<Hypothesis> start_of_stack(LawFamily family, const EffectsBeside& effects) const;
+  [[nodiscard]] std::optional<Hypothesis> start_of_stack(LawFamily family, const EffectsBeside& effects,
+                                                         double gap) const;
   [[nodiscard]] std::vector<Candidate> stacks() const;
   [[nodiscard]] double cost_of(const CandidateModel& model, double freedom) const;
   [[nodiscard]] static bool is_possible(const Candidate& candidate);
@@ -315,13 +316,14 @@ std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>
   return list;
 }
 
-std::optional<Hypothesis> LawSearch::start_of_stack(LawFamily family, const EffectsBeside& effects) const {
+/// `gap`: as a share of the deflection's range.
+std::optional<Hypothesis> LawSearch::start_of_stack(LawFamily family, const EffectsBeside& effects, double gap) const {
   Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, effects);
   for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
   const auto range = excited_range(problem_, start, CurvePlace::suspension, CurveOver::deflection);
   const std::size_t slot = space_.given.rig.laws.branch_count;
   if (!range || slot == model::usual_laws.branches) return std::nullopt;
-  start.laws.push_back(empty_stack(family, *range, slot));
+  start.laws.push_back(empty_stack(family, *range, slot, gap * (range->highest - range->lowest)));
   PlacedLaw& law = start.laws.back();
   const ForceOfEffects replaced(found_.best.effects, effects, law.place, CurveOver::velocity);
   const double friction = std::max(replaced(1e-9), 0.0);  // [m/s]: dry friction alone
@@ -331,44 +333,48 @@ std::optional<Hypothesis> LawSearch::start_of_stack(LawFamily family, const Effe
   return start;
 }
 
-/// Stacks of branches with memory on the whole: of each kind the one beside the right effects.
+/// Stacks of branches with memory on the whole: of each kind the one beside the right effects. Sliders are tried with
+/// lost motion, too.
 std::vector<LawSearch::Candidate> LawSearch::stacks() const {
   struct Stack {
     LawFamily family;
     EffectsBeside effects;
-    std::optional<CandidateModel> model;
+    double gap = 0.0;
+    std::optional<CandidateModel> model{};
     double cost = INFINITY;
   };
-  std::vector<Stack> tried;
-  for (const LawFamily family : {LawFamily::sliders, LawFamily::maxwell}) {
-    for (EffectsBeside& effects : effects_beside_stack(found_.best.effects)) {
-      tried.push_back({family, std::move(effects), std::nullopt});
-    }
-  }
-  const auto fit_on = [&](const IdentificationProblem& problem, const Hypothesis& start, Stack& stack) {
+  const auto fit_on = [&](const IdentificationProblem& problem, Stack& stack) {
     stack.cost = INFINITY;
-    stack.model = fit_stack(problem, space_, start, stack.effects, criterion_);
-    if (stack.model) {
-      stack.cost = cost_of(*stack.model, 2.0 * static_cast<double>(branch_count(stack.model->fit.hypothesis)));
-    }
+    stack.model.reset();
+    const auto start = start_of_stack(stack.family, stack.effects, stack.gap);
+    if (!start) return;
+    stack.model = fit_stack(problem, space_, *start, stack.effects, criterion_);
+    if (!stack.model) return;
+    const auto branches = static_cast<double>(branch_count(stack.model->fit.hypothesis));
+    stack.cost = cost_of(*stack.model, 2.0 * branches + (stack.gap > 0.0 ? 1.0 : 0.0));
   };
+  const auto better = [](const Stack& a, const Stack& b) { return a.cost < b.cost; };
   const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
   const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
-  for_all(tried.size(), [&](std::size_t i) {
-    if (const auto start = start_of_stack(tried[i].family, tried[i].effects)) fit_on(part, *start, tried[i]);
-  });
-  std::erase_if(tried, [](const Stack& stack) { return !stack.model; });
-  std::stable_sort(tried.begin(), tried.end(), [](const Stack& a, const Stack& b) { return a.cost < b.cost; });
-  std::vector<Stack> best;
-  for (Stack& stack : tried) {
-    if (std::none_of(best.begin(), best.end(), [&](const Stack& b) { return b.family == stack.family; })) {
-      best.push_back(std::move(stack));
-    }
-  }
-  for_all(best.size(), [&](std::size_t i) {
-    if (const auto start = start_of_stack(best[i].family, best[i].effects)) fit_on(problem_, *start, best[i]);
-  });
   std::vector<Candidate> list;
+  std::vector<Stack> best;
+  for (const LawFamily family : {LawFamily::sliders, LawFamily::maxwell}) {
+    std::vector<Stack> tried;
+    for (EffectsBeside& effects : effects_beside_stack(found_.best.effects)) {
+      tried.push_back({family, std::move(effects)});
+    }
+    for_all(tried.size(), [&](std::size_t i) { fit_on(part, tried[i]); });
+    Stack nearest = *std::min_element(tried.begin(), tried.end(), better);
+    if (family == LawFamily::sliders && nearest.model) {
+      std::vector<Stack> with_play;
+      for (const double gap : thresholds::gaps) with_play.push_back({family, nearest.effects, gap});
+      for_all(with_play.size(), [&](std::size_t i) { fit_on(part, with_play[i]); });
+      const Stack& play = *std::min_element(with_play.begin(), with_play.end(), better);
+      if (better(play, nearest)) nearest = play;
+    }
+    if (nearest.model) best.push_back(std::move(nearest));
+  }
+  for_all(best.size(), [&](std::size_t i) { fit_on(problem_, best[i]); });
   for (Stack& stack : best) {
     if (stack.model) list.push_back({std::move(*stack.model), stack.cost, stack.family});
   }

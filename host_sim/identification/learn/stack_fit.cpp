@@ -27,17 +27,20 @@ PlacedLaw with_branches(const PlacedLaw& law, const std::vector<std::size_t>& ke
 /// Places of the grid that are worth their price, by (3).
 std::vector<std::size_t> worth_keeping(const Fit& fit, double price) {
   const std::size_t law = fit.hypothesis.laws.size() - 1;
+  const auto is_branch = [&](const FreeParameter& p) {
+    return p.role == FreeParameter::Role::law && p.law == law && p.number < fit.hypothesis.laws[law].values.size();
+  };
   std::vector<Eigen::Index> columns;  // of J: all that is free, but for branches without a force
   std::vector<std::size_t> branches;  // of the stack, in the order of the last columns
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const FreeParameter& p = fit.parameters[i];
-    if (p.role != FreeParameter::Role::law || p.law != law) columns.push_back(static_cast<Eigen::Index>(i));
+    if (!is_branch(p)) columns.push_back(static_cast<Eigen::Index>(i));
   }
   const auto others = static_cast<Eigen::Index>(columns.size());
   Eigen::VectorXd force(static_cast<Eigen::Index>(fit.parameters.size()));
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const FreeParameter& p = fit.parameters[i];
-    if (p.role != FreeParameter::Role::law || p.law != law || !(p.get(fit.hypothesis) > 0.0)) continue;
+    if (!is_branch(p) || !(p.get(fit.hypothesis) > 0.0)) continue;
     force(static_cast<Eigen::Index>(branches.size())) = p.get(fit.hypothesis);
     branches.push_back(p.number);
     columns.push_back(static_cast<Eigen::Index>(i));
@@ -72,11 +75,12 @@ std::vector<std::size_t> worth_keeping(const Fit& fit, double price) {
 
 }  // namespace
 
-PlacedLaw empty_stack(LawFamily family, const ExcitedRange& deflection, std::size_t slot) {
+PlacedLaw empty_stack(LawFamily family, const ExcitedRange& deflection, std::size_t slot, double gap) {
   PlacedLaw law{CurvePlace::suspension, CurveOver::deflection, family, deflection.rms, deflection.largest()};
   law.slot = slot;
+  law.gap = gap;
   const std::size_t room = model::usual_laws.branches - slot;
-  const double half = 0.5 * (deflection.highest - deflection.lowest);
+  const double half = 0.5 * (deflection.highest - deflection.lowest - gap);
   for (std::size_t i = 0; i < room; ++i) {
     const auto n = static_cast<double>(i);
     law.at.push_back(family == LawFamily::sliders ? half * std::exp2(-1.0 - n)

@@ -1,6 +1,7 @@
 // Every number that decides something while laws are learned.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace host_sim::identification::thresholds {
@@ -60,6 +61,9 @@ inline constexpr double shortest_time = 2e-3;
 /// Steps of a stack's fit, and rounds in which branches are left out. Forces of branches enter linearly where the
 /// deflection is the input (one step), nearly so elsewhere.
 inline constexpr int stack_steps = 5, stack_rounds = 3;
+/// [range of the deflection] Lost motion that a stack of sliders is begun with; from there it is free. Derivation: a
+/// factor of 2 apart, a fit moves each to its neighbour; a tenth of the least is a quarter of a per cent of the stroke.
+inline constexpr std::array gaps{0.025, 0.05, 0.1, 0.2};
 
 // What is believed ----------------------------------------------------------------------------------------------------
 

@@ -54,6 +54,7 @@ std::vector<model::BranchNumbers<double>> branches_of(const PlacedLaw& law) {
     if (law.family == LawFamily::sliders) {
       branch.stiffness = c / law.at[i];
       branch.slip_force = c;
+      branch.gap = law.gap;
     } else {
       branch.stiffness = c / law.rms;
       branch.time_constant = law.at[i];
@@ -87,10 +88,10 @@ std::vector<double> PlacedLaw::forces_along(const std::vector<double>& x, double
   }
   for (const model::BranchNumbers<double>& numbers : branches_of(*this)) {
     const model::Branch<double> branch(numbers, period);
-    double u = 0.0;
+    double w = 0.0;
     for (std::size_t k = 1; k < x.size(); ++k) {
-      u = branch.after(u, x[k] - x[k - 1]);
-      forces[k] += u;
+      w = branch.after(w, x[k] - x[k - 1]);
+      forces[k] += branch.force(w);
     }
   }
   return forces;
@@ -119,9 +120,10 @@ double PlacedLaw::force(double x) const {
     case LawFamily::maxwell:
       break;
   }
+  const double pulled = s * std::max(a - 0.5 * gap, 0.0);
   double sum = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    sum += values[i] * (family == LawFamily::sliders ? std::clamp(x / at[i], -1.0, 1.0) : x / rms);
+    sum += values[i] * (family == LawFamily::sliders ? std::clamp(pulled / at[i], -1.0, 1.0) : x / rms);
   }
   return sum;
 }

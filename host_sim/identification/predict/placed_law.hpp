@@ -22,7 +22,8 @@ namespace host_sim::identification {
 ///
 /// and with memory of a deflection, stacks of branches (model/laws/branch.hpp):
 ///
-///   sliders       (9)  F = Σ u_i, u_i ← clamp(u_i + c_i Δx/d_i, ±c_i)      values: c_i ≥ 0 of the slip travels d_i
+///   sliders       (9)  F = Σ u_i, u_i ← clamp(u_i + c_i Δx/d_i, ±c_i)      values: c_i ≥ 0 of the slip travels d_i;
+///                      with a gap all of them have that free play in series
 ///   maxwell      (10)  F = Σ u_i, u̇_i = c_i ẋ/r − u_i/T_i                values: c_i ≥ 0 of the time constants T_i
 enum class LawFamily : unsigned char {
   points,
@@ -56,11 +57,16 @@ struct PlacedLaw {
   double size = 1.0;                ///< a force [N] that matters here: unit of the values that are forces, in a fit
   std::vector<double> at{};         ///< x_i of (1), d_i [m] of (9), T_i [s] of (10)
   std::vector<double> values{};
+  double gap = 0.0;      ///< [m] of (9): lost motion; 0: none
   std::size_t slot = 0;  ///< of the rig's laws, the curve or first branch: behind those of its description
 
   /// F(x) of (2)–(8); of (1) the straight lines between points. With memory: at the end of a first travel from rest to
   /// x, for (10) one that is fast beside every T_i.
   [[nodiscard]] double force(double x) const;
+  /// One of `values`, or behind them the gap.
+  [[nodiscard]] double& value(std::size_t number) { return number < values.size() ? values[number] : gap; }
+  [[nodiscard]] double value(std::size_t number) const { return number < values.size() ? values[number] : gap; }
+
   /// F along a motion that is sampled with a period [s].
   [[nodiscard]] std::vector<double> forces_along(const std::vector<double>& x, double period) const;
 };

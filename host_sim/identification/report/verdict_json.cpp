@@ -72,6 +72,7 @@ ordered_json to_json(const DescribedLaw& law) {
       const double force = law.law.values[i], at = law.law.at[i];
       if (!(force > 0.0)) continue;
       if (slides) json["branches"].push_back({{"stiffness", force / at}, {"slip_force", force}});
+      if (slides && law.law.gap > 0.0) json["branches"].back()["gap"] = law.law.gap;
       if (!slides) json["branches"].push_back({{"stiffness", force / law.law.rms}, {"time_constant", at}});
     }
   }

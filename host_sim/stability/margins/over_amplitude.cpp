@@ -49,13 +49,14 @@ class FirstHarmonic {
   void add(const Force& force) {
     for (std::size_t i = 0; i < turn_points; ++i) sum(i, force(deflection(i), amplitude_ * omega_ * cosine_[i]));
   }
-  /// The second turn, where a force with memory, force_after(u, travel), has forgotten how it began.
-  template <class ForceAfter>
-  void add_with_memory(const ForceAfter& force_after) {
-    double u = 0.0;
+  /// The second turn, where a force with memory has forgotten how it began. after(w, travel): what it remembers;
+  /// force(w).
+  template <class After, class Force>
+  void add_with_memory(const After& after, const Force& force) {
+    double w = 0.0;
     for (std::size_t i = 1; i <= 2 * turn_points; ++i) {
-      u = force_after(u, deflection(i % turn_points) - deflection((i - 1) % turn_points));
-      if (i >= turn_points && i < 2 * turn_points) sum(i % turn_points, u);
+      w = after(w, deflection(i % turn_points) - deflection((i - 1) % turn_points));
+      if (i >= turn_points && i < 2 * turn_points) sum(i % turn_points, force(w));
     }
   }
   [[nodiscard]] EquivalentForce result() const {
@@ -92,7 +93,8 @@ void add_laws(FirstHarmonic& harmonic, const model::Laws<double>& laws, LawPlace
   for (std::size_t i = 0; i < laws.branch_count; ++i) {
     if (laws.branches[i].place == place && laws.branches[i].slip_force > 0.0) {
       const model::Branch<double> slider(laws.branches[i], 1.0);
-      harmonic.add_with_memory([&slider](double u, double travel) { return slider.after(u, travel); });
+      harmonic.add_with_memory([&slider](double w, double travel) { return slider.after(w, travel); },
+                               [&slider](double w) { return slider.force(w); });
     }
   }
 }
@@ -264,7 +266,8 @@ EquivalentRig equivalent_rig(const model::RigParameters<double>& rig, double amp
     }
     if constexpr (requires { slot.effect.force_after(0.0, 0.0); }) {
       slot.active = false;
-      suspension.add_with_memory([&](double u, double travel) { return slot.effect.force_after(u, travel); });
+      suspension.add_with_memory([&](double u, double travel) { return slot.effect.force_after(u, travel); },
+                                 [](double u) { return u; });
     }
     if constexpr (requires { slot.effect.suspension_force(0.0, 0.0); }) {
       slot.active = false;

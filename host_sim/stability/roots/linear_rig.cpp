@@ -236,7 +236,7 @@ void add_law_slopes(const Laws& laws, model::RigParameters<double>& linear) {
   for (std::size_t i = 0; i < laws.branch_count; ++i) {
     const auto& branch = laws.branches[i];
     if (branch.slip_force > 0.0) {
-      add(branch.place, branch.stiffness, 0.0);  // at rest a slider sticks
+      if (!(branch.gap > 0.0)) add(branch.place, branch.stiffness, 0.0);  // at rest it sticks, or is inside its play
     } else if (branch.place == LawPlace::suspension && !relaxation.active) {
       relaxation = {true, {branch.stiffness, branch.time_constant}};
     }
