@@ -193,7 +193,11 @@ std::vector<Beside> LawSearch::places() const {
   if (is_car && !problem_.samples().front().input.wheel_prescribed)
     where.emplace_back(CurvePlace::tyre, CurveOver::deflection);
   std::vector<Beside> list;
+  const auto& laws = found_.best.fit.hypothesis.laws;
   for (const auto& [place, over] : where) {
+    if (std::any_of(laws.begin(), laws.end(),
+                    [&, p = place, o = over](const PlacedLaw& law) { return law.place == p && law.over == o; }))
+      continue;
     for (EffectsBeside& effects : effects_beside(found_.best.effects, place, over)) {
       list.push_back({place, over, std::move(effects)});
     }
@@ -357,6 +361,8 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
   const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
   const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
   std::vector<Candidate> list;
+  const auto& laws = found_.best.fit.hypothesis.laws;
+  if (std::any_of(laws.begin(), laws.end(), [](const PlacedLaw& law) { return has_memory(law.family); })) return list;
   std::vector<Stack> best;
   for (const LawFamily family : {LawFamily::sliders, LawFamily::maxwell}) {
     std::vector<Stack> tried;
@@ -461,6 +467,7 @@ void LawSearch::adopt(Candidate law) {
 Learned LawSearch::learn() {
   Learned learned;
   slot_ = space_.given.rig.laws.curve_count;
+  for (const PlacedLaw& law : found_.best.fit.hypothesis.laws) slot_ += has_memory(law.family) ? 0 : 1;
   if (slot_ == space_.given.rig.laws.curves.size()) return learned;
   chi_squared_without_ = residuals(problem_, predict(problem_, found_.best.fit.hypothesis)).squaredNorm();
   best_cost_ = found_.best.penalised_chi_squared(criterion_) - found_.best.fit.chi_squared + chi_squared_without_;
@@ -486,7 +493,15 @@ Learned learn_laws(IdentificationProblem& problem, const SearchSpace& space, con
                    SearchResult& found) {
   if (drifts(found.best.faults()) || !std::isfinite(found.best.fit.chi_squared) || !leaves_a_rest(problem, found))
     return {};
-  return LawSearch(problem, space, progress, found).learn();
+  Learned learned = LawSearch(problem, space, progress, found).learn();
+  if (!learned.found || !leaves_a_rest(problem, found)) return learned;
+  // A curve beside branches with memory, or one over the other variable.
+  const Learned second = LawSearch(problem, space, progress, found).learn();
+  if (!second.found) return learned;
+  learned.gain += second.gain;
+  learned.gain_held_out += second.gain_held_out;
+  learned.odds_against.insert(learned.odds_against.end(), second.odds_against.begin(), second.odds_against.end());
+  return learned;
 }
 
 }  // namespace host_sim::identification
