@@ -220,6 +220,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.parameters_off = parameters_off(description, found, result.parameters, certainty);
   result.laws = describe_laws(problem, found.best.fit, known.half_widths);
   for (DescribedLaw& law : result.laws) law.confidence = confidence(learned.odds_against, learned.gain, certainty);
+  result.described_curves = described_curves(problem, description, refit);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
   result.recording_faults = recording_causes(problem, found, criterion, parameters, certainty);

@@ -56,7 +56,8 @@ struct Diagnosis {
   std::vector<BandPower> left_by_refit, left_after;  ///< tolerances refitted; effects, too
   std::vector<PowerOverTime> power_over_time;        ///< of the same two models
   std::vector<NamedEffect> effects;
-  std::vector<DescribedLaw> laws;  ///< learned
+  std::vector<DescribedLaw> laws;              ///< learned
+  std::vector<DescribedLaw> described_curves;  ///< of the description, beside what the recordings show
   std::vector<ParameterOff> parameters_off;
   std::vector<RecordingFault> recording_faults;
   std::map<model::Channel, PredictionError> prediction_errors;

@@ -7,6 +7,7 @@
 
 #include "host_sim/identification/learn/excited_range.hpp"
 #include "host_sim/identification/learn/thresholds.hpp"
+#include "model/laws/curve.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -18,6 +19,13 @@ std::string text_of(const char* format, Number... numbers) {
   char text[200];
   std::snprintf(text, sizeof text, format, numbers...);
   return text;
+}
+
+/// Three figures, as a reader writes them: "9800", not "9.8e+03".
+std::string figures(double value) {
+  if (!(std::abs(value) >= 1000.0)) return text_of("%.3g", value);
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+  return text_of("%.0f", unit * std::round(value / unit));
 }
 
 /// A law of a fit with what is known about its values.
@@ -125,7 +133,8 @@ class LawDescription {
   void soft_sign(DescribedLaw& out) const {
     out.shape = "smooth friction";
     out.numbers = {number("force", 0), number("velocity", 1)};
-    out.words = text_of("friction of %.3g N that sets in over %.2g mm/s", law_.values[0], 1e3 * law_.values[1]);
+    out.words =
+        text_of("friction of %s N that sets in over %.2g mm/s", figures(law_.values[0]).c_str(), 1e3 * law_.values[1]);
   }
 
   void falling(DescribedLaw& out) const {
@@ -136,8 +145,8 @@ class LawDescription {
     }
     out.numbers = {
         {"break_away", friction, friction, friction}, number("sliding", 0, -1.0, friction), number("velocity", 1)};
-    out.words = text_of("breaks away at %.3g N, falls to %.3g N by %.2g mm/s (Stribeck)", friction,
-                        friction - law_.values[0], 2e3 * law_.values[1]);
+    out.words = text_of("breaks away at %s N, falls to %s N by %.2g mm/s (Stribeck)", figures(friction).c_str(),
+                        figures(friction - law_.values[0]).c_str(), 2e3 * law_.values[1]);
   }
 
   void knee(DescribedLaw& out) const {
@@ -161,11 +170,15 @@ class LawDescription {
     out.shape = "hysteresis";
     out.numbers = {end_of(out, "force")};
     const double all = out.numbers[0].value;
-    double half = 0.0;  // travel in which half of the force builds up
-    for (std::size_t k = out.at.size(); k-- > 0 && out.at[k] > 0.0 && out.force[k] >= 0.5 * all;) half = out.at[k];
-    out.numbers.push_back({"half_travel", half, half, half});
-    out.words = text_of("hysteresis of %.3g N independent of frequency (elastic sliders), half of it within %.2g mm",
-                        all, 1e3 * half);
+    // Travel in which a curve reaches half of it; that of the ends of the band are the ends of its interval.
+    const auto half_of = [&](const std::vector<double>& force) {
+      double half = out.at.back();
+      for (std::size_t k = out.at.size(); k-- > 0 && out.at[k] > 0.0 && force[k] >= 0.5 * all;) half = out.at[k];
+      return half;
+    };
+    out.numbers.push_back({"half_travel", half_of(out.force), half_of(out.upper), half_of(out.lower)});
+    out.words = text_of("hysteresis of %s N independent of frequency (elastic sliders), half of it within %.2g mm",
+                        figures(all).c_str(), 1e3 * out.numbers.back().value);
     if (!(law_.gap > 0.0)) return;
     out.numbers.push_back(number("lost_motion", law_.values.size()));
     out.words += text_of(", after each reversal %.2g mm of lost motion", 1e3 * law_.gap);
@@ -238,6 +251,19 @@ std::vector<double> force_error(const PreparedRecording& recording, const Respon
   return error;
 }
 
+/// Force over motion, sample after sample, for as long a path as some turns through the whole range take.
+void add_loop(const std::vector<double>& x, const std::vector<double>& force, Window window, DescribedLaw& out) {
+  const double longest = thresholds::loop_turns * 2.0 * (out.highest - out.lowest);
+  double path = 0.0;
+  std::size_t end = window.from + 1;
+  for (; end < window.to && path < longest; ++end) path += std::abs(x[end] - x[end - 1]);
+  const std::size_t step = (end - window.from) / thresholds::points_shown + 1;
+  for (std::size_t k = window.from; k < end; k += step) {
+    out.loop_at.push_back(x[k]);
+    out.loop_force.push_back(force[k]);
+  }
+}
+
 /// Points behind the curve, of a window that is held out, else fitted: the law's force at the simulated motion plus
 /// what the residual says.
 void add_points(const IdentificationProblem& problem, const Hypothesis& hypothesis, DescribedLaw& out) {
@@ -256,11 +282,43 @@ void add_points(const IdentificationProblem& problem, const Hypothesis& hypothes
       out.seen_at.push_back(x[k]);
       out.seen_force.push_back(force[k] + error[k]);
     }
+    if (has_memory(out.law.family)) add_loop(x, force, {window.from, std::min(window.to, x.size())}, out);
     return;
   }
 }
 
 }  // namespace
+
+std::vector<DescribedLaw> described_curves(const IdentificationProblem& problem,
+                                           const firmware::RigDescription& description, const Hypothesis& hypothesis) {
+  std::vector<DescribedLaw> list;
+  for (const firmware::LawDescription& own : description.laws) {
+    if (own.curve == firmware::LawDescription::none) continue;
+    const auto& table = description.rig.laws.curves[own.curve];
+    if (table.place != model::LawPlace::suspension && table.place != model::LawPlace::tyre) continue;
+    DescribedLaw out;
+    out.words = own.name;
+    out.law.place = table.place == model::LawPlace::tyre ? CurvePlace::tyre : CurvePlace::suspension;
+    out.law.over = table.over == model::LawOver::velocity ? CurveOver::velocity : CurveOver::deflection;
+    out.law.at.assign(table.at.begin(), table.at.begin() + table.count);
+    out.law.values.assign(table.value.begin(), table.value.begin() + table.count);
+    const auto range = excited_range(problem, hypothesis, out.law.place, out.law.over);
+    if (!range) continue;
+    out.lowest = range->lowest;
+    out.highest = range->highest;
+    const model::Curve<double> curve(table.at, table.value, table.count);
+    constexpr int shown = 200;
+    const double first = std::min(table.at.front(), range->lowest);
+    const double last = std::max(table.at[table.count - 1U], range->highest);
+    for (int i = 0; i <= shown; ++i) {
+      out.at.push_back(first + (last - first) * i / shown);
+      out.force.push_back(curve(out.at.back()));
+    }
+    add_points(problem, hypothesis, out);
+    list.push_back(std::move(out));
+  }
+  return list;
+}
 
 std::vector<DescribedLaw> describe_laws(const IdentificationProblem& problem, const Fit& fit,
                                         const Eigen::VectorXd& half_widths) {

@@ -33,4 +33,10 @@ namespace host_sim::identification {
 [[nodiscard]] std::vector<DescribedLaw> describe_laws(const IdentificationProblem& problem, const Fit& fit,
                                                       const Eigen::VectorXd& half_widths);
 
+/// The curves of a rig description at suspension and tyre, beside what the recordings show there: the curve's force at
+/// the motion of a hypothesis, plus the force that its residual stands for. `words` is the law's name.
+[[nodiscard]] std::vector<DescribedLaw> described_curves(const IdentificationProblem& problem,
+                                                         const firmware::RigDescription& description,
+                                                         const Hypothesis& hypothesis);
+
 }  // namespace host_sim::identification

@@ -36,6 +36,8 @@ struct DescribedLaw {
   double confidence = 0.0;
   /// Force at the place minus the model's own, thinned, and the force the rig as described has there.
   std::vector<double> seen_at{}, seen_force{};
+  /// With memory: the law along that motion, sample after sample.
+  std::vector<double> loop_at{}, loop_force{};
 };
 
 }  // namespace host_sim::identification

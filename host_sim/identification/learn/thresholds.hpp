@@ -87,5 +87,7 @@ inline constexpr double most_odds = 300.0;
 inline constexpr double widest_stretch = 30.0;
 /// Measured points behind a curve in the report.
 inline constexpr std::size_t points_shown = 600;
+/// Turns through the whole range whose path a loop in the report is as long as: more lie on one another.
+inline constexpr double loop_turns = 4.0;
 
 }  // namespace host_sim::identification::thresholds

@@ -384,6 +384,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
   add_recording_faults(page, diagnosis);
   add_effects(page, diagnosis);
   add_laws(page, diagnosis.laws);
+  add_described_curves(page, diagnosis.described_curves);
   add_where(page, diagnosis);
   if (!diagnosis.parameters.empty()) {
     page.add_section("Tolerated parameters, refitted");

@@ -13,8 +13,22 @@ using report::Figure;
 using report::figure_text;
 using report::Panel;
 
+report::Axis motion_axis(const DescribedLaw& law) {
+  return {std::string(name(law.law.over)), law.law.over == CurveOver::velocity ? "m/s" : "m"};
+}
+
+Curve points_of(const DescribedLaw& law) {
+  Curve seen{"measured", law.seen_at, law.seen_force, 6, Dash::none};
+  seen.marker = report::Marker::circle;
+  return seen;
+}
+
+void add_excited(const DescribedLaw& law, Panel& panel) {
+  panel.guides.push_back({report::Guide::Along::x, law.lowest, "excited"});
+  panel.guides.push_back({report::Guide::Along::x, law.highest, ""});
+}
+
 Figure figure_of(const DescribedLaw& law) {
-  const bool over_velocity = law.law.over == CurveOver::velocity;
   Figure figure;
   figure.title = "Learned law at the " + std::string(name(law.law.place));
   figure.note =
@@ -22,20 +36,38 @@ Figure figure_of(const DescribedLaw& law) {
       "plus "
       "the force that the residual stands for, of data that were not fitted where there are any. Between the two lines "
       "the recordings excited it; beyond them it is continued straight.";
-  figure.x = {std::string(name(law.law.over)), over_velocity ? "m/s" : "m"};
+  figure.x = motion_axis(law);
   Panel panel;
   panel.y = {"force", "N"};
-  Curve seen{"measured", law.seen_at, law.seen_force, 6, Dash::none};
-  seen.marker = report::Marker::circle;
-  if (!seen.x.empty()) panel.curves.push_back(seen);
-  panel.curves.push_back({"law", law.at, law.force, 0, Dash::solid});
+  if (!law.seen_at.empty()) panel.curves.push_back(points_of(law));
+  const bool loops = !law.loop_at.empty();
+  if (loops) panel.curves.push_back({"law along the motion", law.loop_at, law.loop_force, 0, Dash::solid});
+  panel.curves.push_back(
+      {loops ? "from rest" : "law", law.at, law.force, loops ? 2 : 0, loops ? Dash::dashed : Dash::solid});
   Curve lower{"95 % band", law.at, law.lower, 0, Dash::dotted}, upper{"95 % band", law.at, law.upper, 0, Dash::dotted};
   upper.in_legend = false;
   panel.curves.push_back(lower);
   panel.curves.push_back(upper);
   panel.curves.push_back({"rig as described", {law.at.front(), law.at.back()}, {0.0, 0.0}, 1, Dash::dashed});
-  panel.guides.push_back({report::Guide::Along::x, law.lowest, "excited"});
-  panel.guides.push_back({report::Guide::Along::x, law.highest, ""});
+  add_excited(law, panel);
+  figure.panels.push_back(std::move(panel));
+  return figure;
+}
+
+Figure figure_of_description(const DescribedLaw& law) {
+  Figure figure;
+  figure.title = "[laws." + law.words + "] at the " + std::string(name(law.law.place));
+  figure.note =
+      "The curve of the rig description, and what the rig did: the curve's force at the simulated motion plus the "
+      "force "
+      "that the residual stands for, with only tolerances refitted. Points beside the curve are a disagreement, "
+      "whichever part of the rig causes it.";
+  figure.x = motion_axis(law);
+  Panel panel;
+  panel.y = {"force", "N"};
+  if (!law.seen_at.empty()) panel.curves.push_back(points_of(law));
+  panel.curves.push_back({"as described", law.at, law.force, 1, Dash::solid});
+  add_excited(law, panel);
   figure.panels.push_back(std::move(panel));
   return figure;
 }
@@ -47,14 +79,23 @@ std::string words(const DescribedLaw& law) {
          std::string(name(law.law.over)) + ")";
 }
 
+void add_described_curves(report::Report& page, const std::vector<DescribedLaw>& curves) {
+  if (curves.empty()) return;
+  page.add_section("Laws of the rig description");
+  for (const DescribedLaw& curve : curves) page.add_figure(figure_of_description(curve));
+}
+
 void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws) {
   if (laws.empty()) return;
   page.add_section("Laws that the catalogue does not hold");
   report::Table table{"", {"law", "number", "value", "95 % from", "to", "confidence"}, {}, 2};
   for (const DescribedLaw& law : laws) {
+    bool first = true;
     for (const LawNumber& number : law.numbers) {
-      table.rows.push_back({words(law), number.name, figure_text(number.value, 4), figure_text(number.lower, 4),
-                            figure_text(number.upper, 4), figure_text(law.confidence, 3)});
+      table.rows.push_back({first ? words(law) : "", number.name, figure_text(number.value, 4),
+                            figure_text(number.lower, 4), figure_text(number.upper, 4),
+                            first ? figure_text(law.confidence, 3) : ""});
+      first = false;
     }
     if (law.numbers.empty()) table.rows.push_back({words(law), "–", "", "", "", figure_text(law.confidence, 3)});
   }

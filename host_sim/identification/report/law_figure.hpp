@@ -12,4 +12,7 @@ namespace host_sim::identification {
 /// Section, table of numbers and a figure for each law; nothing where there is none.
 void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws);
 
+/// The same for the curves of the rig description: what somebody measured beside what the rig did.
+void add_described_curves(report::Report& page, const std::vector<DescribedLaw>& curves);
+
 }  // namespace host_sim::identification

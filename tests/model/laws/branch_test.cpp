@@ -54,4 +54,25 @@ TEST(Branch, SliderTakesTheWorkOfItsLoop) {
   }
 }
 
+// Point. With lost motion g the same loop is shorter by g on each side of it: 4 s (A − s/k − g/2) a cycle, exactly
+// where steps end on the corners; after a reversal the force stays 0 over the whole of g.
+TEST(Branch, LostMotionShortensTheLoop) {
+  const double k = 20e3, s = 60.0, gap = 4e-3, amplitude = 0.012, step = 0.5e-3;  // s/k, g and A are whole steps
+  const Branch<double> branch({.stiffness = k, .slip_force = s, .gap = gap}, 1e-3);
+  double w = 0.0, work = 0.0, lost = 0.0;
+  for (int half = 0; half < 8; ++half) {
+    const double travel = half % 2 == 0 ? step : -step;
+    for (int i = 0; i < std::lround((half == 0 ? 1.0 : 2.0) * amplitude / step); ++i) {
+      const double before = branch.force(w);
+      w = branch.after(w, travel);
+      const double after = branch.force(w);
+      EXPECT_LE(std::abs(after), s + 1e-12);
+      if (half >= 2) work += 0.5 * (before + after) * travel;
+      if (half == 3 && before == 0.0 && after == 0.0) lost += step;
+    }
+  }
+  EXPECT_NEAR(work / 3.0, 4.0 * s * (amplitude - s / k - 0.5 * gap), 1e-9);
+  EXPECT_NEAR(lost, gap, 1.01 * step);
+}
+
 }  // namespace

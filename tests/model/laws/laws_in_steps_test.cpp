@@ -304,6 +304,12 @@ TEST(LawsInSteps, WhatIsNoLawIsAFault) {
   EXPECT_EQ(key([](Parameters& r) { r.laws.curves[0].place = LawPlace::body_guide; }, RigKind::hil), "place");
   EXPECT_EQ(key([](Parameters& r) { r.laws.branches[r.laws.branch_count++] = {.stiffness = 1.0}; }), "time_constant");
   EXPECT_EQ(key([](Parameters& r) { r.laws.branches[r.laws.branch_count++] = {.slip_force = 1.0}; }), "stiffness");
+  const auto branch = [&](const model::BranchNumbers<double>& numbers) {
+    return key([&](Parameters& r) { r.laws.branches[r.laws.branch_count++] = numbers; });
+  };
+  EXPECT_EQ(branch({.stiffness = 1.0, .slip_force = 1.0, .gap = -1.0}), "gap");
+  EXPECT_EQ(branch({.stiffness = 1.0, .time_constant = 1.0, .gap = 1.0}), "gap");
+  EXPECT_EQ(branch({.stiffness = 1.0, .slip_force = 1.0, .gap = 1.0}), "none");
 }
 
 }  // namespace

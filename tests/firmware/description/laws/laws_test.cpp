@@ -79,6 +79,15 @@ TEST(Laws, AreWrittenAsTheyWereRead) {
       << text;
 }
 
+// Law. Lost motion of a slider is read and written; a branch with a time constant has none.
+TEST(Laws, ASliderMayHaveLostMotion) {
+  const std::string band =
+      "[laws.band]\nplace = \"suspension\"\nbranches = [{ stiffness = 1000.0, slip_force = 5.0, gap = 0.004 }]\n";
+  const RigDescription rig = with(band);
+  EXPECT_EQ(rig.rig.laws.branches[0].gap, 0.004);
+  EXPECT_NE(format_rig(rig).find("slip_force = 5.0, gap = 0.004 }"), std::string::npos) << format_rig(rig);
+}
+
 // Law. A law that nobody named is written, too.
 TEST(Laws, OneWithoutANameIsWritten) {
   RigDescription rig = with("");
@@ -138,6 +147,10 @@ TEST(Laws, ErrorsNameLineAndKey) {
        "rig.toml:15: a branch of d with neither time_constant and slip_force"},
       {"[laws.d]\nplace = \"tyre\"\nbranches = [{ stiffness = -1.0, slip_force = 2.0 }]\n",
        "rig.toml:15: laws.d.branches.stiffness"},
+      {"[laws.d]\nplace = \"tyre\"\nbranches = [{ stiffness = 1.0, slip_force = 2.0, gap = -1.0 }]\n",
+       "rig.toml:15: laws.d.branches.gap"},
+      {"[laws.d]\nplace = \"tyre\"\nbranches = [{ stiffness = 1.0, time_constant = 2.0, gap = 1.0 }]\n",
+       "rig.toml:15: a gap of a branch of d with a time_constant"},
   };
   for (const Wrong& wrong : places) {
     EXPECT_NE(error_of(wrong.law).find(wrong.message), std::string::npos) << error_of(wrong.law) << "\n  instead of\n"

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
 #include "tests/host_sim/identification/sample_problem.hpp"
 
 namespace {
@@ -37,6 +39,26 @@ TEST(CurveFit, StandsOnOneSideOfZero) {
   const auto curve = fit_curve(problem, space, start, {}, 2);
   ASSERT_TRUE(curve);
   EXPECT_GT(curve->gain, 0.0);
+}
+
+// Truth by construction. A described curve of which the rig has twice the force: the points beside it, of which the
+// page draws a figure, lie at twice the curve within the noise of F.
+TEST(CurveFit, ADescribedCurveStandsBesideWhatTheRigDid) {
+  const std::string head =
+      "kind = 'component_bench'\nsample_rate = 1000.0\n[suspension]\nstiffness = 30000.0\ndamping = 1000.0\n"
+      "[noise]\nF = 10.0\nx_act = 2e-5\n[laws.bush]\nplace = 'suspension'\nover = 'deflection'\n"
+      "at = [-0.01, 0.0, 0.01]\n";
+  const firmware::RigDescription described = firmware::parse_rig(head + "value = [-900.0, 0.0, 900.0]\n", "rig.toml");
+  const firmware::RigDescription truth = firmware::parse_rig(head + "value = [-1800.0, 0.0, 1800.0]\n", "rig.toml");
+  const Diagnosis found = diagnose(described, {{sample::recorded(truth, 8.0), Use::shared}});
+  ASSERT_EQ(found.described_curves.size(), 1U);
+  const DescribedLaw& bush = found.described_curves.front();
+  EXPECT_EQ(bush.words, "bush");
+  ASSERT_GT(bush.seen_at.size(), 100U);
+  for (std::size_t k = 0; k < bush.seen_at.size(); ++k) {
+    EXPECT_NEAR(bush.seen_force[k], 2.0 * 90e3 * bush.seen_at[k], 6.0 * sample::force_noise + 30.0) << k;
+  }
+  EXPECT_NE(report_html(found, described).find("[laws.bush] at the suspension"), std::string::npos);
 }
 
 }  // namespace

@@ -72,4 +72,39 @@ TEST(StackFit, DiagnosisSaysHysteresis) {
   EXPECT_EQ(json["laws"][0]["branches"].size(), found.rig.rig.laws.branch_count);
 }
 
+// Journey. Lost motion of 3 mm in series with both sliders is found and said, with an interval, and stands in the rig.
+TEST(StackFit, DiagnosisSaysLostMotion) {
+  constexpr double gap = 3e-3;
+  firmware::RigDescription hidden = with_sliders();
+  for (auto& branch : hidden.rig.laws.branches) branch.gap = branch.slip_force > 0.0 ? gap : 0.0;
+  const Diagnosis found = diagnose(sample::bench(), {{sample::recorded(hidden, 16.0), Use::shared}});
+  ASSERT_EQ(found.laws.size(), 1U);
+  const DescribedLaw& law = found.laws.front();
+  EXPECT_EQ(law.shape, "hysteresis");
+  EXPECT_NE(law.words.find("lost motion"), std::string::npos) << law.words;
+  ASSERT_EQ(law.numbers.back().name, "lost_motion");
+  EXPECT_NEAR(law.numbers.back().value, gap, 0.1 * gap);
+  EXPECT_LT(law.numbers.back().lower, law.numbers.back().value);
+  EXPECT_NEAR(found.rig.rig.laws.branches[0].gap, gap, 0.1 * gap);
+  EXPECT_EQ(to_json(found)["laws"][0]["branches"][0]["gap"], law.law.gap);
+}
+
+// Journey. A damper ∝ |v|^2.5 beside the sliders: both are learned, the second beside the first.
+TEST(StackFit, DiagnosisLearnsACurveBesideBranches) {
+  firmware::RigDescription hidden = with_sliders();
+  PlacedLaw power;
+  power.family = LawFamily::power;
+  power.rms = 0.06;
+  power.largest = 0.3;
+  power.values = {60.0, 2.5};
+  put_laws({power}, hidden.rig);
+  const Diagnosis found = diagnose(sample::bench(), {{sample::recorded(hidden, 16.0), Use::shared}});
+  ASSERT_EQ(found.laws.size(), 2U) << found.effects.size();
+  const bool first = has_memory(found.laws[0].law.family);
+  EXPECT_NE(first, has_memory(found.laws[1].law.family));
+  const DescribedLaw& curve = found.laws[first ? 1 : 0];
+  EXPECT_EQ(curve.law.over, CurveOver::velocity);
+  EXPECT_NEAR(curve.law.force(0.15), power.force(0.15), 0.1 * power.force(0.15)) << curve.words;
+}
+
 }  // namespace

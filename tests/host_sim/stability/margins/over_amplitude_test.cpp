@@ -74,6 +74,14 @@ TEST(OverAmplitude, HasTheClosedFormsOfBranches) {
   EXPECT_NEAR(sticks.stiffness / k, 1.0, 1e-9);
   EXPECT_NEAR(sticks.damping * omega / k, 0.0, 1e-9);
 
+  // What a cycle takes, 4 s (A − s/k − g/2), is π ω c A²; inside its play it is nothing.
+  const double gap = 0.4 * amplitude;
+  rig.laws.branches[0] = {.stiffness = k, .slip_force = s, .gap = gap};
+  const auto plays = equivalent_rig(rig, amplitude, omega).suspension;
+  const double work = 4.0 * s * (amplitude - s / k - 0.5 * gap);
+  EXPECT_NEAR(plays.damping * omega * pi * amplitude * amplitude / work, 1.0, 1e-4);
+  EXPECT_EQ(equivalent_rig(rig, 0.4 * gap, omega).suspension.stiffness, 0.0);
+
   rig.laws.branches[0] = {.stiffness = k, .time_constant = 0.02};
   const std::complex<double> turns(0.0, omega * 0.02), exact = k * turns / (1.0 + turns);
   const auto relaxes = equivalent_rig(rig, amplitude, omega).suspension;

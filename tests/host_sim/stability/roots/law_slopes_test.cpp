@@ -20,7 +20,8 @@ void add_curve(Rig& rig, LawPlace place, LawOver over, double slope, model::Chan
   curve.value = {-0.3 * slope, -0.1 * slope, 0.0, 0.1 * slope, 0.5 * slope};
 }
 
-// Law. Curves over velocity and deflection, a slider and a sensor's curve give the loop of the parameters.
+// Law. Curves over velocity and deflection, a slider and a sensor's curve give the loop of the parameters; a slider
+// with lost motion is inside of it, at rest, and gives none.
 TEST(LawSlopes, AreTheParametersAtRest) {
   Rig laws = stability_tests::linear_rig(), parameters = laws;
   add_curve(laws, LawPlace::suspension, LawOver::velocity, 700.0);
@@ -29,7 +30,8 @@ TEST(LawSlopes, AreTheParametersAtRest) {
   add_curve(laws, LawPlace::sensor, {}, 1.1, model::Channel::F);
   laws.laws.branches[0] = {.stiffness = 2e3, .slip_force = 30.0};
   laws.laws.branches[1] = {.stiffness = 4e3, .time_constant = 0.02};
-  laws.laws.branch_count = 2;
+  laws.laws.branches[2] = {.stiffness = 3e3, .slip_force = 30.0, .gap = 1e-3};
+  laws.laws.branch_count = 3;
   parameters.suspension.damping += 700.0;
   parameters.suspension.stiffness += 7e3;
   parameters.tyre.damping += 50.0;
