@@ -13,6 +13,7 @@
 #include "host_sim/identification/learn/stack_fit.hpp"
 #include "host_sim/identification/learn/thresholds.hpp"
 #include "host_sim/identification/select/held_out.hpp"
+#include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 
 namespace host_sim::identification {
@@ -96,6 +97,30 @@ std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
   return different;
 }
 
+/// The effect of the catalogue that a law is, as far as its family and its place tell: a power of three over the
+/// deflection is a progressive spring. nullopt: none.
+std::optional<firmware::PlacedEffect> effect_like(const PlacedLaw& law) {
+  const bool two = law.family == LawFamily::two_powers;
+  if (!two && law.family != LawFamily::power) return std::nullopt;
+  const double force = two ? 0.5 * (law.values[0] + law.values[1]) : law.values[0], exponent = law.values.back();
+  struct Power {
+    CurvePlace place;
+    CurveOver over;
+    double exponent;
+    std::string_view effect;
+  };
+  constexpr std::array<Power, 3> powers{{{CurvePlace::suspension, CurveOver::deflection, 3.0, "progressive_spring"},
+                                         {CurvePlace::tyre, CurveOver::deflection, 3.0, "progressive_tyre"},
+                                         {CurvePlace::suspension, CurveOver::velocity, 2.0, "quadratic_damping"}}};
+  for (const Power& power : powers) {
+    if (power.place != law.place || power.over != law.over) continue;
+    if (std::abs(exponent - power.exponent) > thresholds::exponent_of_effect) continue;
+    return firmware::PlacedEffect{
+        firmware::find_effect(power.effect), std::nullopt, {force / std::pow(law.rms, power.exponent)}};
+  }
+  return std::nullopt;
+}
+
 /// The force at x of effects that act at a place without memory: what a curve begins with that takes their place.
 class ForceOfEffects {
  public:
@@ -170,6 +195,7 @@ class LawSearch {
   void eliminate(Candidate& law) const;
   [[nodiscard]] bool draws_friction(const Candidate& law) const;
   [[nodiscard]] bool is_kept(const Candidate& law, Learned& learned) const;
+  [[nodiscard]] bool is_effect(const Candidate& law);
   void adopt(Candidate law);
   void tell(double share, const char* what) const {
     if (progress_) progress_(share, what, found_.simulations, found_.candidates);
@@ -435,6 +461,37 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
   return explains_nearly_all(now, {chi_squared_without_, now.residuals, before}) || is_whole(problem_, with);
 }
 
+/// The effect that a law is takes its place where it explains as much; the search found no way to it from its own
+/// starts. true: `found` holds it.
+bool LawSearch::is_effect(const Candidate& law) {
+  const auto effect = effect_like(law.model.fit.hypothesis.laws.back());
+  if (!effect) return false;
+  EffectsBeside effects = law.model.effects;
+  effects.push_back(*effect);
+  Hypothesis start = with_effects(space_, law.model.fit.hypothesis, effects);
+  start.laws.pop_back();
+  start.rig.laws = found_.best.fit.hypothesis.rig.laws;
+  CandidateModel model = fitted_with_laws(problem_, space_, start, effects, thresholds::effect_steps);
+  if (!std::isfinite(model.fit.chi_squared) || !stays_finite(problem_, model.fit.hypothesis)) return false;
+  // cost_of counts a law that is not there any more.
+  const double cost = cost_of(model, 0.0) - criterion_.effect;
+  if (!(cost < law.cost + thresholds::law_margin * temper_of(law.model.fit))) return false;
+  found_.best = std::move(model);
+  found_.alone.clear();
+  found_.rivals.clear();
+  found_.gains.clear();
+  found_.freed.clear();
+  found_.suspects.clear();
+  if (found_.best.fit.hypothesis.laws.empty()) {
+    compare(problem_, space_, {{}, true, progress_}, found_);
+  } else {
+    found_.rivals.resize(found_.best.effects.size());
+    found_.gains.assign(found_.best.effects.size(), best_cost_ - cost);
+  }
+  found_.constancy = law_constancy(problem_, found_);
+  return true;
+}
+
 /// The law takes the place of the effects that it makes needless.
 void LawSearch::adopt(Candidate law) {
   std::vector<std::vector<Rival>> rivals;
@@ -478,6 +535,7 @@ Learned LawSearch::learn() {
   if (list.empty()) return learned;
   eliminate(list.front());
   if (!is_kept(list.front(), learned)) return learned;
+  if (is_effect(list.front())) return {};
   learned.found = true;
   for (std::size_t i = 1; i < list.size(); ++i) {
     learned.odds_against.push_back(

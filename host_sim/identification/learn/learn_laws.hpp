@@ -15,8 +15,8 @@ namespace host_sim::identification {
 ///   3  the law is kept where it explains more than the effects did (SelectionCriterion, and the held-out windows) and
 ///      nothing but noise is left beside it
 ///
-/// A law that is kept stands in found.best, in the place of the effects that it makes needless. Where it leaves a rest a
-/// second one is learned beside it: a curve beside branches with memory, or over the other variable.
+/// A law that is kept stands in found.best, in the place of the effects that it makes needless. Where it leaves a rest
+/// a second one is learned beside it: a curve beside branches with memory, or over the other variable.
 [[nodiscard]] Learned learn_laws(IdentificationProblem& problem, const SearchSpace& space,
                                  const ProgressCallback& progress, SearchResult& found);
 

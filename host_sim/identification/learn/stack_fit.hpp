@@ -14,8 +14,8 @@ namespace host_sim::identification {
 ///   (1)  d_i = X/2^i                          elastic sliders, i = 1, 2 …
 ///   (2)  T_i = thresholds::shortest_time · 3^i    Maxwell branches, i = 0, 1 …
 ///
-/// as many as the rig has room for behind `slot`. A slider of d ≥ X never slides: it is a spring. With lost motion `gap`
-/// [m] of the sliders, X is half of the range that is left.
+/// as many as the rig has room for behind `slot`. A slider of d ≥ X never slides: it is a spring. With lost motion
+/// `gap` [m] of the sliders, X is half of the range that is left.
 [[nodiscard]] PlacedLaw empty_stack(LawFamily family, const ExcitedRange& deflection, std::size_t slot,
                                     double gap = 0.0);
 

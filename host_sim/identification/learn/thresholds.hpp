@@ -83,6 +83,11 @@ inline constexpr double most_odds = 300.0;
 
 // What is shown -------------------------------------------------------------------------------------------------------
 
+/// [1] Exponents this far from that of an effect are its own, if the effect explains as much: that decides.
+inline constexpr double exponent_of_effect = 0.3;
+/// Steps of that effect's fit, which begins where the law ended.
+inline constexpr int effect_steps = 8;
+
 /// [1] Widest band of a curve, relative to that of noise alone: more is not known at all.
 inline constexpr double widest_stretch = 30.0;
 /// Measured points behind a curve in the report.
