@@ -18,9 +18,9 @@ namespace model {
 ///
 /// A step of (1) is exact for a deflection that goes straight through it: u₁ = E u₀ + k (T/h)(1 − E) Δx, E = e^{−h/T}.
 /// (2) and (3) are closed forms of the slider's law (return mapping): exact for every Δx in one direction. All are
-/// bounded for every stiffness: |∂u₁/∂x₁| ≤ k, and what they store is never negative. What a branch remembers is w; with
-/// g = 0, and of (1), it is the force. Several sliders beside each other make an
-/// Iwan (Prandtl–Ishlinskii) stack. Source: Simo and Hughes, Computational Inelasticity, 1998, 1.4.
+/// bounded for every stiffness: |∂u₁/∂x₁| ≤ k, and what they store is never negative. What a branch remembers is w;
+/// with g = 0, and of (1), it is the force. Several sliders beside each other make an Iwan (Prandtl–Ishlinskii) stack.
+/// Source: Simo and Hughes, Computational Inelasticity, 1998, 1.4.
 template <class S>
 class Branch {
  public:

@@ -63,8 +63,7 @@ std::vector<std::pair<std::string, std::string>> law_lines(const LawDescription&
     branches += std::string(branches.empty() ? "" : ", ") + "{ stiffness = " + toml_real(branch.stiffness) +
                 (branch.time_constant > 0.0 ? ", time_constant = " + toml_real(branch.time_constant)
                                             : ", slip_force = " + toml_real(branch.slip_force)) +
-                (branch.gap > 0.0 ? ", gap = " + toml_real(branch.gap) : "") +
-                " }";
+                (branch.gap > 0.0 ? ", gap = " + toml_real(branch.gap) : "") + " }";
   }
   if (!branches.empty()) lines.emplace_back("branches", "[" + branches + "]");
   if (law.feeds_energy) lines.emplace_back("feeds_energy", "true");

@@ -241,7 +241,8 @@ class LawReader {
             expected);
       (time ? numbers.time_constant : numbers.slip_force) = branch.positive(time ? "time_constant" : "slip_force");
       if (branch.has("gap")) {
-        if (time) table_.fail(entry, "a gap of a branch of " + law_.name + " with a time_constant", "a gap of a slider");
+        if (time)
+          table_.fail(entry, "a gap of a branch of " + law_.name + " with a time_constant", "a gap of a slider");
         numbers.gap = branch.not_negative("gap");
       }
       branch.finish();

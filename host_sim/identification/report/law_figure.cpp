@@ -13,63 +13,49 @@ using report::Figure;
 using report::figure_text;
 using report::Panel;
 
-report::Axis motion_axis(const DescribedLaw& law) {
-  return {std::string(name(law.law.over)), law.law.over == CurveOver::velocity ? "m/s" : "m"};
-}
-
-Curve points_of(const DescribedLaw& law) {
-  Curve seen{"measured", law.seen_at, law.seen_force, 6, Dash::none};
-  seen.marker = report::Marker::circle;
-  return seen;
-}
-
-void add_excited(const DescribedLaw& law, Panel& panel) {
+/// Force over the motion: what the rig did as points, curves, and where the recordings excited it.
+Figure figure_of(const DescribedLaw& law, std::string title, std::string note, std::vector<Curve> curves) {
+  Figure figure;
+  figure.title = std::move(title) + " at the " + std::string(name(law.law.place));
+  figure.note = std::move(note);
+  figure.x = {std::string(name(law.law.over)), law.law.over == CurveOver::velocity ? "m/s" : "m"};
+  Panel panel;
+  panel.y = {"force", "N"};
+  if (!law.seen_at.empty()) {
+    panel.curves.push_back({"measured", law.seen_at, law.seen_force, 6, Dash::none});
+    panel.curves.back().marker = report::Marker::circle;
+  }
+  panel.curves.insert(panel.curves.end(), curves.begin(), curves.end());
   panel.guides.push_back({report::Guide::Along::x, law.lowest, "excited"});
   panel.guides.push_back({report::Guide::Along::x, law.highest, ""});
+  figure.panels.push_back(std::move(panel));
+  return figure;
 }
 
-Figure figure_of(const DescribedLaw& law) {
-  Figure figure;
-  figure.title = "Learned law at the " + std::string(name(law.law.place));
-  figure.note =
-      "Force that the law adds to the rig as described, with its 95 % band. Points: the law at the simulated motion "
-      "plus "
-      "the force that the residual stands for, of data that were not fitted where there are any. Between the two lines "
-      "the recordings excited it; beyond them it is continued straight.";
-  figure.x = motion_axis(law);
-  Panel panel;
-  panel.y = {"force", "N"};
-  if (!law.seen_at.empty()) panel.curves.push_back(points_of(law));
+Figure figure_of_learned(const DescribedLaw& law) {
   const bool loops = !law.loop_at.empty();
-  if (loops) panel.curves.push_back({"law along the motion", law.loop_at, law.loop_force, 0, Dash::solid});
-  panel.curves.push_back(
-      {loops ? "from rest" : "law", law.at, law.force, loops ? 2 : 0, loops ? Dash::dashed : Dash::solid});
-  Curve lower{"95 % band", law.at, law.lower, 0, Dash::dotted}, upper{"95 % band", law.at, law.upper, 0, Dash::dotted};
-  upper.in_legend = false;
-  panel.curves.push_back(lower);
-  panel.curves.push_back(upper);
-  panel.curves.push_back({"rig as described", {law.at.front(), law.at.back()}, {0.0, 0.0}, 1, Dash::dashed});
-  add_excited(law, panel);
-  figure.panels.push_back(std::move(panel));
-  return figure;
+  std::vector<Curve> curves;
+  if (loops) curves.push_back({"law along the motion", law.loop_at, law.loop_force, 0, Dash::solid});
+  curves.push_back({loops ? "from rest" : "law", law.at, law.force, loops ? 2 : 0, loops ? Dash::dashed : Dash::solid});
+  curves.push_back({"95 % band", law.at, law.lower, 0, Dash::dotted});
+  curves.push_back({"95 % band", law.at, law.upper, 0, Dash::dotted});
+  curves.back().in_legend = false;
+  curves.push_back({"rig as described", {law.at.front(), law.at.back()}, {0.0, 0.0}, 1, Dash::dashed});
+  return figure_of(law, "Learned law",
+                   "Force that the law adds to the rig as described, with its 95 % band. Points: the law at the "
+                   "simulated motion plus the force that the residual stands for, of data that were not fitted where "
+                   "there are any. Between the two lines the recordings excited it; beyond them it is continued "
+                   "straight.",
+                   std::move(curves));
 }
 
-Figure figure_of_description(const DescribedLaw& law) {
-  Figure figure;
-  figure.title = "[laws." + law.words + "] at the " + std::string(name(law.law.place));
-  figure.note =
-      "The curve of the rig description, and what the rig did: the curve's force at the simulated motion plus the "
-      "force "
-      "that the residual stands for, with only tolerances refitted. Points beside the curve are a disagreement, "
-      "whichever part of the rig causes it.";
-  figure.x = motion_axis(law);
-  Panel panel;
-  panel.y = {"force", "N"};
-  if (!law.seen_at.empty()) panel.curves.push_back(points_of(law));
-  panel.curves.push_back({"as described", law.at, law.force, 1, Dash::solid});
-  add_excited(law, panel);
-  figure.panels.push_back(std::move(panel));
-  return figure;
+Figure figure_of_described(const DescribedLaw& law) {
+  return figure_of(
+      law, "[laws." + law.words + "]",
+      "The curve of the rig description, and what the rig did: the curve's force at the simulated motion "
+      "plus the force that the residual stands for, with only tolerances refitted. Points beside the curve "
+      "are a disagreement, whichever part of the rig causes it.",
+      {{"as described", law.at, law.force, 1, Dash::solid}});
 }
 
 }  // namespace
@@ -82,7 +68,7 @@ std::string words(const DescribedLaw& law) {
 void add_described_curves(report::Report& page, const std::vector<DescribedLaw>& curves) {
   if (curves.empty()) return;
   page.add_section("Laws of the rig description");
-  for (const DescribedLaw& curve : curves) page.add_figure(figure_of_description(curve));
+  for (const DescribedLaw& curve : curves) page.add_figure(figure_of_described(curve));
 }
 
 void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws) {
@@ -100,7 +86,7 @@ void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws) {
     if (law.numbers.empty()) table.rows.push_back({words(law), "–", "", "", "", figure_text(law.confidence, 3)});
   }
   page.add_table(table);
-  for (const DescribedLaw& law : laws) page.add_figure(figure_of(law));
+  for (const DescribedLaw& law : laws) page.add_figure(figure_of_learned(law));
 }
 
 }  // namespace host_sim::identification
