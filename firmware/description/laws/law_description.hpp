@@ -22,6 +22,12 @@ struct LawDescription {
   std::string file;           ///< as in the description; empty: its numbers stand there
 };
 
+/// [m/s], [m], [N] Beyond these a table is in another unit: dampers of cars and trains are measured to 6 m/s,
+/// suspensions travel 0.4 m. A table in mm/s or mm is beyond, as it would be with half or twice the limit.
+namespace law_limits {
+inline constexpr double fastest = 20.0, farthest = 1.0, strongest = 1e7;
+}  // namespace law_limits
+
 /// The lines of one law's table, key and value as TOML.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> law_lines(const LawDescription& law,
                                                                          const model::RigParameters<double>& rig);

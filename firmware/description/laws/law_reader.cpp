@@ -16,10 +16,6 @@ using model::LawOver;
 using model::LawPlace;
 using Rig = model::RigParameters<double>;
 
-/// [m/s], [m], [N] Beyond these a table is in another unit: dampers of cars and trains are measured to 6 m/s,
-/// suspensions travel 0.4 m. A table in mm/s or mm is beyond, as it would be with half or twice the limit.
-constexpr double fastest = 20.0, farthest = 1.0, strongest = 1e7;
-
 constexpr std::string_view places = "suspension, tyre, piston, body_guide, wheel_guide or \"sensor CHANNEL\"";
 
 /// Reads one [laws.NAME].
@@ -131,7 +127,7 @@ class LawReader {
 
   [[nodiscard]] double largest_at() const {
     if (place_ == LawPlace::sensor) return std::numeric_limits<double>::max();
-    return over_ == LawOver::velocity ? fastest : farthest;
+    return over_ == LawOver::velocity ? law_limits::fastest : law_limits::farthest;
   }
   [[nodiscard]] std::string_view unit_at() const {
     if (place_ == LawPlace::sensor) return model::unit(channel_);
@@ -161,7 +157,7 @@ class LawReader {
     }
     const std::string_view at_key = law_.file.empty() ? "value" : "file";
     if (place_ != LawPlace::sensor) {
-      demand_unit(at_key, points.value, strongest, "N");
+      demand_unit(at_key, points.value, law_limits::strongest, "N");
       if (!law_.feeds_energy) demand_resistance(at_key, points);
     }
     law_.curve = laws.curve_count;
@@ -194,8 +190,8 @@ class LawReader {
     if (laws.surface_count == laws.surfaces.size()) {
       table_.fail("over", "more than " + std::to_string(laws.surfaces.size()) + " surface", "fewer surfaces");
     }
-    const auto deflection = ascending("at", model::surface_points, farthest, "m");
-    const auto velocity = ascending("at_2", model::surface_points, fastest, "m/s");
+    const auto deflection = ascending("at", model::surface_points, law_limits::farthest, "m");
+    const auto velocity = ascending("at_2", model::surface_points, law_limits::fastest, "m/s");
     const toml::node& value = table_.need("value", "a list of numbers over at_2 for each number of at");
     const auto* rows = value.as_array();
     if (rows == nullptr || rows->size() != deflection.size()) {
@@ -209,7 +205,7 @@ class LawReader {
     std::copy(velocity.begin(), velocity.end(), surface.velocity.begin());
     for (std::size_t i = 0; i < deflection.size(); ++i) {
       const auto row = numbers("value", *rows->get(i), velocity.size(), velocity.size());
-      demand_unit("value", row, strongest, "N");
+      demand_unit("value", row, law_limits::strongest, "N");
       over_ = LawOver::velocity;
       if (!law_.feeds_energy) demand_resistance("value", {velocity, row});
       std::copy(row.begin(), row.end(), surface.value[i].begin());

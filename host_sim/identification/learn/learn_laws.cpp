@@ -194,6 +194,7 @@ class LawSearch {
   [[nodiscard]] static bool is_possible(const Candidate& candidate);
   void eliminate(Candidate& law) const;
   [[nodiscard]] bool draws_friction(const Candidate& law) const;
+  [[nodiscard]] static bool can_be_described(const PlacedLaw& law);
   [[nodiscard]] bool is_kept(const Candidate& law, Learned& learned) const;
   [[nodiscard]] bool is_effect(const Candidate& law);
   void adopt(Candidate law);
@@ -446,7 +447,20 @@ bool LawSearch::draws_friction(const Candidate& law) const {
   return !has_memory(law.family) && has(found_.best.effects) && !has(law.model.effects);
 }
 
+/// Whether a rig description may hold the table: a recording in wrong units moves by metres.
+bool LawSearch::can_be_described(const PlacedLaw& law) {
+  if (has_memory(law.family)) return true;
+  namespace limits = firmware::law_limits;
+  const LawTable table = table_of(law);
+  const double far = law.over == CurveOver::velocity ? limits::fastest : limits::farthest;
+  const auto within = [](const std::vector<double>& values, double limit) {
+    return std::all_of(values.begin(), values.end(), [limit](double v) { return std::abs(v) <= limit; });
+  };
+  return within(table.at, far) && within(table.value, limits::strongest);
+}
+
 bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
+  if (!can_be_described(law.model.fit.hypothesis.laws.back())) return false;
   const Hypothesis &with = law.model.fit.hypothesis, &without = found_.best.fit.hypothesis;
   const double temper = temper_of(law.model.fit);
   learned.gain = best_cost_ - law.cost;
