@@ -16,9 +16,10 @@ namespace {
 using namespace host_sim::identification;
 using model::Channel;
 
-/// The oscillator of the Silverbox, m ẍ + c ẋ + k x + k₃ x³ = u, with its damping ratio and the share of its cubic
-/// force (T. Wigren, J. Schoukens, Three free data sets, ECC 2013), at a tenth of its frequencies: rigs end at 90 Hz.
-/// As a rig it is a body on its suspension, moved by the wheel: x = z_w − z_b, u = m z̈_w.
+/// An oscillator like that of the Silverbox (T. Wigren, J. Schoukens, Three free data sets, ECC 2013): its equation
+/// m ẍ + c ẋ + k x + k₃ x³ = u and its sample rate, a tenth of its resonance frequency, since rigs end at 90 Hz;
+/// damping (Q 21) and cubic force (15 % at the peak) are ours. As a rig it is a body on its suspension, moved by the
+/// wheel: x = z_w − z_b, u = m z̈_w.
 struct Duffing {
   double mass = 1.0, stiffness = std::pow(2.0 * std::numbers::pi * 6.86, 2), damping = 0.047 * std::sqrt(stiffness),
          cubic = 0.125 * stiffness / 4e-4;
