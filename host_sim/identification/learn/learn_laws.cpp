@@ -196,7 +196,7 @@ class LawSearch {
   [[nodiscard]] bool draws_friction(const Candidate& law) const;
   [[nodiscard]] static bool can_be_described(const PlacedLaw& law);
   [[nodiscard]] bool is_kept(const Candidate& law, Learned& learned) const;
-  [[nodiscard]] bool is_effect(const Candidate& law);
+  [[nodiscard]] bool replace_by_effect(const Candidate& law);
   void adopt(Candidate law);
   void tell(double share, const char* what) const {
     if (progress_) progress_(share, what, found_.simulations, found_.candidates);
@@ -367,6 +367,8 @@ std::optional<Hypothesis> LawSearch::start_of_stack(LawFamily family, const Effe
 /// Stacks of branches with memory on the whole: of each kind the one beside the right effects. Sliders are tried with
 /// lost motion, too.
 std::vector<LawSearch::Candidate> LawSearch::stacks() const {
+  const auto& laws = found_.best.fit.hypothesis.laws;
+  if (std::any_of(laws.begin(), laws.end(), [](const PlacedLaw& law) { return has_memory(law.family); })) return {};
   struct Stack {
     LawFamily family;
     EffectsBeside effects;
@@ -387,9 +389,6 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
   const auto better = [](const Stack& a, const Stack& b) { return a.cost < b.cost; };
   const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
   const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
-  std::vector<Candidate> list;
-  const auto& laws = found_.best.fit.hypothesis.laws;
-  if (std::any_of(laws.begin(), laws.end(), [](const PlacedLaw& law) { return has_memory(law.family); })) return list;
   std::vector<Stack> best;
   for (const LawFamily family : {LawFamily::sliders, LawFamily::maxwell}) {
     std::vector<Stack> tried;
@@ -408,6 +407,7 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
     if (nearest.model) best.push_back(std::move(nearest));
   }
   for_all(best.size(), [&](std::size_t i) { fit_on(problem_, best[i]); });
+  std::vector<Candidate> list;
   for (Stack& stack : best) {
     if (stack.model) list.push_back({std::move(*stack.model), stack.cost, stack.family});
   }
@@ -447,7 +447,8 @@ bool LawSearch::draws_friction(const Candidate& law) const {
   return !has_memory(law.family) && has(found_.best.effects) && !has(law.model.effects);
 }
 
-/// Whether a rig description may hold the table: a recording in wrong units moves by metres.
+/// True if a rig description accepts the law's table. That of a recording in wrong units reaches over metres and is
+/// refused.
 bool LawSearch::can_be_described(const PlacedLaw& law) {
   if (has_memory(law.family)) return true;
   namespace limits = firmware::law_limits;
@@ -475,9 +476,9 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
   return explains_nearly_all(now, {chi_squared_without_, now.residuals, before}) || is_whole(problem_, with);
 }
 
-/// The effect that a law is takes its place where it explains as much; the search found no way to it from its own
-/// starts. true: `found` holds it.
-bool LawSearch::is_effect(const Candidate& law) {
+/// Puts an effect of the catalogue in the place of a law of the same shape, if it explains as much: the search does not
+/// always reach it from the starts on its card. Returns true if `found` holds the effect now.
+bool LawSearch::replace_by_effect(const Candidate& law) {
   const auto effect = effect_like(law.model.fit.hypothesis.laws.back());
   if (!effect) return false;
   EffectsBeside effects = law.model.effects;
@@ -549,7 +550,7 @@ Learned LawSearch::learn() {
   if (list.empty()) return learned;
   eliminate(list.front());
   if (!is_kept(list.front(), learned)) return learned;
-  if (is_effect(list.front())) return {};
+  if (replace_by_effect(list.front())) return {};
   learned.found = true;
   for (std::size_t i = 1; i < list.size(); ++i) {
     learned.odds_against.push_back(

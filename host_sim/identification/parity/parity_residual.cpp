@@ -129,7 +129,7 @@ ParityResidual check(const firmware::RigDescription& description, const std::vec
   return out;
 }
 
-/// Whether the relations are those of a described rig.
+/// True if the parity relations are valid for a rig with these described effects and laws.
 bool relations_hold_for(const model::RigParameters<double>& rig) {
   if (rig.laws.any()) return false;
   const auto effects = firmware::effects_of(rig);

@@ -43,7 +43,6 @@ model::LawPlace place_of(const PlacedLaw& law) {
 std::string_view name(CurvePlace place) { return place == CurvePlace::suspension ? "suspension" : "tyre"; }
 std::string_view name(CurveOver over) { return over == CurveOver::velocity ? "velocity" : "deflection"; }
 
-/// The branches of (9) and (10) that carry a force.
 std::vector<model::BranchNumbers<double>> branches_of(const PlacedLaw& law) {
   std::vector<model::BranchNumbers<double>> list;
   for (std::size_t i = 0; i < law.values.size(); ++i) {

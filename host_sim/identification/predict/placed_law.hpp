@@ -71,6 +71,9 @@ struct PlacedLaw {
   [[nodiscard]] std::vector<double> forces_along(const std::vector<double>& x, double period) const;
 };
 
+/// The branches of (9) and (10) that carry a force.
+[[nodiscard]] std::vector<model::BranchNumbers<double>> branches_of(const PlacedLaw& law);
+
 /// What a value of a family is: its unit is a force, or x, or none.
 struct LawValue {
   std::string_view name;

@@ -66,14 +66,13 @@ ordered_json to_json(const DescribedLaw& law) {
     json["parameters"][number.name] = {{"value", number.value}, {"ci95", {number.lower, number.upper}}};
   json["memory"] = has_memory(law.law.family);
   if (has_memory(law.law.family)) {
-    const bool slides = law.law.family == LawFamily::sliders;
     json["branches"] = ordered_json::array();
-    for (std::size_t i = 0; i < law.law.at.size(); ++i) {
-      const double force = law.law.values[i], at = law.law.at[i];
-      if (!(force > 0.0)) continue;
-      if (slides) json["branches"].push_back({{"stiffness", force / at}, {"slip_force", force}});
-      if (slides && law.law.gap > 0.0) json["branches"].back()["gap"] = law.law.gap;
-      if (!slides) json["branches"].push_back({{"stiffness", force / law.law.rms}, {"time_constant", at}});
+    for (const model::BranchNumbers<double>& branch : branches_of(law.law)) {
+      ordered_json numbers{{"stiffness", branch.stiffness}};
+      if (branch.slip_force > 0.0) numbers["slip_force"] = branch.slip_force;
+      if (branch.time_constant > 0.0) numbers["time_constant"] = branch.time_constant;
+      if (branch.gap > 0.0) numbers["gap"] = branch.gap;
+      json["branches"].push_back(std::move(numbers));
     }
   }
   json["table"] = {{over, law.at}, {"force", law.force}, {"band95", ordered_json::array()}};
