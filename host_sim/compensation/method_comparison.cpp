@@ -96,18 +96,10 @@ std::vector<double> spread_frequencies() {
 /// The car with its component and no machine between them: a quarter car whose suspension has the virtual damping.
 class Truth {
  public:
-  explicit Truth(const Rig& rig) : response_(stability::linearise(ideal(rig)), 0.0, 0.0) {}
+  explicit Truth(const Rig& rig) : response_(stability::linearise(without_delay(rig)), 0.0, 0.0) {}
   [[nodiscard]] Complex operator()(double hz) const { return response_(model::Channel::F_w, full_turn * hz); }
 
  private:
-  static Rig ideal(Rig rig) {
-    rig.effects.for_each([](auto& slot) {
-      using Effect = std::remove_cvref_t<decltype(slot.effect)>;
-      if constexpr (model::ActsOn<Effect, model::MachinePath<double>>) slot.active = false;
-    });
-    rig.effects.for_each_sensor([](auto& slot, model::Channel) { slot.active = false; });
-    return rig;
-  }
   stability::RoadResponse response_;
 };
 

@@ -7,9 +7,14 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/loop/compensation/compensator.hpp"
+#include "host_sim/stability/margins/frequency_response.hpp"
+#include "host_sim/stability/roots/linear_rig.hpp"
 
 namespace host_sim::compensation {
 namespace {
+
+// Where the peak of the wheel load is looked for, around ω² = (k_t + k)/m_w + k/m_b, and in which steps.
+constexpr double lowest_share = 0.6, highest_share = 1.6, grid = 1.004;
 
 double component_stiffness(const model::RigParameters<double>& rig) {
   return rig.suspension.stiffness + (rig.has_fdva ? rig.fdva.coupling_stiffness : 0.0);
@@ -17,9 +22,26 @@ double component_stiffness(const model::RigParameters<double>& rig) {
 
 }  // namespace
 
+model::RigParameters<double> without_delay(model::RigParameters<double> rig) {
+  rig.effects.for_each([](auto& slot) {
+    using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+    if constexpr (model::ActsOn<Effect, model::MachinePath<double>>) slot.active = false;
+  });
+  rig.effects.for_each_sensor([](auto& slot, model::Channel) { slot.active = false; });
+  return rig;
+}
+
 double wheel_mode(const model::RigParameters<double>& rig) {
   const double k = component_stiffness(rig);
-  return std::sqrt((rig.tyre.stiffness + k) / rig.wheel.mass + k / rig.body.mass);
+  const double about = std::sqrt((rig.tyre.stiffness + k) / rig.wheel.mass + k / rig.body.mass);
+  const stability::RoadResponse response(stability::linearise(without_delay(stability::linear_part(rig))), 0.0, 0.0);
+  double best = about, highest = 0.0;
+  for (double omega = lowest_share * about; omega < highest_share * about; omega *= grid) {
+    const double magnitude = std::abs(response(model::Channel::F_w, omega));
+    if (magnitude > highest) best = omega;
+    highest = std::max(highest, magnitude);
+  }
+  return best;
 }
 
 firmware::compensation::Coefficients inverse_at(const model::MachinePath<double>& machine, double omega) {

@@ -18,7 +18,11 @@ namespace host_sim::compensation {
 [[nodiscard]] firmware::compensation::Settings method_settings(const firmware::RigDescription& description,
                                                                firmware::compensation::Kind kind);
 
-/// The wheel's mode on tyre and component, beside a body of its mass, [rad/s]: ω² = (k_t + k)/m_w + k/m_b.
+/// The rig with an ideal machine and ideal sensors.
+[[nodiscard]] model::RigParameters<double> without_delay(model::RigParameters<double> rig);
+
+/// Where the wheel load of the undelayed loop has its peak [rad/s]: the frequency at which an undercompensated loop
+/// rings. On a rig it is read off a recording.
 [[nodiscard]] double wheel_mode(const model::RigParameters<double>& rig);
 
 /// Coefficients of the inverse that are exact at rest and at ω, where the series is cut:
