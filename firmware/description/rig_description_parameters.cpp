@@ -123,6 +123,7 @@ model::RigParameters<double> on_its_car(const model::RigParameters<double>& comp
   }
   car.suspension.damping += 1140.0;
   car.effects = {};
+  car.delay_variation = {};
   return car;
 }
 

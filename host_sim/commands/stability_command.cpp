@@ -335,7 +335,8 @@ void examine_stability(const StabilityOptions& options) {
 }
 
 void add_stability(CLI::App& app, StabilityOptions& options) {
-  CLI::App* command = app.add_subcommand("stability", "Delay stability of a hil rig: poles, critical delay, margins, interface location, varying delay");
+  CLI::App* command = app.add_subcommand(
+      "stability", "Delay stability of a hil rig: poles, critical delay, margins, interface location, varying delay");
   command->add_option("--rig", options.rig, "Rig description (TOML), kind = \"hil\"");
   command->add_option("--write-limits", options.write_limits,
                       "Write into this rig description for which loop it was found stable, and the delay that is left: "

@@ -16,6 +16,7 @@ using Rig = model::RigParameters<double>;
 
 /// Without the machine: what is known to have been reached needs no machine.
 Rig without_machine(Rig rig) {
+  rig.delay_variation = {};
   rig.effects.for_each([](auto& slot) {
     if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::machine) slot.active = false;
   });

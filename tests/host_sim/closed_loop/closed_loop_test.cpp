@@ -50,7 +50,7 @@ RunOptions without_noise() {
 TEST(ClosedLoop, IsTheWholeRigOfTheModelToTheBit) {
   for (const char* name : {"paper_hil_fdva", "paper_linear", "paper_hil_aas"}) {
     RigDescription rig = support::rig(name);
-    rig.controller.speed = 5.0;  // nothing limited
+    rig.controller.speed = 5.0;       // nothing limited
     if (rig.rig.air_spring.fitted) {  // the skyhook of the firmware, through a lever
       rig.rig.lever.count = 3;
       rig.rig.lever.at = {-0.05, 0.0, 0.05};
