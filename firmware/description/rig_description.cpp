@@ -278,6 +278,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   top.finish();
   check_physics(top_table, description);
   check_load(top, description.rig);
+  check_lever_tolerances(top, description.rig, description.tolerance);
   return description;
 }
 

@@ -106,6 +106,18 @@ void check_load(DescriptionTable& top, const Rig& rig) {
            "equal forces within 5 %, or a [suspension] stiffness that helps");
 }
 
+void check_lever_tolerances(DescriptionTable& top, const Rig& rig, const std::map<std::string, double>& tolerance) {
+  if (!rig.lever.any() || rig.kind != model::RigKind::hil) return;
+  for (const auto& [path, bound] : tolerance) {
+    for (const std::string_view table : {"body.", "wheel.", "tyre.", "machine."}) {
+      if (bound > 0.0 && path.starts_with(table)) {
+        top.fail("tolerance", "the virtual car's " + path + " has a tolerance beside [lever]",
+                 "an exact car: behind a lever it cannot be estimated from F");
+      }
+    }
+  }
+}
+
 std::vector<TableLine> extension_lines(const Rig& rig) {
   std::vector<TableLine> lines;
   if (rig.air_spring.fitted) {

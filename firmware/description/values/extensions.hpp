@@ -1,6 +1,7 @@
 // The tables [air_spring] and [lever], and the delay that varies of [machine].
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,11 @@ void read_delay_variation(DescriptionTable& machine, model::RigParameters<double
 
 /// InputError where the air spring carries less or more than the body weighs, and no other spring helps it.
 void check_load(DescriptionTable& top, const model::RigParameters<double>& rig);
+
+/// InputError for a tolerance of the virtual car behind a lever: `diagnose` estimates such a car from F alone, and F
+/// acts on it times a ratio.
+void check_lever_tolerances(DescriptionTable& top, const model::RigParameters<double>& rig,
+                            const std::map<std::string, double>& tolerance);
 
 /// A key of a table with its value as text.
 struct TableLine {

@@ -95,6 +95,8 @@ TEST(AirSpringDescription, IsChecked) {
   expect_refused(text + "[lever]\nat = [0.0, 0.1]\nratio = [1.0, 1.0, 1.0]\n", "ratio = [1", "one ratio for each");
   expect_refused(text + "[lever]\nat = [0.1, 0.0]\nratio = [1.0, 1.0]\n", "at = [0.1", "ascending");
   expect_refused(text + "[lever]\nat = [0.0, 0.1]\nratio = [1.0, \"a\"]\n", "ratio = [1", "is no number");
+  expect_refused(text + "[lever]\nat = [0.0, 0.1]\nratio = [1.0, 1.1]\n[tolerance]\nbody.mass = 0.1\n", "[tolerance]",
+                 "beside [lever]");
   expect_refused(with(text, "virtual_damping = 1140.0", "delay_swing = 1.0"), "delay_swing", "0.1");
   expect_refused(std::string(support::hil_text) + "[effects.air_leak]\nrate = 1e-3\n", "[effects.air_leak]",
                  "the rig has no air spring");
