@@ -42,8 +42,8 @@ std::string words(const Trip& trip, const RigDescription& rig) {
 
 /// The roles with a command output that remembers.
 hal::Rig remembering(const hal::Rig& opened, RememberedCommand& command) {
-  return {opened.clock,       opened.sensors,   opened.valves,       command,
-          opened.stop_button, opened.heartbeat, opened.drive_enable, opened.interlocks};
+  return {opened.clock,     opened.sensors,      opened.valves,     command,    opened.stop_button,
+          opened.heartbeat, opened.drive_enable, opened.interlocks, opened.area};
 }
 
 Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles, bool devices) {

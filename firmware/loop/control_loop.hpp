@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "firmware/loop/area_control.hpp"
 #include "firmware/loop/arming_checks.hpp"
 #include "firmware/loop/command_guard.hpp"
 #include "firmware/loop/energy_guard.hpp"
@@ -44,6 +45,7 @@ namespace firmware {
 class ControlLoop {
  public:
   using VirtualCar = model::VirtualCar<double>;
+  static constexpr bool has_area = model::usual_laws.extensions;  ///< room for the control of an air spring
 
   /// What makes the parts unfit for each other (what, and what is expected), or an empty text.
   [[nodiscard]] static std::string_view check(const Settings& settings, const model::RigParameters<double>& parameters,
@@ -134,6 +136,7 @@ class ControlLoop {
   void brake_and_hold(double velocity);
   void follow_rig();
   [[nodiscard]] double entering_force() const;
+  void command_area(hal::Time now);
   void compute(hal::Time now);
   [[nodiscard]] std::optional<hal::Command> follow_reference();
   [[nodiscard]] hal::Command step_car(const Motion& foot_point);
@@ -158,6 +161,7 @@ class ControlLoop {
   FrozenGuard frozen_guard_;
   LatenessGuard lateness_guard_;
   std::optional<Trip> motion_hazard_{};  ///< of this period, by motion and frozen guard
+  [[no_unique_address]] AreaControl<has_area> area_control_;
   ArmingChecks arming_;
   ReferencePlayer player_;
   std::optional<Trip> energy_hazard_{};  ///< of this period

@@ -29,6 +29,7 @@ class SimulatedRig final : public hal::simulated::Plant {
   void draw_noise();
   void do_measure(std::span<double, hal::channel_capacity> values) override;
   void do_advance(const hal::Command& command, hal::Openings openings) override;
+  void do_command_area(double area) override { model_.command_area(state_, area); }
 
   model::RigModel<> model_;
   model::RigModel<>::State state_;

@@ -88,7 +88,7 @@ std::vector<FreeParameter> parameters_of_part(const model::RigParameters<double>
     const std::string path = std::string(p.table) + "." + std::string(p.key);
     const double* const value = firmware::find_parameter(part, path);
     if (value == nullptr || !(*value > 0.0) || p.table == "machine") continue;
-    if (!has_car && p.table != "suspension" && p.table != "fdva") continue;
+    if (!has_car && p.table != "suspension" && p.table != "fdva" && p.table != "air_spring") continue;
     parameters.push_back({.role = FreeParameter::Role::tolerated,
                           .path = path,
                           .scale = *value,

@@ -425,6 +425,7 @@ std::string explanation(const firmware::CatalogueEntry& entry) {
     if (entry.rigs.contains(static_cast<model::RigKind>(kind))) text += " " + std::string(model::rig_kind_names[kind]);
   }
   if (entry.needs_fdva) text += ", with an FDVA";
+  if (entry.needs_air_spring) text += ", with an air spring";
   return text + "\n";
 }
 
