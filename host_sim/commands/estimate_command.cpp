@@ -56,7 +56,7 @@ void print(const EstimateOptions& options, const Estimate& estimate, const std::
     if (load.error_rms) std::printf("  wheel load, %-12s error %.4g N rms\n", load.name.c_str(), *load.error_rms);
   }
   if (estimate.blocks == 0) {
-    std::printf("too short for the innovation monitor: it needs 8192 samples\n");
+    std::printf("too short for the innovation monitor: it needs 20480 samples in a row\n");
   } else if (estimate.alarms == 0) {
     std::printf("the innovations do not contradict the model (%zu blocks)\n", estimate.blocks);
   } else {

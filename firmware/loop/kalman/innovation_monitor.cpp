@@ -55,14 +55,14 @@ void InnovationMonitor::take(int channel, double innovation) {
 
 void InnovationMonitor::judge(int channel) {
   PerChannel& c = channels_[static_cast<std::size_t>(channel)];
-  if (c.settled) {
+  if (c.blocks == settling) {
     const double root = std::sqrt(static_cast<double>(block));
     ++blocks_;
     compare(Test::level, channel, c.sum / root, -limit_, limit_);
     compare(Test::variance, channel, (c.squares - block) / std::sqrt(2.0 * block), skew_ - limit_, skew_ + limit_);
     for (const double products : c.products) compare(Test::colour, channel, products / root, -limit_, limit_);
   }
-  c.settled = true;
+  if (c.blocks < settling) ++c.blocks;
   c.sum = c.squares = 0.0;
   c.products.fill(0.0);
   c.taken = 0;

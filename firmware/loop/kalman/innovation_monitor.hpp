@@ -21,10 +21,12 @@ namespace firmware {
 ///   (4)  2 (1 − Φ(z)) = false_alarms · N h/3600 s/(8 channels)
 ///
 /// so that a right model is called wrong at most `false_alarms` times an hour (Bonferroni; nearly equal, because the
-/// statistics are nearly independent). The first block after a start is left out: the filter settles.
+/// statistics are nearly independent). The first blocks after a start are left out: a recording may begin in
+/// mid-motion, and the filter forgets where it began as slowly as the road does, 1/(2π f_c) = 3 s.
 class InnovationMonitor {
  public:
   static constexpr int block = 4096;  ///< N: 4 s at 1 kHz; half of it needs √2 of the error to be seen, but 2 s less
+  static constexpr int settling = 4;  ///< blocks left out after a start: 16 s at 1 kHz, five of those times
   static constexpr std::array<int, 6> shifts{1, 2, 4, 8, 16, 32};  ///< L: from the noise's band to 16 Hz at 1 kHz
   enum class Test : unsigned char { none, level, variance, colour };
 
@@ -54,7 +56,7 @@ class InnovationMonitor {
     std::array<double, kept> past{};
     int taken = 0;
     int newest = 0;
-    bool settled = false;
+    int blocks = 0;
   };
   void judge(int channel);
   void compare(Test test, int channel, double statistic, double lower, double upper);

@@ -28,7 +28,7 @@ class EstimateCommand : public ::testing::Test {
   }
   std::string at(const std::string& name) const { return (folder_ / name).string(); }
   void simulate(const std::string& rig, const std::string& out, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words{"simulate", "--rig", rig, "--duration", "12", "--out", out};
+    std::vector<std::string> words{"simulate", "--rig", rig, "--duration", "25", "--out", out};
     words.insert(words.end(), more.begin(), more.end());
     const Ended ended = rigtwin(words);
     ASSERT_EQ(ended.status, 0) << ended.errors;

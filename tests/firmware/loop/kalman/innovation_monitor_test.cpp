@@ -26,7 +26,7 @@ TEST(InnovationMonitor, HoldsItsFalseAlarmRate) {
   constexpr int channels = 4, blocks = 500;
   InnovationMonitor monitor(channels, 1e-3, rate);
   support::Normal normal(21);
-  for (int k = 0; k < (blocks + 1) * InnovationMonitor::block; ++k) {
+  for (int k = 0; k < (blocks + InnovationMonitor::settling) * InnovationMonitor::block; ++k) {
     for (int c = 0; c < channels; ++c) monitor.take(c, normal());
   }
   EXPECT_EQ(monitor.blocks(), 4U * blocks);
@@ -38,7 +38,7 @@ InnovationMonitor::Test found(double level, double scale, double colour) {
   InnovationMonitor monitor(1, 1e-3, 1e-2);
   support::Normal normal(22);
   double before = normal();
-  for (int k = 0; k < 3 * InnovationMonitor::block; ++k) {
+  for (int k = 0; k < (InnovationMonitor::settling + 2) * InnovationMonitor::block; ++k) {
     const double now = colour * before + std::sqrt(1.0 - colour * colour) * normal();
     before = now;
     monitor.take(0, level + scale * now);

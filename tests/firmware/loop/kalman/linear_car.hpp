@@ -118,18 +118,10 @@ class Normal {
   std::normal_distribution<double> distribution_;
 };
 
-/// The car in motion, from its stationary distribution.
+/// The car in motion, from rest: as runs and recordings of rigs begin, and where the filter begins.
 class DrivenCar {
  public:
-  explicit DrivenCar(std::uint64_t seed) : normal_(seed) {
-    LinearCar::Matrix s = car_.q, t = car_.phi;
-    for (int k = 0; k < 30; ++k) {
-      s += (t * s * t.transpose()).eval();
-      t = (t * t).eval();
-    }
-    x_ = factor(s) * draw();
-    noise_ = factor(car_.q);
-  }
+  explicit DrivenCar(std::uint64_t seed) : normal_(seed), noise_(factor(car_.q)) {}
   void step() { x_ = (car_.phi * x_ + noise_ * draw()).eval(); }
   [[nodiscard]] const LinearCar::Vector& x() const { return x_; }
   [[nodiscard]] const LinearCar& car() const { return car_; }
@@ -151,7 +143,7 @@ class DrivenCar {
 
   LinearCar car_;
   Normal normal_;
-  LinearCar::Vector x_;
+  LinearCar::Vector x_ = LinearCar::Vector::Zero();
   LinearCar::Matrix noise_;
 };
 
