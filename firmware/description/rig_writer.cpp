@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "firmware/description/semi_active_reader.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/description/values/effects_by_name.hpp"
@@ -161,8 +162,11 @@ void write_controller(Text& out, const RigDescription& description) {
   }
   out.table("estimator");
   if (controller.cross_over > 0.0) out.line("cross_over", real(controller.cross_over));
+  write_estimator(controller, [&out](const std::string& key, const std::string& value) { out.line(key, value); });
   out.table("valves");
   if (description.rig.has_fdva) out.line("safe", ducts(controller.safe_ducts));
+  write_duct_policy(controller.ducts,
+                    [&out](const std::string& key, const std::string& value) { out.line(key, value); });
   if (!controller.valve_plan.empty()) {
     std::string plan;
     for (const auto& entry : controller.valve_plan) {

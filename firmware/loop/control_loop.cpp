@@ -72,6 +72,7 @@ void ControlLoop::step() {
   keep_time(now);
   samples_.take(rig_.sensors.read(), now);
   estimator_.step(samples_);
+  if (Companion* companion = companion_.get()) companion->follow(samples_, now);
   watch_motion();
 
   const unsigned requests = requests_.exchange(0);
@@ -111,6 +112,7 @@ void ControlLoop::step() {
   command_area(now);
   compute(now);
   act(now);
+  if (Companion* companion = companion_.get()) companion->opened(openings_);
   if (runs && in_run(mode_)) ++sample_;
 
   counters_.missed_frames = samples_.missed_frames();
@@ -123,6 +125,7 @@ void ControlLoop::step() {
   record.tare = tare();
   record.command = command_;
   record.openings = openings_;
+  if (const Companion* companion = companion_.get()) record.openings = companion->standing();
   record.counters = counters_;
   journal_.push(record);
 }
@@ -357,6 +360,7 @@ void ControlLoop::compute(hal::Time now) {
     const std::uint64_t sample = player_.sample();
     wanted = follow_reference();
     openings_ = valves_.at(settings_.period * static_cast<std::int64_t>(sample));
+    if (Companion* companion = companion_.get()) openings_ = companion->choose(openings_);
   }
   if (leads_drive(mode_)) {
     if (!wanted) {
@@ -489,6 +493,10 @@ void ControlLoop::note_values(Record& record) const {
   record.bridged = samples_.bridged();
   record.wheel_load = estimator_.wheel_load();
   record.velocities = estimator_.velocities();
+  if (const Companion* companion = companion_.get()) {
+    record.wheel_load = companion->wheel_load();
+    record.velocities = companion->velocities();
+  }
   if (car_alive_) {
     record.values = car_->signals(car_state_);
     record.values[model::index(Channel::x_act)] = unknown;

@@ -9,6 +9,7 @@
 #include "firmware/loop/area_control.hpp"
 #include "firmware/loop/arming_checks.hpp"
 #include "firmware/loop/command_guard.hpp"
+#include "firmware/loop/companion.hpp"
 #include "firmware/loop/energy_guard.hpp"
 #include "firmware/loop/frozen_guard.hpp"
 #include "firmware/loop/journal.hpp"
@@ -71,6 +72,11 @@ class ControlLoop {
   /// Scales the reference about its beginning, 0 … ReferencePlayer::highest_level; at once before a run, within a
   /// second or so during it. False: outside, nothing is asked for.
   bool level(double wanted);
+
+  /// Takes a companion along, which must outlive the loop. Before the first period.
+#ifndef RIGTWIN_ALONE
+  void attach(Companion& companion) { companion_.set(&companion); }
+#endif
 
   /// The first period is due then, and not when step() is called first.
   void begin_at(hal::Time first) { due_ = first; }
@@ -151,6 +157,7 @@ class ControlLoop {
   hal::Rig rig_;
   ValvePlan valves_;
   Journal& journal_;
+  [[no_unique_address]] CompanionPlace companion_{};
   std::optional<VirtualCar> car_{};  ///< hil only
 
   SampleGuard samples_;

@@ -10,6 +10,7 @@
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
+#include "host_sim/commands/estimate_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
@@ -60,6 +61,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_sweep(app, sweep_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
+  EstimateOptions estimate_options;
+  add_estimate(app, estimate_options);
   try {
     if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);
