@@ -17,6 +17,7 @@
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
+#include "host_sim/identification/report/shape_words.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 
@@ -58,6 +59,8 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                   named.parameters[p].upper);
     }
     std::printf("   confidence %.3f\n", named.confidence);
+    const std::string shape = identification::shape_words(named.effect, diagnosis.rig.rig);
+    if (!shape.empty()) std::printf("    %s\n", shape.c_str());
     for (std::size_t a = 0; a < std::min<std::size_t>(2, named.alternatives.size()); ++a) {
       const auto& other = named.alternatives[a];
       std::printf("    rather than %s: odds %s%s%s\n", identification::words(other.effect).c_str(),
@@ -132,6 +135,8 @@ void keep_laws(const std::string& name, identification::Diagnosis& diagnosis) {
     if (identification::has_memory(learned.family)) {
       law.first_branch = learned.slot;
       law.branches = diagnosis.rig.rig.laws.branch_count - learned.slot;
+    } else if (identification::is_surface(learned.family)) {
+      law.surface = learned.slot;
     } else {
       law.curve = learned.slot;
     }

@@ -194,7 +194,7 @@ std::vector<FreeParameter> law_parameters(const std::vector<PlacedLaw>& laws) {
         u.is_linear = has_grid(law.family);
       } else {
         const LawValue& value = values_of(law.family)[v];
-        const double unit = kind == LawValue::Kind::width ? law.rms : 1.0;
+        const double unit = kind == LawValue::Kind::width ? law.unit_of_width() : 1.0;
         u.logarithmic = true;
         u.scale = std::max(law.values[v], 1e-12);
         u.lower = std::log(value.lower * unit / u.scale);
