@@ -11,6 +11,7 @@
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
+#include "host_sim/commands/import_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
@@ -55,6 +56,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_diagnose(app, diagnose_options);
   PlanOptions plan_options;
   add_plan(app, plan_options);
+  ImportOptions import_options;
+  add_import(app, import_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   try {
