@@ -12,6 +12,7 @@
 #include "host_sim/commands/diagnose_command.hpp"
 #include "host_sim/commands/estimate_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
+#include "host_sim/commands/import_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
@@ -59,6 +60,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_plan(app, plan_options);
   SweepOptions sweep_options;
   add_sweep(app, sweep_options);
+  ImportOptions import_options;
+  add_import(app, import_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   EstimateOptions estimate_options;

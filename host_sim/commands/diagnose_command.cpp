@@ -171,7 +171,8 @@ void run_diagnosis(const DiagnoseOptions& options) {
   const identification::Use use = options.holdout.empty() ? identification::Use::shared : identification::Use::fitted;
   const auto read = [&](const std::vector<fs::path>& files, identification::Use as) {
     for (const fs::path& file : files) {
-      for (firmware::Recording& part : read_parts(file, description.channels, description.sample_rate)) {
+      for (firmware::Recording& part :
+           read_parts(file, description.channels, description.sample_rate, description.rig.kind)) {
         records.push_back({std::move(part), as});
       }
     }

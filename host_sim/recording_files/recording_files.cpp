@@ -1,3 +1,5 @@
+#include "host_sim/recording_files/recording_files.hpp"
+
 #include <algorithm>
 #include <cctype>
 
@@ -9,7 +11,11 @@
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/recording/recording_file.hpp"
 #include "firmware/recording/recording_gaps.hpp"
+#include "host_sim/recording_files/measurement_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
+#include "host_sim/recording_files/tables/table_recording.hpp"
+#include "host_sim/recording_files/text/text_encoding.hpp"
+#include "host_sim/recording_files/text/text_table.hpp"
 
 namespace host_sim {
 namespace {
@@ -34,27 +40,77 @@ void check_columns(const std::filesystem::path& file, const firmware::Recording&
   for (const firmware::ExtraColumn& extra : recording.extra) check(extra.name, extra.values.size());
 }
 
-firmware::Recording read(const std::filesystem::path& file, const firmware::ChannelMap& map,
-                         std::optional<double> expected_rate, firmware::Missing missing) {
+// Text that is no recording of the contract, as a table.
+firmware::Recording read_foreign_text(std::string text, const std::string& source, const RigContext& rig,
+                                      firmware::Missing missing) {
+  RawTable table;
+  try {
+    table = read_text_table(text, source);
+  } catch (const firmware::InputError&) {
+    if (!looks_like_text(text)) throw;
+    // No table: the strict reader says better why.
+    static_cast<void>(firmware::parse_recording_csv(text, source, rig.channels, rig.rate, missing));
+    throw;
+  }
+  return read_table_recording(table, rig, missing);
+}
+
+// A contract file with rows that the strict reader refuses (short, words, comments): once more with the other reader,
+// which leaves them out and says so. Own files are whole or damaged.
+firmware::Recording read_contract_text(const std::string& text, const std::string& source, const RigContext& rig,
+                                       firmware::Missing missing) {
+  try {
+    return firmware::parse_recording_csv(text, source, rig.channels, rig.rate, missing);
+  } catch (const firmware::InputError&) {
+    if (missing == firmware::Missing::refuse || text.find(firmware::recording_mark) < 4096) throw;
+    RawTable table;
+    try {
+      table = read_text_table(text, source);
+      if (table.faults.empty() && table.notes.empty()) throw;
+      return read_table_recording(table, rig, missing);
+    } catch (const firmware::InputError&) {
+    }
+    throw;
+  }
+}
+
+firmware::Recording read(const std::filesystem::path& file, const RigContext& rig, firmware::Missing missing) {
   const std::string source = file.string();
   const firmware::RecordingFile opened(file);
-  if (opened.is_matlab()) return read_recording_mat(file, map, expected_rate, missing);
-  if (is_called_mat(file) && !opened.head().empty()) {
+  const FileKind kind = kind_of_file(file, opened.head(), opened.is_matlab());
+  if (kind == FileKind::matlab) {
+    std::vector<Leaf> leaves = read_mat_leaves(file);
+    if (is_contract_mat(file, leaves, rig.channels)) {
+      return read_recording_mat(file, std::move(leaves), rig.channels, rig.rate, missing);
+    }
+    return read_table_recording(table_of_mat(file, leaves), rig, missing);
+  }
+  if (is_called_mat(file) && kind == FileKind::text && !opened.head().empty()) {
     throw firmware::InputError(source, 0, "is not a MATLAB 5 or 7.3 file", "one saved with -v6, -v7 or -v7.3");
   }
-  return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, map, expected_rate, missing);
+  if (kind != FileKind::text) {
+    std::string bytes = kind == FileKind::tdms ? read_whole(opened.descriptor(), opened.head(), source) : std::string();
+    return read_table_recording(read_measurement(file, kind, std::move(bytes)), rig, missing);
+  }
+  if (opened.head().find(firmware::recording_mark) != std::string::npos &&
+      is_contract_csv(opened.head(), rig.channels)) {
+    return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, rig.channels, rig.rate, missing);
+  }
+  std::string text = read_whole(opened.descriptor(), opened.head(), source);
+  if (is_contract_csv(text, rig.channels)) return read_contract_text(text, source, rig, missing);
+  return read_foreign_text(std::move(text), source, rig, missing);
 }
 
 }  // namespace
 
 firmware::Recording read_recording(const std::filesystem::path& file, const firmware::ChannelMap& map,
                                    std::optional<double> expected_rate) {
-  return read(file, map, expected_rate, firmware::Missing::refuse);
+  return read(file, {map, expected_rate, std::nullopt}, firmware::Missing::refuse);
 }
 
 std::vector<firmware::Recording> read_parts(const std::filesystem::path& file, const firmware::ChannelMap& map,
-                                            std::optional<double> usual_rate) {
-  return firmware::pieces_of(read(file, map, usual_rate, firmware::Missing::mark));
+                                            std::optional<double> usual_rate, std::optional<model::RigKind> kind) {
+  return firmware::pieces_of(read(file, {map, usual_rate, kind}, firmware::Missing::mark));
 }
 
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording) {
