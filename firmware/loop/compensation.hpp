@@ -1,0 +1,49 @@
+// What the control loop of a hil rig offers to a compensation of its machine's delay.
+#pragma once
+
+#include <optional>
+
+#include "firmware/loop/reference.hpp"
+#include "hal/command_output.hpp"
+
+namespace firmware {
+
+/// Stands between the virtual car and the machine. A loop without one commands the car's deflection itself, and links
+/// none of the code behind this interface.
+///
+/// Every period of a run: force() before the car's step to t_{k+1}, command() after it. Static memory, the same work
+/// every period.
+class Compensation {
+ public:
+  struct Instant {
+    Motion wanted{};         ///< the car's deflection at t_{k+1}, with two derivatives
+    double commanded = 0.0;  ///< what the machine was told to be at t_k [m]
+    double reached = 0.0;    ///< x_act at t_k [m]
+    bool measured = false;   ///< reached is a good sample of this instant
+    int open_ducts = 0;      ///< from t_k to t_{k+1}
+  };
+  /// More than it may add.
+  struct Excess {
+    double value = 0.0;  ///< [m] or [N]
+    double limit = 0.0;
+  };
+  struct Answer {
+    hal::Command command{};          ///< for t_{k+1}
+    std::optional<Excess> excess{};  ///< the run ends
+  };
+
+  virtual ~Compensation() = default;
+
+  /// The car begins at rest with this deflection [m].
+  void start(double deflection) { do_start(deflection); }
+  /// The force that enters the car, from the force measured at t_k [N].
+  [[nodiscard]] double force(double measured) { return do_force(measured); }
+  [[nodiscard]] Answer command(const Instant& instant) { return do_command(instant); }
+
+ private:
+  virtual void do_start(double deflection) = 0;
+  virtual double do_force(double measured) = 0;
+  virtual Answer do_command(const Instant& instant) = 0;
+};
+
+}  // namespace firmware
