@@ -39,7 +39,8 @@ TEST(AirSpringDescription, TakesEveryKeyToItsPlace) {
   text = text.substr(0, text.find("[air_spring]")) + "[air_spring]\npressure = 6e5\narea = 5e-3\nvolume = 7e-4\n";
   double value = 0.011;
   for (const auto& key : firmware::air_spring_keys()) {
-    text += std::string(key.key) + " = " + std::to_string(key.key == "polytropic_exponent" ? 1.3 : value) + "\n";
+    const double allowed = key.key == "polytropic_exponent" ? 1.3 : key.key == "volume_per_area" ? 1e-5 : value;
+    text += std::string(key.key) + " = " + std::to_string(allowed) + "\n";
     value += 0.001;
   }
   const auto rig = parse_rig(text, "RIG.toml").rig;
@@ -48,6 +49,7 @@ TEST(AirSpringDescription, TakesEveryKeyToItsPlace) {
   EXPECT_EQ(rig.air_spring.area, 5e-3);
   EXPECT_EQ(rig.air_spring.volume, 7e-4);
   EXPECT_EQ(rig.air_spring.area_per_stroke, 0.011);
+  EXPECT_EQ(rig.air_spring.volume_per_area, 1e-5);
   EXPECT_EQ(rig.air_spring.polytropic_exponent, 1.3);
   EXPECT_EQ(rig.air_spring.skyhook, 0.023);
   EXPECT_EQ(rig.air_spring.levelling_time, 0.026);
@@ -88,7 +90,7 @@ TEST(AirSpringDescription, IsChecked) {
   expect_refused(with(text, "pressure = 7e5 ", "pressure = nan "), "pressure =", "pressure");
   expect_refused(with(text, "polytropic_exponent = 1.4", "polytropic_exponent = 14"), "polytropic_exponent", "1.67");
   expect_refused(with(text, "heat_time = 2.0", "heat_tme = 2.0"), "heat_tme", "heat_time");
-  expect_refused(with(text, "skyhook = 2000.0", "skyhook = -1.0"), "skyhook", "0 to 1e6");
+  expect_refused(with(text, "skyhook = 2000.0", "skyhook = -1.0"), "skyhook = -1.0", "0 to 1e6");
   expect_refused(with(text, "skyhook = 2000.0", "volume_per_area = 1e-2\nskyhook = 2000.0"), "volume_per_area",
                  "a force that grows with the area");
   expect_refused(text + "[lever]\nat = [0.0]\nratio = [1.0]\n", "at = [0.0]", "2 to 9");
