@@ -1,8 +1,7 @@
 #!/bin/bash
 # board.bash REFERENCES -- model and control loop on a Cortex-M7 (QEMU's mps2-an500, newlib) print the hashes that the same programs
-# print here: rigtwin_board_loop, the control loop alone, rigtwin_board_trace, with the simulated rig, and
-# rigtwin_board_laws, the model with laws from tables, in folder REFERENCES. A period
-# costs the instructions of tests/golden/cortex_m7.txt, within 5 %, and a small stack. Code and memory are held to their budget by
+# print here: rigtwin_board_loop, the control loop alone, rigtwin_board_trace, with the simulated rig, and rigtwin_board_laws, the model
+# with laws from tables, in folder REFERENCES. A period costs the instructions of tests/golden/cortex_m7.txt, within 5 %, and a small stack. Code and memory are held to their budget by
 # the linker scripts; a stack that is too small for construction faults.
 . "$(dirname "$0")/common.bash"
 references=$1
