@@ -55,8 +55,8 @@ firmware::Recording read_foreign_text(std::string text, const std::string& sourc
   return read_table_recording(table, rig, missing);
 }
 
-// A contract file with rows that the strict reader refuses (short, words, comments): once more with the other reader,
-// which leaves them out and says so. Own files are whole or damaged.
+// A contract file with lines between its rows or words for missing values: once more with the other reader, which
+// leaves them out and says so. Short rows and other words stay errors; own files are whole or damaged.
 firmware::Recording read_contract_text(const std::string& text, const std::string& source, const RigContext& rig,
                                        firmware::Missing missing) {
   try {
@@ -66,7 +66,9 @@ firmware::Recording read_contract_text(const std::string& text, const std::strin
     RawTable table;
     try {
       table = read_text_table(text, source);
-      if (table.faults.empty() && table.notes.empty()) throw;
+      const bool damaged = std::any_of(table.faults.begin(), table.faults.end(),
+                                       [](const RawFault& fault) { return !fault.says_missing; });
+      if (damaged || (table.faults.empty() && table.notes.empty())) throw;
       return read_table_recording(table, rig, missing);
     } catch (const firmware::InputError&) {
     }
