@@ -42,8 +42,9 @@ namespace host_sim {
                                                           std::optional<double> usual_rate = std::nullopt,
                                                           std::optional<model::RigKind> kind = std::nullopt);
 
-/// Writes all columns present, `t` first: MATLAB 5 if the name ends in .mat, else CSV with the shortest decimals that
-/// read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).
+/// Writes all columns present, `t` first, by the ending of the name: .mat MATLAB 5, .mcap MCAP with JSON messages, .tsv
+/// and .de.csv text for spreadsheet programs (with decimal point and comma), else CSV. Texts have the shortest decimals
+/// that read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).
 /// OutputError if it cannot be written.
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording);
 
