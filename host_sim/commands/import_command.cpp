@@ -103,7 +103,9 @@ void add_import(CLI::App& app, ImportOptions& options) {
                    "Text (any separator, decimal comma, preamble, units, clock times; MTS exports), MATLAB (dSPACE "
                    "ControlDesk, Simulink, timetables as structures), NI TDMS or HDF5")
       ->required();
-  command->add_option("--out", options.out, "Recording to write; the ending decides the format (.csv, .mat)")
+  command
+      ->add_option("--out", options.out,
+                   "Recording to write; the ending decides: .csv, .mat, .mcap, .tsv and .de.csv (spreadsheets)")
       ->required();
   command->add_option("--rig", options.rig,
                       "Rig description: its [channels] name columns; its kind and rate help to guess");

@@ -97,7 +97,10 @@ void simulate(const SimulateOptions& options) {
 void add_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::App* command = app.add_subcommand("simulate", "Drive a simulated rig over a road through the firmware");
   command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
-  command->add_option("--out", options.out, "Recording to write: CSV, or MATLAB if the name ends in .mat")->required();
+  command
+      ->add_option("--out", options.out,
+                   "Recording to write; the ending decides: .csv, .mat, .mcap, .tsv and .de.csv (spreadsheets)")
+      ->required();
   command->add_option("--road", options.road, "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m]")
       ->capture_default_str();
   command->add_option("--speed", options.speed, "Speed over the road [m/s]")

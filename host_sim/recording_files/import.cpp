@@ -25,9 +25,6 @@ RawTable read_any_table(const std::filesystem::path& file) {
   std::string bytes;
   if (kind == FileKind::text || kind == FileKind::tdms) {
     bytes = read_whole(opened.descriptor(), opened.head(), file.string());
-    if (kind == FileKind::text && bytes.substr(0, 4096).find(firmware::recording_mark) != std::string::npos) {
-      throw firmware::InputError(file.string(), 0, "is a recording of rigtwin already", "a file of another program");
-    }
   }
   return read_measurement(file, kind, std::move(bytes));
 }

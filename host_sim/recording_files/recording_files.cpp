@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <functional>
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
@@ -11,6 +12,8 @@
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/recording/recording_file.hpp"
 #include "firmware/recording/recording_gaps.hpp"
+#include "host_sim/recording_files/export/mcap_file.hpp"
+#include "host_sim/recording_files/export/spreadsheet.hpp"
 #include "host_sim/recording_files/measurement_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
 #include "host_sim/recording_files/tables/table_recording.hpp"
@@ -20,12 +23,14 @@
 namespace host_sim {
 namespace {
 
-bool is_called_mat(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
+bool is_called(const std::filesystem::path& file, std::string_view ending) {
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".mat";
+  return name.size() > ending.size() && name.ends_with(ending);
 }
+
+bool is_called_mat(const std::filesystem::path& file) { return is_called(file, ".mat"); }
 
 // What a caller hands to be written must be whole: columns of one length, as a reader will expect them.
 void check_columns(const std::filesystem::path& file, const firmware::Recording& recording) {
@@ -55,8 +60,8 @@ firmware::Recording read_foreign_text(std::string text, const std::string& sourc
   return read_table_recording(table, rig, missing);
 }
 
-// A contract file with rows that the strict reader refuses (short, words, comments): once more with the other reader,
-// which leaves them out and says so. Own files are whole or damaged.
+// A contract file with lines between its rows or words for missing values: once more with the other reader, which
+// leaves them out and says so. Short rows and other words stay errors; own files are whole or damaged.
 firmware::Recording read_contract_text(const std::string& text, const std::string& source, const RigContext& rig,
                                        firmware::Missing missing) {
   try {
@@ -66,7 +71,9 @@ firmware::Recording read_contract_text(const std::string& text, const std::strin
     RawTable table;
     try {
       table = read_text_table(text, source);
-      if (table.faults.empty() && table.notes.empty()) throw;
+      const bool damaged = std::any_of(table.faults.begin(), table.faults.end(),
+                                       [](const RawFault& fault) { return !fault.says_missing; });
+      if (damaged || (table.faults.empty() && table.notes.empty())) throw;
       return read_table_recording(table, rig, missing);
     } catch (const firmware::InputError&) {
     }
@@ -117,7 +124,16 @@ void write_recording(const std::filesystem::path& file, const firmware::Recordin
   check_columns(file, recording);
   if (is_called_mat(file)) return write_recording_mat(file, recording);
   firmware::OutputFile output(file);
-  firmware::format_recording_csv(recording, [&](std::string_view text) { output.write(text); });
+  const std::function<void(std::string_view)> take = [&](std::string_view bytes) { output.write(bytes); };
+  if (is_called(file, ".mcap")) {
+    format_mcap(recording, take);
+  } else if (is_called(file, ".tsv")) {
+    format_spreadsheet(recording, SpreadsheetStyle::decimal_point, take);
+  } else if (is_called(file, ".de.csv")) {
+    format_spreadsheet(recording, SpreadsheetStyle::decimal_comma, take);
+  } else {
+    firmware::format_recording_csv(recording, take);
+  }
   output.commit();
 }
 

@@ -35,15 +35,16 @@ namespace host_sim {
 /// rows and 10 % with long gaps, are marked (Recording::filled), and a recording with gaps beyond 20 ms comes in parts
 /// (firmware/recording/recording_gaps.hpp). The remark of the first part says what was left out. The recording may run
 /// at another rate than `usual_rate`, the rig's, which only counts where it is that one (firmware::rate_if_usual); its
-/// grid may be rounded (firmware::recover_grid). The kind of the rig serves the guesses. Short rows and values that are
-/// no numbers are left out as missing ones are.
+/// grid may be rounded (firmware::recover_grid). The kind of the rig serves the guesses. In files of other programs
+/// short rows and values that are no numbers are left out as missing ones are.
 [[nodiscard]] std::vector<firmware::Recording> read_parts(const std::filesystem::path& file,
                                                           const firmware::ChannelMap& map = {},
                                                           std::optional<double> usual_rate = std::nullopt,
                                                           std::optional<model::RigKind> kind = std::nullopt);
 
-/// Writes all columns present, `t` first: MATLAB 5 if the name ends in .mat, else CSV with the shortest decimals that
-/// read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).
+/// Writes all columns present, `t` first, by the ending of the name: .mat MATLAB 5, .mcap MCAP with JSON messages, .tsv
+/// and .de.csv text for spreadsheet programs (with decimal point and comma), else CSV. Texts have the shortest decimals
+/// that read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).
 /// OutputError if it cannot be written.
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording);
 

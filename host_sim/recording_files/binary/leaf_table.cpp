@@ -231,13 +231,14 @@ class LeafTable {
       if (cell == nullptr) break;
       if (cell->text == name) position = i;
     }
-    if (position == 0) {
-      // Without names the units are in the order of the fields, with or without the time.
-      const bool without_time = find(child(properties, "VariableNames") + "{1}") == nullptr;
+    const bool named = find(child(properties, "VariableNames") + "{1}") != nullptr;
+    if (position == 0 && named) return "";
+    if (!named) {
+      // Without names the units are in the order of the variables; the time is none of them.
       std::size_t count = 0;
       for (const Leaf& leaf : leaves_) {
-        if (parent(leaf.path) != group || leaf.kind != LeafKind::numbers) continue;
-        if (without_time && is_time_name(last_part(leaf.path))) continue;
+        if (parent(leaf.path) != group || leaf.kind != LeafKind::numbers || is_time_name(last_part(leaf.path)))
+          continue;
         ++count;
         if (last_part(leaf.path) == name) position = count;
       }

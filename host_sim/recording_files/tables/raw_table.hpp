@@ -22,9 +22,10 @@ struct RawColumn {
 
 /// A value that the file should hold and does not.
 struct RawFault {
-  std::size_t line;      ///< in the file; 0 where it has no lines
-  std::string wrong;     ///< "'Weg' is 'off'"
-  std::string expected;  ///< "a number"
+  std::size_t line;           ///< in the file; 0 where it has no lines
+  std::string wrong;          ///< "'Weg' is 'off'"
+  std::string expected;       ///< "a number"
+  bool says_missing = false;  ///< a word such as NaN or n/a, which a program writes on purpose
 };
 
 /// A measurement file as columns.

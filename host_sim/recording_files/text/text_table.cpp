@@ -121,8 +121,8 @@ class TableReader {
     take_row(fields, i + 1);
   }
 
-  void fault(std::size_t line, const std::string& wrong, const std::string& expected) {
-    table_.faults.push_back({line, wrong, expected});
+  void fault(std::size_t line, const std::string& wrong, const std::string& expected, bool says_missing = false) {
+    table_.faults.push_back({line, wrong, expected, says_missing});
   }
 
   void take_row(const std::vector<std::string>& fields, std::size_t line) {
@@ -156,7 +156,7 @@ class TableReader {
       return number->value;
     }
     fault(line, in_quotes(column.name) + (firmware::trimmed(field).empty() ? " is missing" : " is " + in_quotes(field)),
-          "a number");
+          "a number", is_missing_value(field) && !firmware::trimmed(field).empty());
     return no_value;
   }
 
