@@ -15,6 +15,7 @@
 #include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
+#include "host_sim/commands/transfer_command.hpp"
 
 namespace host_sim {
 namespace {
@@ -57,6 +58,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_plan(app, plan_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
+  TransferOptions transfer_options;
+  add_transfer(app, transfer_options);
   try {
     if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);
