@@ -18,6 +18,7 @@
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
+#include "host_sim/commands/transfer_command.hpp"
 
 namespace host_sim {
 namespace {
@@ -66,6 +67,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_paper(app, paper_options);
   EstimateOptions estimate_options;
   add_estimate(app, estimate_options);
+  TransferOptions transfer_options;
+  add_transfer(app, transfer_options);
   try {
     if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);
