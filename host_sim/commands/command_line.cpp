@@ -10,6 +10,7 @@
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
+#include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
@@ -58,6 +59,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_plan(app, plan_options);
   SweepOptions sweep_options;
   add_sweep(app, sweep_options);
+  FmuOptions fmu_options;
+  add_fmu(app, fmu_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   try {
