@@ -12,8 +12,10 @@
 #include "host_sim/commands/diagnose_command.hpp"
 #include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
+#include "host_sim/commands/init_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
+#include "host_sim/commands/shell_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
@@ -61,6 +63,9 @@ int run_command_line(int argc, const char* const* argv) {
   add_sweep(app, sweep_options);
   FmuOptions fmu_options;
   add_fmu(app, fmu_options);
+  InitOptions init_options;
+  add_init(app, init_options);
+  add_shell(app);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   try {
