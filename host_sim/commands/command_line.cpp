@@ -11,10 +11,13 @@
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
 #include "host_sim/commands/estimate_command.hpp"
+#include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
 #include "host_sim/commands/import_command.hpp"
+#include "host_sim/commands/init_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
+#include "host_sim/commands/shell_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
@@ -63,6 +66,11 @@ int run_command_line(int argc, const char* const* argv) {
   add_sweep(app, sweep_options);
   ImportOptions import_options;
   add_import(app, import_options);
+  FmuOptions fmu_options;
+  add_fmu(app, fmu_options);
+  InitOptions init_options;
+  add_init(app, init_options);
+  add_shell(app);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   EstimateOptions estimate_options;

@@ -203,6 +203,13 @@ void run_diagnosis(const DiagnoseOptions& options) {
   verdict.commit();
   report.commit();
   rig.commit();
+  if (options.json == "-") {
+    std::printf("%s\n", identification::to_json(diagnosis).dump(2).c_str());
+    return;
+  }
+  if (!options.json.empty()) {
+    firmware::write_file(options.json, identification::to_json(diagnosis).dump(2) + "\n");
+  }
   print(diagnosis, options.out);
 }
 
@@ -214,6 +221,7 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
   command->add_option("--holdout", options.holdout,
                       "Recording for validation, not used for fitting (default: the last quarter of each --data)");
   command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
+  command->add_option("--json", options.json, "Write the verdict as JSON, too (- for standard output)");
   command->add_option("--keep-law", options.keep_law, "Name of a learned law in rig.toml, as [laws.NAME]");
   command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
   command->callback([&options] { run_diagnosis(options); });

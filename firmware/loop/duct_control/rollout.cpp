@@ -31,16 +31,6 @@ EstimatorMatrix cost_matrix(const EstimatorEquations& equations, const DuctPolic
   return c;
 }
 
-void multiply(EstimatorMatrix& to, const EstimatorMatrix& a, const EstimatorMatrix& b, int n) {
-  to.setZero();
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < n; ++k) {
-      const double factor = b(k, j);
-      for (int i = 0; i < n; ++i) to(i, j) += a(i, k) * factor;
-    }
-  }
-}
-
 }  // namespace
 
 Rollout::Rollout(const EstimatorEquations& equations, SteadyGains& gains, const DuctPolicySettings& settings,

@@ -12,17 +12,6 @@ using Vector = EstimatorVector;
 using model::absolute;
 using model::CoreIndex;
 
-/// to = a · b of the first n rows and columns, summed in a fixed order.
-void multiply(Matrix& to, const Matrix& a, const Matrix& b, int n) {
-  to.setZero();
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < n; ++k) {
-      const double factor = b(k, j);
-      for (int i = 0; i < n; ++i) to(i, j) += a(i, k) * factor;
-    }
-  }
-}
-
 /// to = a · bᵀ
 void multiply_transposed(Matrix& to, const Matrix& a, const Matrix& b, int n) {
   to.setZero();
@@ -70,6 +59,16 @@ void solve(Matrix& a, Matrix& b, int n) {
 }
 
 }  // namespace
+
+void multiply(EstimatorMatrix& to, const EstimatorMatrix& a, const EstimatorMatrix& b, int n) {
+  to.setZero();
+  for (int j = 0; j < n; ++j) {
+    for (int k = 0; k < n; ++k) {
+      const double factor = b(k, j);
+      for (int i = 0; i < n; ++i) to(i, j) += a(i, k) * factor;
+    }
+  }
+}
 
 SteadyGains::SteadyGains(const EstimatorEquations& equations, double period)
     : equations_(equations), period_(period), n_(equations.states()) {

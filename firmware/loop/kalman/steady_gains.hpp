@@ -8,6 +8,9 @@
 
 namespace firmware {
 
+/// to = a · b of the first n rows and columns, summed in a fixed order.
+void multiply(EstimatorMatrix& to, const EstimatorMatrix& a, const EstimatorMatrix& b, int n);
+
 /// Covariances of a filter that has run for long with n open ducts, and what it multiplies samples with.
 ///
 ///   (1)  Q  = ∫₀ʰ e^{As} ½ B Bᵀ e^{Aᵀs} ds + drift of the biases      by halving h 2¹² times, then Q ← Q + Φ Q Φᵀ
