@@ -58,7 +58,7 @@ forbid 'what is compiled for one kind of processor shares no inline code with ot
   '(<(algorithm|functional|map|memory|optional|set|string|vector)>|"(firmware|hal)/)' $(in_room 'host_sim/comparison/lane')
 
 order firmware loop description recording simulation controller
-order firmware/loop kalman duct_control
+order firmware/loop compensation kalman duct_control
 order firmware/description text table laws values
 order firmware/controller real_time safety devices reference recording
 order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability frf paper identification plan transfer sweep commands
