@@ -220,14 +220,16 @@ TEST(KalmanFilter, FusesSamplesBetweenTwoPeriods) {
   EXPECT_LT(10.0 * worst[0], worst[1]);
 }
 
-// Fault. A third of the samples lost: the rest is used, the innovations that there are keep their size within 20 %
-// (gains and variances are those of a rig that loses nothing), and the errors grow by less than a half.
+// Fault. A third of the samples lost: the rest is used. In one of 81 periods none of the four that show the wheel load
+// – z_r, dz_w, zdd_w, F_w – is there; the road then moves on unseen by its gain · √(h/2) = 0.59 mm, 118 N: 13 N rms
+// over all periods, and less than a third more for what is lost after that. The innovations stay within half of their
+// size.
 TEST(KalmanFilter, SkipsMissingSamples) {
   Made made(LinearCar::settings(every), LinearCar::rig());
   made.gains->compute(0);
   const auto& posterior = made.gains->posterior();
   const Errors e = drive(*made.filter, made.equations, posterior, every, 7, 60'000, 0, true, 0.43);
-  EXPECT_LT(e.wheel_load, 3.0 * of_wheel_load(made.equations, posterior));
+  EXPECT_LT(e.wheel_load, 17.0);
   EXPECT_NEAR(e.nis / static_cast<double>(e.innovations), 1.0, 0.5);
   EXPECT_LT(e.innovations, 57'001U * 6 * 3 / 4);
 }
