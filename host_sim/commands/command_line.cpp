@@ -16,6 +16,7 @@
 #include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
+#include "host_sim/commands/sweep_command.hpp"
 
 namespace host_sim {
 namespace {
@@ -56,6 +57,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_diagnose(app, diagnose_options);
   PlanOptions plan_options;
   add_plan(app, plan_options);
+  SweepOptions sweep_options;
+  add_sweep(app, sweep_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   EstimateOptions estimate_options;
