@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "firmware/loop/kalman/square_matrices.hpp"
 #include "model/exact_discretisation.hpp"
 
 namespace firmware {
@@ -11,28 +12,6 @@ using Matrix = EstimatorMatrix;
 using Vector = EstimatorVector;
 using model::absolute;
 using model::CoreIndex;
-
-/// to = a · b of the first n rows and columns, summed in a fixed order.
-void multiply(Matrix& to, const Matrix& a, const Matrix& b, int n) {
-  to.setZero();
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < n; ++k) {
-      const double factor = b(k, j);
-      for (int i = 0; i < n; ++i) to(i, j) += a(i, k) * factor;
-    }
-  }
-}
-
-/// to = a · bᵀ
-void multiply_transposed(Matrix& to, const Matrix& a, const Matrix& b, int n) {
-  to.setZero();
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < n; ++k) {
-      const double factor = b(j, k);
-      for (int i = 0; i < n; ++i) to(i, j) += a(i, k) * factor;
-    }
-  }
-}
 
 void symmetrise(Matrix& p, int n) {
   for (int j = 0; j < n; ++j) {
