@@ -70,10 +70,12 @@ class Columns {
     for (const char* name : {"nis", "innovations", "model_wrong"}) add(name, "");
   }
 
-  void take(double time, const KalmanFilter& filter, int open) {
+  void take(double time, const KalmanFilter& filter, int open, double actuator) {
     result_.time.push_back(time);
     next_ = 0;
-    for (const Channel channel : shown) put(equations_.output(channel, filter.state(), open, false));
+    for (const Channel channel : shown) {
+      put(equations_.output(channel, filter.state(), open, false) + equations_.feedthrough(channel) * actuator);
+    }
     const double wheel = filter.core(CoreIndex::wheel_velocity), body = filter.core(CoreIndex::body_velocity);
     for (const double v : {filter.foot_point_velocity(), wheel, body, wheel - body}) put(v);
     if (equations_.ducts() > 0) {
@@ -177,7 +179,8 @@ Estimate run_filter(const firmware::RigDescription& description, const std::vect
       }
       filter->step(frame, 0, now);
       const hal::Openings open = openings_of(recording, k, described);
-      columns.take(recording.time[k], *filter, model::count(static_cast<model::OpenDucts>(open.bits())));
+      columns.take(recording.time[k], *filter, model::count(static_cast<model::OpenDucts>(open.bits())),
+                   recording.has(Channel::F_act) ? recording[Channel::F_act][k] : 0.0);
       sums.take(*filter, equations.channels());
       squares += filter->nis();
       innovations += static_cast<std::size_t>(filter->innovations());

@@ -1,5 +1,6 @@
 #include "firmware/loop/duct_control/rollout.hpp"
 
+#include "firmware/loop/kalman/square_matrices.hpp"
 #include "model/fdva.hpp"
 
 namespace firmware {
@@ -8,7 +9,7 @@ namespace {
 using model::Channel;
 using model::CoreIndex;
 
-int count(hal::Openings open) { return model::count(static_cast<model::OpenDucts>(open.bits())); }
+int open_ducts(hal::Openings open) { return model::count(static_cast<model::OpenDucts>(open.bits())); }
 
 /// (2); the scales make the weights comparable: about the rms of a class B road at 100 km/h.
 EstimatorMatrix cost_matrix(const EstimatorEquations& equations, const DuctPolicySettings& settings) {
@@ -64,13 +65,13 @@ Rollout::Rollout(const EstimatorEquations& equations, SteadyGains& gains, const 
 
 void Rollout::switch_ducts(EstimatorVector& x, hal::Openings before, hal::Openings open) const {
   if (open == before) return;
-  const int were = count(before), stay = count(hal::Openings::from_bits(open.bits() & before.bits()));
+  const int were = open_ducts(before), stay = open_ducts(hal::Openings::from_bits(open.bits() & before.bits()));
   x(piston_) = were > 0 ? x(piston_) * stay / were : 0.0;
 }
 
 void Rollout::advance(EstimatorVector& x, hal::Openings before, hal::Openings open) const {
   switch_ducts(x, before, open);
-  const EstimatorMatrix& transition = by_count_[static_cast<std::size_t>(count(open))].transition;
+  const EstimatorMatrix& transition = by_count_[static_cast<std::size_t>(open_ducts(open))].transition;
   EstimatorVector next = EstimatorVector::Zero();
   for (int j = 0; j < states_; ++j) {
     const double factor = x(j);
@@ -97,7 +98,7 @@ double Rollout::pressure_peak(double piston_velocity, int open) const {
 }
 
 int Rollout::best(const EstimatorVector& x, hal::Openings open) const {
-  const int now = count(open);
+  const int now = open_ducts(open);
   const bool may_close = pressure_peak(x(piston_), now) <= highest_peak_;
   int chosen = now;
   double least = cost(x, now);

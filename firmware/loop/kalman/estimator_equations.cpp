@@ -219,6 +219,12 @@ double EstimatorEquations::output(Channel channel, const EstimatorVector& x, int
   }
 }
 
+double EstimatorEquations::feedthrough(Channel channel) const {
+  const EstimatorVector pushed = rates(EstimatorVector::Zero(), 0, 0.0, 1.0);
+  if (channel == Channel::zdd_w) return pushed(core(CoreIndex::wheel_velocity));
+  return channel == Channel::zdd_b ? pushed(core(CoreIndex::body_velocity)) : 0.0;
+}
+
 EstimatorVector EstimatorEquations::row(Channel channel, int open, bool as_measured) const {
   EstimatorVector row = EstimatorVector::Zero();
   for (int j = 0; j < states_; ++j) row(j) = output(channel, EstimatorVector::Unit(j), open, as_measured);

@@ -76,6 +76,8 @@ class EstimatorEquations {
   [[nodiscard]] double output(model::Channel channel, const EstimatorVector& x, int open, bool as_measured) const;
   [[nodiscard]] EstimatorVector row(model::Channel channel, int open, bool as_measured) const;
 
+  /// What a channel shows of F_act at once: ∂y_i/∂F_act [1/kg] of the accelerations, else 0.
+  [[nodiscard]] double feedthrough(model::Channel channel) const;
   [[nodiscard]] double foot_point_velocity(const EstimatorVector& x) const { return foot_point_motion(x).velocity; }
   /// Gain, offset and delay of a channel's sensor as described.
   [[nodiscard]] const model::SensorPath<double>& path(model::Channel channel) const {

@@ -1,5 +1,7 @@
 #include "firmware/loop/kalman/kalman_filter.hpp"
 
+#include <cmath>
+
 namespace firmware {
 namespace {
 
@@ -25,6 +27,9 @@ KalmanFilter::KalmanFilter(const EstimatorEquations& equations, SteadyGains& gai
     offset_[c] = equations.path(channel).offset;
     gain_[c] = equations.path(channel).gain;
     delay_[c] = equations.path(channel).delay;
+    const double rms = equations.settings().noise[channel_[c]];
+    variance_[c] = rms * rms;
+    feedthrough_[c] = equations.feedthrough(channel);
   }
   const EstimatorVector none = EstimatorVector::Zero();
   for (int open = 0; open <= equations.ducts(); ++open) {
@@ -50,7 +55,7 @@ KalmanFilter::KalmanFilter(const EstimatorEquations& equations, SteadyGains& gai
         }
       }
     }
-    for (int lag = 0; lag <= longest_lag_; ++lag) m.updates[static_cast<std::size_t>(lag)] = gains.updates(lag);
+    for (int lag = 0; lag <= longest_lag_; ++lag) m.priors[static_cast<std::size_t>(lag)] = gains.prior(lag);
   }
   wheel_load_row_ = equations.row(Channel::F_w, 0, false);
   for (int j = 0; j < estimator_states; ++j) {
@@ -175,18 +180,29 @@ void KalmanFilter::advance(Estimate& estimate, const Slot& from, const Slot& to)
 /// (3)
 void KalmanFilter::correct(EstimatorVector& x, const Slot& at, int lag, InnovationMonitor* monitor) {
   const PerCount& m = by_count_[static_cast<std::size_t>(count(at.open))];
+  EstimatorMatrix p = m.priors[static_cast<std::size_t>(lag)];
   double nis = 0.0;
   int innovations = 0;
   for (int i = 0; i < channels_; ++i) {
     const auto c = static_cast<std::size_t>(i);
     if (!at.there[c]) continue;
+    const auto& row = m.rows[c];
+    EstimatorVector projected = EstimatorVector::Zero();
+    for (int j = 0; j < states_; ++j) {
+      const double factor = row[0](j);
+      for (int k = 0; k < states_; ++k) projected(k) += p(k, j) * factor;
+    }
+    const double variance = dot(row[0], projected) + variance_[c];
     const double delta = at.offset[c];
-    const double expected = dot(m.rows[c][0], x) + delta * (dot(m.rows[c][1], x) + delta * dot(m.rows[c][2], x));
-    const double innovation = at.value[c] - expected;
-    const SteadyGains::Update& update = m.updates[static_cast<std::size_t>(lag)][c];
-    for (int k = 0; k < states_; ++k) x(k) += update.gain(k) * innovation;
+    const double expected = dot(row[0], x) + delta * (dot(row[1], x) + delta * dot(row[2], x));
+    const double innovation = at.value[c] - expected - feedthrough_[c] * at.actuator;
+    for (int j = 0; j < states_; ++j) {
+      const double gain = projected(j) / variance;
+      x(j) += gain * innovation;
+      for (int k = 0; k < states_; ++k) p(k, j) -= gain * projected(k);
+    }
     if (monitor == nullptr) continue;
-    const double normalised = innovation * update.per_deviation;
+    const double normalised = innovation / std::sqrt(variance);
     innovation_[c] = normalised;
     nis += normalised * normalised;
     ++innovations;

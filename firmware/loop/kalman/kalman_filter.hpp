@@ -14,11 +14,15 @@
 
 namespace firmware {
 
-/// Estimates the states of EstimatorEquations with the gains of SteadyGains, once a period:
+/// Estimates the states of EstimatorEquations with the covariances of SteadyGains, once a period:
 ///
 ///   (1)  predict  x ← Φ_n x + b_q Σ q|q| + b_F F_act      n ducts open; losses as in model::RigModel, fourth order
 ///   (2)  switch   model::DuctFlows: the flow of a closing duct ends, an opening one begins at rest
-///   (3)  correct  e = y_i − (c_i + δ c_i A + ½ δ² c_i A²) x,   x ← x + k_i e     channel by channel
+///   (3)  correct  e = y_i − (c_i + δ c_i A + ½ δ² c_i A²) x − d_i F_act,   k = P c_i/s,   s = c_iᵀ P c_i + r_i²,
+///                 x ← x + k e,   P ← P − k c_iᵀ P               channel by channel, those that are there
+///
+/// P in (3) begins every period at the steady state's for the lag and the number of ducts: a channel that is missing
+/// leaves the others the gains that they have without it. It is not carried along.
 ///
 /// Samples count for the instant of their stamp: it chooses the period (the nearest) and δ, at most half a period. An
 /// anchor state runs longest_lag() periods behind, where all samples are there; from it the newest state is computed
@@ -26,7 +30,7 @@ namespace firmware {
 /// whatever the samples. A sample that is missing, bad or shown before (same stamp) is skipped; one that is too old for
 /// the history is counted and left out.
 /// The innovations of the anchor, all channels present, are white for a right model: InnovationMonitor.
-/// Memory: 150 KiB for 16 states, 8 channels, 8 late periods, 7 counts of ducts; no heap.
+/// Memory: 190 KiB for 16 states, 8 channels, 8 late periods, 7 counts of ducts; no heap.
 class KalmanFilter {
  public:
   /// Settings that pass EstimatorEquations::check(); `gains` is room for the construction and may be forgotten.
@@ -67,7 +71,7 @@ class KalmanFilter {
     model::Block<double, estimator_states, 4> losses;
     model::Block<double, estimator_states, 2> actuator;
     std::array<std::array<EstimatorVector, 3>, estimator_channels> rows;  ///< c, c A, ½ c A²
-    std::array<SteadyGains::Updates, SteadyGains::lags> updates;
+    std::array<EstimatorMatrix, SteadyGains::lags> priors;                ///< P by lag
   };
   struct Estimate {
     EstimatorVector x = EstimatorVector::Zero();
@@ -97,6 +101,7 @@ class KalmanFilter {
   std::array<int, model::core_states> core_{};
   std::array<std::size_t, estimator_channels> channel_{};
   std::array<double, estimator_channels> gain_{}, offset_{}, delay_{};  ///< of the sensors
+  std::array<double, estimator_channels> variance_{}, feedthrough_{};   ///< r², of F_act
   std::array<PerCount, SteadyGains::counts> by_count_{};
   EstimatorVector wheel_load_row_, foot_velocity_row_;
   Unobservable unobservable_{};

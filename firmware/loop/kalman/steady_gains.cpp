@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "firmware/loop/kalman/square_matrices.hpp"
 #include "model/exact_discretisation.hpp"
 
 namespace firmware {
@@ -11,17 +12,6 @@ using Matrix = EstimatorMatrix;
 using Vector = EstimatorVector;
 using model::absolute;
 using model::CoreIndex;
-
-/// to = a · bᵀ
-void multiply_transposed(Matrix& to, const Matrix& a, const Matrix& b, int n) {
-  to.setZero();
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < n; ++k) {
-      const double factor = b(j, k);
-      for (int i = 0; i < n; ++i) to(i, j) += a(i, k) * factor;
-    }
-  }
-}
 
 void symmetrise(Matrix& p, int n) {
   for (int j = 0; j < n; ++j) {
@@ -59,16 +49,6 @@ void solve(Matrix& a, Matrix& b, int n) {
 }
 
 }  // namespace
-
-void multiply(EstimatorMatrix& to, const EstimatorMatrix& a, const EstimatorMatrix& b, int n) {
-  to.setZero();
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < n; ++k) {
-      const double factor = b(k, j);
-      for (int i = 0; i < n; ++i) to(i, j) += a(i, k) * factor;
-    }
-  }
-}
 
 SteadyGains::SteadyGains(const EstimatorEquations& equations, double period)
     : equations_(equations), period_(period), n_(equations.states()) {
@@ -181,25 +161,24 @@ void SteadyGains::solve_riccati() {
 }
 
 /// (4)
-void SteadyGains::update(EstimatorMatrix& p, int channel, Update& result) const {
+void SteadyGains::update(EstimatorMatrix& p, int channel) const {
   const Vector& row = row_[static_cast<std::size_t>(channel)];
   const double variance = variance_[static_cast<std::size_t>(channel)];
   Vector projected = Vector::Zero();
   for (int j = 0; j < n_; ++j) {
     for (int i = 0; i < n_; ++i) projected(i) += p(i, j) * row(j);
   }
-  result.variance = variance;
-  for (int i = 0; i < n_; ++i) result.variance += row(i) * projected(i);
-  result.per_deviation = 1.0 / std::sqrt(result.variance);
-  for (int i = 0; i < n_; ++i) result.gain(i) = projected(i) / result.variance;
+  double total = variance;
+  for (int i = 0; i < n_; ++i) total += row(i) * projected(i);
+  const Vector gain = projected / total;
   work_1_.setZero();
   for (int j = 0; j < n_; ++j) {
-    for (int i = 0; i < n_; ++i) work_1_(i, j) = (i == j ? 1.0 : 0.0) - result.gain(i) * row(j);
+    for (int i = 0; i < n_; ++i) work_1_(i, j) = (i == j ? 1.0 : 0.0) - gain(i) * row(j);
   }
   multiply(work_2_, work_1_, p, n_);
   multiply_transposed(p, work_2_, work_1_, n_);
   for (int j = 0; j < n_; ++j) {
-    for (int i = 0; i < n_; ++i) p(i, j) += result.gain(i) * variance * result.gain(j);
+    for (int i = 0; i < n_; ++i) p(i, j) += gain(i) * variance * gain(j);
   }
   symmetrise(p, n_);
 }
@@ -221,32 +200,22 @@ void SteadyGains::compute(int open) {
   solve_riccati();
   // A few periods as the filter does them take off the rounding of (3).
   constexpr int polishing = 20;
-  Update unused;
   for (int k = 0; k < polishing; ++k) {
-    for (int c = 0; c < equations_.channels(); ++c) update(prior_, c, unused);
+    for (int c = 0; c < equations_.channels(); ++c) update(prior_, c);
     multiply(work_1_, transition_, prior_, n_);
     multiply_transposed(prior_, work_1_, transition_, n_);
     prior_ += noise_;
   }
   posterior_ = prior_;
   for (int lag = longest_lag_; lag >= 0; --lag) {
-    Updates& updates = updates_[static_cast<std::size_t>(lag)];
     if (lag < longest_lag_) {
       multiply(work_1_, transition_, posterior_, n_);
       multiply_transposed(posterior_, work_1_, transition_, n_);
       posterior_ += noise_;
     }
-    for (const bool expected : {true, false}) {
-      for (int c = 0; c < equations_.channels(); ++c) {
-        const bool there = lag == longest_lag_ || this->lag(c) <= lag;
-        if (there != expected) continue;
-        if (expected) {
-          update(posterior_, c, updates[static_cast<std::size_t>(c)]);
-        } else {
-          work_3_ = posterior_;
-          update(work_3_, c, updates[static_cast<std::size_t>(c)]);
-        }
-      }
+    priors_[static_cast<std::size_t>(lag)] = posterior_;
+    for (int c = 0; c < equations_.channels(); ++c) {
+      if (lag == longest_lag_ || this->lag(c) <= lag) update(posterior_, c);
     }
   }
 }

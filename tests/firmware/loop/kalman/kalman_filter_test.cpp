@@ -132,7 +132,8 @@ Errors drive(KalmanFilter& filter, const EstimatorEquations& equations, const fi
 
 // Law. On a car that is what the filter thinks, its errors are the bounds of the table within 5 %, its innovations are
 // white and as large as it expects (χ² with m degrees of freedom a period: the mean of n of them scatters by √(2/(m
-// n))), and its errors as large as P says (every half second, long after errors have forgotten each other; 4 σ).
+// n))), and its errors as large as P says (every half second; the road's are forgotten after 3 s, so that of eight
+// samples one is independent; 4 σ).
 TEST(KalmanFilter, ReachesTheBoundsInSimulation) {
   for (const Bound& bound : table) {
     Made made(LinearCar::settings(bound.channels), LinearCar::rig());
@@ -143,72 +144,93 @@ TEST(KalmanFilter, ReachesTheBoundsInSimulation) {
     EXPECT_NEAR(e.velocity / of_velocity(made.equations, made.gains->posterior()), 1.0, 0.05) << who;
     const auto n = static_cast<double>(e.innovations);
     EXPECT_NEAR(e.nis / n, 1.0, 4.0 * std::sqrt(2.0 / n)) << who;
-    const double degrees = 5.0 * static_cast<double>(e.judged);
-    EXPECT_NEAR(e.nees / degrees, 1.0, 4.0 * std::sqrt(2.0 / degrees)) << who;
+    const double degrees = 5.0 * static_cast<double>(e.judged);  // of which one in eight is independent
+    EXPECT_NEAR(e.nees / degrees, 1.0, 4.0 * std::sqrt(2.0 * 8.0 / degrees)) << who;
     EXPECT_FALSE(made.filter->monitor().model_wrong()) << who;
-    EXPECT_GT(made.filter->monitor().blocks(), 25U * bound.channels.size()) << who;
+    EXPECT_GE(made.filter->monitor().blocks(), 25U * bound.channels.size()) << who;
   }
 }
 
 // Law. A sample 5 ms old counts for when it was taken: the errors are those that the filter expects of such a rig.
-// Taken as new it costs a hundred newtons and more, and the innovations say that something is wrong.
+// Taken as new it costs many times that, and the innovations say that something is wrong.
 TEST(KalmanFilter, FusesLateSamplesForWhenTheyWereTaken) {
-  const Channels channels{Channel::dz_b};
+  const Channels channels{Channel::dz_b, Channel::zdd_b, Channel::zdd_w};
   KalmanSettings settings = LinearCar::settings(channels);
   settings.age[model::index(Channel::dz_b)] = 5e-3;
   Made late(settings, LinearCar::rig());
   late.gains->compute(0);
   const auto& posterior = late.gains->posterior();
-  const Errors right = drive(*late.filter, late.equations, posterior, channels, 6, 120'000, 5, true);
+  const Errors right = drive(*late.filter, late.equations, posterior, channels, 6, 60'000, 5, true);
   EXPECT_NEAR(right.wheel_load / of_wheel_load(late.equations, posterior), 1.0, 0.05);
   EXPECT_NEAR(right.velocity / of_velocity(late.equations, posterior), 1.0, 0.05);
-  EXPECT_NEAR(right.nis / static_cast<double>(right.innovations), 1.0, 0.05);
+  const auto n = static_cast<double>(right.innovations);
+  EXPECT_NEAR(right.nis / n, 1.0, 4.0 * std::sqrt(2.0 / n));
   EXPECT_EQ(late.filter->too_old(), 0U);
   Made fresh(LinearCar::settings(channels), LinearCar::rig());
   fresh.gains->compute(0);
-  const Errors wrong = drive(*fresh.filter, fresh.equations, fresh.gains->posterior(), channels, 6, 120'000, 5, false);
-  EXPECT_GT(wrong.wheel_load, right.wheel_load + 100.0);
+  const Errors wrong = drive(*fresh.filter, fresh.equations, fresh.gains->posterior(), channels, 6, 60'000, 5, false);
+  EXPECT_GT(wrong.wheel_load, 10.0 * right.wheel_load);
+  EXPECT_TRUE(fresh.filter->monitor().model_wrong());
 }
 
-// Law. Between two periods, too: samples of 2.4 periods with their stamps are as good as samples of 2.
+// Law. Between two periods, too. A known force drives the car, so that the filter knows its motion and a sample tells
+// it nothing new – if it is compared with the instant of its stamp, 2.4 periods ago. Off by 0.4 periods it would pull
+// the estimate; that is more than ten times as much.
 TEST(KalmanFilter, FusesSamplesBetweenTwoPeriods) {
-  const Channels channels{Channel::dz_b, Channel::zdd_b, Channel::zdd_w};
+  const Channels channels{Channel::dz_b, Channel::dz_w};
   KalmanSettings settings = LinearCar::settings(channels);
   for (const Channel c : channels) settings.age[model::index(c)] = 2e-3;
-  Made made(settings, LinearCar::rig());
-  // A car that moves by itself, without noise: a sample at t − 2.4 h has the value of then. h/10 is stepped.
   const LinearCar car;
-  const LinearCar::Matrix tenth = (car.a * (period / 10.0)).exp();
-  LinearCar::Vector x;
-  x << 0.01, 0.3, -0.004, -0.5, 0.002;
-  std::deque<LinearCar::Vector> past(40, x);
-  double with_stamps = 0.0;
-  for (int k = 1; k < 400; ++k) {
-    for (int i = 0; i < 10; ++i) {
-      x = (tenth * x).eval();
-      past.push_front(x);
-      past.pop_back();
+  double worst[2] = {0.0, 0.0};
+  for (const bool right : {true, false}) {
+    Made made(settings, LinearCar::rig());
+    // In steps of a tenth: exact for a force that goes straight from period to period.
+    constexpr double h = period / 10.0;
+    LinearCar::Vector x = LinearCar::Vector::Zero(), push;
+    push << 0, 1.0 / LinearCar::m_b, 0, -1.0 / LinearCar::m_w, 0;
+    std::deque<LinearCar::Vector> past(40, x);
+    double before = 0.0;
+    for (int k = 1; k < 600; ++k) {
+      const double force = 300.0 * std::sin(0.06 * k);
+      for (int i = 0; i < 10; ++i) {
+        const auto rate = [&](const LinearCar::Vector& at, double s) {
+          return (car.a * at + push * (before + (force - before) * s)).eval();
+        };
+        const double s = 0.1 * i;
+        const LinearCar::Vector k1 = rate(x, s), k2 = rate(x + 0.5 * h * k1, s + 0.05);
+        const LinearCar::Vector k3 = rate(x + 0.5 * h * k2, s + 0.05), k4 = rate(x + h * k3, s + 0.1);
+        x += (h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)).eval();
+        past.push_front(x);
+        past.pop_back();
+      }
+      before = force;
+      const hal::Time now = hal::milliseconds(k);
+      const hal::Time taken = now - hal::microseconds(right ? 2400 : 2000);
+      hal::Frame frame;
+      for (const Channel c : channels) frame.channels[model::index(c)] = good(car.row(c).dot(past[24]), taken);
+      frame.channels[model::index(Channel::F_act)] = good(force, now);
+      made.filter->step(frame, 0, now);
+      if (k > 20) {
+        worst[right ? 0 : 1] =
+            std::max(worst[right ? 0 : 1], std::abs(made.filter->core(CoreIndex::wheel_velocity) - x(3)));
+      }
     }
-    const hal::Time now = hal::milliseconds(k), taken = now - hal::microseconds(2400);
-    hal::Frame frame;
-    for (const Channel c : channels) frame.channels[model::index(c)] = good(car.row(c).dot(past[24]), taken);
-    made.filter->step(frame, 0, now);
-    if (k > 100) with_stamps = std::max(with_stamps, std::abs(made.filter->core(CoreIndex::body_velocity) - x(1)));
+    EXPECT_EQ(made.filter->too_old(), 0U);
   }
-  // After 100 periods the start is forgotten; 0.4 periods of a body that accelerates with 3 m/s² would be 1.2 mm/s.
-  EXPECT_LT(with_stamps, 0.2e-3);
-  EXPECT_EQ(made.filter->too_old(), 0U);
+  EXPECT_LT(10.0 * worst[0], worst[1]);
 }
 
-// Fault. A third of the samples lost: the rest is used, the innovations that there are keep their size within 20 %
-// (gains and variances are those of a rig that loses nothing), and the errors grow by less than a half.
+// Fault. A third of the samples lost: the rest is used. In one of 81 periods none of the four that show the wheel load
+// – z_r, dz_w, zdd_w, F_w – is there; the road then moves on unseen by its gain · √(h/2) = 0.59 mm, 118 N: 13 N rms
+// over all periods, and less than a third more for what is lost after that. The innovations stay within half of their
+// size.
 TEST(KalmanFilter, SkipsMissingSamples) {
   Made made(LinearCar::settings(every), LinearCar::rig());
   made.gains->compute(0);
   const auto& posterior = made.gains->posterior();
   const Errors e = drive(*made.filter, made.equations, posterior, every, 7, 60'000, 0, true, 0.43);
-  EXPECT_LT(e.wheel_load, 1.5 * of_wheel_load(made.equations, posterior));
-  EXPECT_NEAR(e.nis / static_cast<double>(e.innovations), 1.0, 0.2);
+  EXPECT_LT(e.wheel_load, 17.0);
+  EXPECT_NEAR(e.nis / static_cast<double>(e.innovations), 1.0, 0.5);
   EXPECT_LT(e.innovations, 57'001U * 6 * 3 / 4);
 }
 
