@@ -19,8 +19,8 @@ struct StuckArea {
                                       .needs_air_spring = true,
                                       .parameters = {{{.name = "position",
                                                        .unit = "1",
-                                                       .lower = -0.5,
-                                                       .upper = 0.5,
+                                                       .lower = -1.0,
+                                                       .upper = 1.0,
                                                        .starts = {.scale = scales::unit, .factors = {0.0}}}}},
                                       .equation = "u = position",
                                       .shows =

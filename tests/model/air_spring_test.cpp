@@ -218,6 +218,40 @@ TEST(AirSpring, LosesWhatLeaks) {
   EXPECT_NEAR(spring.pressure(x) / 801325.0, std::exp(-1e-2), 2e-5);
 }
 
+// Point (2), (3). ∂V/∂s = −A at every stroke: V = V₀ − A s − ½ A′ s², and of the second bellows V₂₀ + A₂ s.
+TEST(AirSpring, DisplacesWhatItsAreaSweeps) {
+  const Parameters p = elaborate();
+  const Spring spring = spring_of(p, 1e-3);
+  const double s = 0.04;
+  const Spring::State x = spring.start(s, false);
+  EXPECT_NEAR(spring.volume(x), p.volume - p.area * s - 0.5 * 0.01 * s * s, 1e-15);
+  EXPECT_NEAR(spring.counter_volume(x), p.counter_volume + p.counter_area * s, 1e-15);
+}
+
+// Law. Gas that leaves takes its enthalpy along: without heat from the walls p/p₀ = (m/m₀)^κ.
+TEST(AirSpring, CoolsWhatStaysWhenItLeaks) {
+  Parameters p = paper();
+  p.heat_time = 1e6;
+  const Spring spring = spring_of(p, 1e-3, {.polytropic_exponent = kappa, .leak = 1e-2});
+  Spring::State x = spring.start(0.0, true);
+  for (int i = 0; i < 10000; ++i) spring.step(x, 0.0);
+  EXPECT_LT(x.mass, -0.08);
+  EXPECT_NEAR(spring.pressure(x) / 801325.0 / std::pow(1.0 + x.mass, kappa), 1.0, 1e-5);
+}
+
+// Point (8). Within its band the levelling leaves the body alone; beyond twice the band it works at its full rate.
+TEST(AirSpring, LevelsOutsideItsBandOnly) {
+  Parameters p = paper();
+  p.levelling_rate = 0.01;
+  const Spring spring = spring_of(p, 1e-2);
+  for (const auto& [share, mass] :
+       {std::pair(0.9, 0.0), std::pair(-0.9, 0.0), std::pair(1.5, 0.005), std::pair(3.0, 0.01)}) {
+    Spring::State x = spring.start(share * p.levelling_band, true);
+    for (int i = 0; i < 100; ++i) spring.step(x, share * p.levelling_band);
+    EXPECT_NEAR(x.mass, mass, 1e-9) << share;
+  }
+}
+
 // Law (8). A body that sits too low is lifted by gas that comes in, and no more once it is within the band.
 TEST(AirSpring, LevelsWhatSinks) {
   Parameters p = paper();
