@@ -1,9 +1,8 @@
 #include "firmware/description/programme.hpp"
 
-#include <fstream>
-
 #include "firmware/description/table/rig_description_table.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/small_text.hpp"
 
 namespace firmware {
 namespace {
@@ -52,18 +51,7 @@ Programme parse_programme(std::string_view text, std::string_view source) {
 }
 
 Programme read_programme(const std::filesystem::path& file) {
-  std::error_code status;
-  if (std::filesystem::is_directory(file, status)) {
-    throw InputError(file.string(), 0, "is a directory", "a programme of [[blocks]] in TOML");
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string(), 0, "cannot be opened", "a readable programme of [[blocks]] in TOML");
-  constexpr std::size_t longest = 1U << 20U;  // a device may never end
-  std::string text(longest + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > longest) throw InputError(file.string(), 0, "is larger than 1 MiB", "a programme in TOML");
-  return parse_programme(text, file.string());
+  return parse_programme(read_small_text(file, "a programme of [[blocks]] in TOML"), file.string());
 }
 
 }  // namespace firmware

@@ -1,7 +1,6 @@
 #include "firmware/description/rig_description.hpp"
 
 #include <cmath>
-#include <fstream>
 
 #include "firmware/description/laws/law_reader.hpp"
 #include "firmware/description/rig_description_controller.hpp"
@@ -9,6 +8,7 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
+#include "firmware/description/text/small_text.hpp"
 
 namespace firmware {
 namespace {
@@ -277,19 +277,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
 }
 
 RigDescription read_rig(const std::filesystem::path& file) {
-  std::error_code status;
-  if (std::filesystem::is_directory(file, status)) {
-    throw InputError(file.string(), 0, "is a directory", "a rig description in TOML");
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string(), 0, "cannot be opened", "a readable rig description in TOML");
-  constexpr std::size_t longest = 1U << 20U;  // a description has some hundred lines; a device may never end
-  std::string text(longest + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (stream.bad()) throw InputError(file.string(), 0, "cannot be read", "a readable rig description in TOML");
-  if (text.size() > longest) throw InputError(file.string(), 0, "is larger than 1 MiB", "a rig description in TOML");
-  return parse_rig(text, file.string());
+  return parse_rig(read_small_text(file, "a rig description in TOML"), file.string());
 }
 
 }  // namespace firmware

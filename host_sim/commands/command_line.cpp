@@ -16,6 +16,7 @@
 #include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
+#include "host_sim/commands/sweep_command.hpp"
 
 namespace host_sim {
 namespace {
@@ -58,6 +59,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_plan(app, plan_options);
   ImportOptions import_options;
   add_import(app, import_options);
+  SweepOptions sweep_options;
+  add_sweep(app, sweep_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   try {

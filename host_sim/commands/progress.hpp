@@ -5,8 +5,8 @@
 
 namespace host_sim {
 
-/// One line on standard error, updated at most ten times a second; nothing when standard error is not a terminal. The
-/// destructor removes the line, also after an exception.
+/// One line on standard error with the time left, updated at most ten times a second; nothing when standard error is
+/// not a terminal. The destructor removes the line, also after an exception.
 class Progress {
  public:
   explicit Progress(std::string what);
@@ -19,7 +19,9 @@ class Progress {
  private:
   std::string what_;
   bool terminal_;
-  double last_ = 0.0;  // when something was shown [s]
+  double last_ = 0.0;         // when something was shown [s]
+  double first_ = 0.0;        // when the work began [s]
+  double first_share_ = 2.0;  // where it began: a resumed work does not begin at 0
   bool shown_ = false;
 };
 

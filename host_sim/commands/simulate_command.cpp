@@ -1,8 +1,6 @@
 #include "host_sim/commands/simulate_command.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -17,6 +15,7 @@
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
+#include "host_sim/signal/summary.hpp"
 
 namespace host_sim {
 namespace {
@@ -45,13 +44,11 @@ void print_channels(const firmware::Recording& recording) {
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     const auto& column = recording.channels[i];
     if (column.empty()) continue;
-    double squares = 0.0;
-    for (const double value : column) squares += value * value;
-    const auto [low, high] = std::minmax_element(column.begin(), column.end());
+    const auto [rms, lowest, highest] = summarise(column);
     const std::string unit(model::channel_names[i].unit);
     const int width = unit.find("²") != std::string::npos ? 6 : 5;  // ² is two bytes
     std::printf("  %-6s %-*s %12.5g %12.5g %12.5g\n", std::string(model::channel_names[i].name).c_str(), width,
-                unit.c_str(), std::sqrt(squares / static_cast<double>(column.size())), *low, *high);
+                unit.c_str(), rms, lowest, highest);
   }
 }
 

@@ -60,7 +60,7 @@ forbid 'what is compiled for one kind of processor shares no inline code with ot
 order firmware loop description recording simulation controller
 order firmware/description text table laws values
 order firmware/controller real_time safety devices reference recording
-order host_sim signal least_squares report recording_files closed_loop comparison stability frf paper identification plan commands
+order host_sim signal least_squares report recording_files closed_loop comparison stability frf paper identification plan sweep commands
 order host_sim/recording_files tables text binary export
 order host_sim/stability roots margins map report
 order host_sim/identification common prepare predict noise parity estimate select learn assess report

@@ -3,10 +3,16 @@
 #include <cstdio>
 #include <ctime>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
+#include "firmware/description/text/sha256.hpp"
+#include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/sweep/merge.hpp"
+#include "host_sim/sweep/run_cases.hpp"
 #include "tests/confusion/golden.hpp"
 #include "tests/confusion/rough.hpp"
 #include "tests/confusion/workers.hpp"
@@ -27,6 +33,9 @@ struct Options {
   std::size_t count = 10;
   std::string condition;
   std::string out, golden, against;
+  std::filesystem::path results;  ///< folder of the shards
+  std::string shard;
+  bool merge = false;
 };
 
 std::vector<Asked> chosen(const Options& options) {
@@ -68,6 +77,47 @@ int compared(const Options& options, const Table& table, const std::vector<Outco
   return worse.empty() ? 0 : 1;
 }
 
+/// The recordings as cases of a sweep: a case is a recording, whoever diagnoses it.
+host_sim::sweep::CaseSet cases_of(const Options& options, const std::vector<Asked>& asked) {
+  const truth::Wanted& wanted = options.run.wanted;
+  std::string all = std::string(firmware::version) +
+                    nlohmann::ordered_json{wanted.weak, wanted.duration, wanted.varied, options.most_seconds}.dump();
+  for (const Asked& a : asked) all += a.id() + "\n";
+  return {asked.size(), firmware::sha256(all)};
+}
+
+/// One shard of the recordings into files of --results; one recording at a time, in a process of its own.
+void run_shard(const Options& options, const std::vector<Asked>& asked) {
+  namespace sweep = host_sim::sweep;
+  const auto engine = sweep::shard_of_engine(sweep::process_environment);
+  const sweep::Shard shard =
+      options.shard.empty() ? engine.value_or(sweep::Shard{}) : sweep::parse_shard(options.shard);
+  std::filesystem::create_directories(options.results);
+  const auto line = [&](std::uint64_t id) {
+    const auto outcome = run_all({asked[id]}, options.run.wanted, 1, options.most_seconds, {});
+    nlohmann::ordered_json json{{"id", id}};
+    json.update(nlohmann::ordered_json{{"outcome", to_json(outcome.front())}});
+    return json.dump();
+  };
+  const auto tell = [](const sweep::ShardWork& work) {
+    std::fprintf(stderr, "%llu/%llu\n", static_cast<unsigned long long>(work.before + work.now),
+                 static_cast<unsigned long long>(work.cases));
+  };
+  sweep::run_cases(cases_of(options, asked), shard, options.results, 1, line, tell);
+}
+
+/// The outcomes of all shards; throws where one is missing, there twice, or of other recordings.
+std::vector<Outcome> merged(const Options& options, const std::vector<Asked>& asked) {
+  std::vector<Outcome> outcomes;
+  const auto cases = host_sim::sweep::merge(options.results, [&](const auto& line) {
+    outcomes.push_back(outcome_from(nlohmann::ordered_json::parse(line.text)["outcome"]));
+  });
+  if (cases.fingerprint != cases_of(options, asked).fingerprint) {
+    throw std::runtime_error(options.results.string() + " holds other recordings than these options ask for");
+  }
+  return outcomes;
+}
+
 int main_of(const Options& options) {
   const std::vector<Asked> asked =
       options.rough ? rough_plan(options.rough_seed, options.count, options.condition) : chosen(options);
@@ -75,12 +125,17 @@ int main_of(const Options& options) {
     for (const Asked& a : asked) std::puts(a.id().c_str());
     return 0;
   }
+  if (!options.results.empty() && !options.merge) {
+    run_shard(options, asked);
+    return 0;
+  }
   std::size_t done = 0;
   const auto tell = [&](const Outcome& o) {
     std::fprintf(stderr, "%3zu/%zu %s %s: %s\n", ++done, asked.size(), o.right() ? "right" : "WRONG",
                  o.asked.id().c_str(), (o.failure.empty() ? o.found : o.failure).c_str());
   };
-  const auto outcomes = run_all(asked, options.run.wanted, options.jobs, options.most_seconds, tell);
+  const auto outcomes = options.merge ? merged(options, asked)
+                                      : run_all(asked, options.run.wanted, options.jobs, options.most_seconds, tell);
   const Table table = table_of(outcomes);
   const std::string words = options.rough ? rough_text(outcomes) : text(table, outcomes);
   std::printf("%s", words.c_str());
@@ -119,8 +174,14 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "JSON with everything");
   app.add_option("--golden", options.golden, "FILE.json and FILE.txt to be kept, as tests/golden/confusion");
   app.add_option("--against", options.against, "Golden copy: status 1 where less is right than there");
+  app.add_option("--results", options.results, "Folder for the outcomes of one shard, which goes on where it was");
+  app.add_option("--shard", options.shard, "i/n (default: as the cluster's engine says), with --results");
+  app.add_flag("--merge", options.merge, "The table of all shards in --results");
   try {
     app.parse(argc, argv);
+    if (options.results.empty() && (options.merge || !options.shard.empty())) {
+      throw CLI::ValidationError("--results", "expected the folder of the shards");
+    }
     options.rough = rough->count() > 0;
     return main_of(options);
   } catch (const CLI::ParseError& error) {
