@@ -13,6 +13,7 @@
 #include "host_sim/recording_files/measurement_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
 #include "host_sim/recording_files/tables/table_recording.hpp"
+#include "host_sim/recording_files/text/text_encoding.hpp"
 
 namespace host_sim {
 namespace {
@@ -23,6 +24,9 @@ RawTable read_any_table(const std::filesystem::path& file) {
   const firmware::RecordingFile opened(file);
   const FileKind kind = kind_of_file(file, opened.head(), opened.is_matlab());
   std::string bytes;
+  if (kind == FileKind::text && !looks_like_text(opened.head())) {
+    throw firmware::InputError(file.string(), 0, "the file is no text", "text, MATLAB 5 or 7.3, NI TDMS or HDF5");
+  }
   if (kind == FileKind::text || kind == FileKind::tdms) {
     bytes = read_whole(opened.descriptor(), opened.head(), file.string());
   }

@@ -99,6 +99,10 @@ firmware::Recording read(const std::filesystem::path& file, const RigContext& ri
     std::string bytes = kind == FileKind::tdms ? read_whole(opened.descriptor(), opened.head(), source) : std::string();
     return read_table_recording(read_measurement(file, kind, std::move(bytes)), rig, missing);
   }
+  // What is no text is refused at its first line, however long it is: a device may be endless.
+  if (!looks_like_text(opened.head())) {
+    return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, rig.channels, rig.rate, missing);
+  }
   if (opened.head().find(firmware::recording_mark) != std::string::npos &&
       is_contract_csv(opened.head(), rig.channels)) {
     return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, rig.channels, rig.rate, missing);
