@@ -14,6 +14,7 @@
 #include "firmware/controller/safety/systemd_notify.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/loop_proof.hpp"
+#include "firmware/description/semi_active_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
@@ -42,8 +43,8 @@ std::string words(const Trip& trip, const RigDescription& rig) {
 
 /// The roles with a command output that remembers.
 hal::Rig remembering(const hal::Rig& opened, RememberedCommand& command) {
-  return {opened.clock,       opened.sensors,   opened.valves,       command,
-          opened.stop_button, opened.heartbeat, opened.drive_enable, opened.interlocks};
+  return {opened.clock,     opened.sensors,      opened.valves,     command,    opened.stop_button,
+          opened.heartbeat, opened.drive_enable, opened.interlocks, opened.area};
 }
 
 Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles, bool devices) {
@@ -83,11 +84,13 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       road_(options, rig, devices.replayed(), operated_ || !options.socket.empty()),
       storage_(journal_records),
       journal_(storage_),
+      companion_(companion(rig)),
       loop_(settings_, rig.rig, roles_, road_.reference(), valves_, journal_),
       spans_(std::make_unique<Spans>()),
       wake_(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period()))),
       emergency_return_(roles_, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke, rig.period()),
       longest_return_(longest_return(rig)) {
+  if (companion_) loop_.attach(*companion_);
   if (realtime_ && wake_.early() > hal::Time{}) {
     warmup_ = std::make_unique<CacheWarmup>(loop_, journal_, settings_, rig.rig, roles_.sensors.setup());
   }

@@ -84,6 +84,7 @@ class Session {
   RunRoad road_;
   std::vector<Record> storage_;
   Journal journal_;
+  const std::unique_ptr<Companion> companion_;  ///< none: observers, and ducts by plan
   ControlLoop loop_;
   const std::unique_ptr<Spans> spans_;
   WakeLead wake_;

@@ -8,6 +8,7 @@
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/sha256.hpp"
 #include "firmware/description/values/effects_by_name.hpp"
+#include "firmware/description/values/extensions.hpp"
 
 namespace firmware {
 namespace {
@@ -81,6 +82,9 @@ std::string loop_text(const RigDescription& description) {
   if (copy.rig.has_fdva) {
     line("fdva.ducts", std::to_string(copy.rig.fdva.ducts));
     line("fdva.open_ducts", std::to_string(copy.rig.fdva.open_ducts));
+  }
+  for (const TableLine& extension : extension_lines(copy.rig)) {
+    line(extension.table + "." + extension.key, extension.value);
   }
   for (const PlacedEffect& effect : effects_of(copy.rig)) {
     if (effect.values.empty()) line("effects", std::string(effect.entry->name));

@@ -9,6 +9,7 @@
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/description/text/small_text.hpp"
+#include "firmware/description/values/extensions.hpp"
 
 namespace firmware {
 namespace {
@@ -55,6 +56,7 @@ void read_parameters(DescriptionTable& top, Rig& rig) {
         p.value(rig) = table->number(p.key);
       }
     }
+    if (part.table == "machine") read_delay_variation(*table, rig);
     if (part.table == "fdva") {
       rig.has_fdva = true;
       rig.fdva.ducts = table->whole("ducts");
@@ -262,6 +264,8 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
              "the rate of the loop in Hz, from 1 to 100000");
   }
   read_parameters(top, description.rig);
+  read_air_spring(top, description.rig);
+  read_lever(top, description.rig);
   read_effects(top, description.rig);
   description.laws = read_laws(top, description.rig);
   read_sensors(top, description);
@@ -273,6 +277,8 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);
+  check_load(top, description.rig);
+  check_lever_tolerances(top, description.rig, description.tolerance);
   return description;
 }
 

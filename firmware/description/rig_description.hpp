@@ -14,6 +14,8 @@
 #include "firmware/description/laws/law_description.hpp"
 #include "firmware/description/values/channel_map.hpp"
 #include "firmware/description/values/hardware_description.hpp"
+#include "firmware/loop/duct_control/duct_settings.hpp"
+#include "firmware/loop/kalman/kalman_settings.hpp"
 #include "firmware/loop/settings.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
@@ -41,6 +43,10 @@ struct ControllerDescription {
   double energy_gain = 1.0;  ///< hil: energy that the interface may feed, in terms of what the dampers take
   double ramp = 0.05;  ///< speed at which the command goes to the start of a run, and to rest in the safe state [m/s]
   Settings loop{};  ///< every other setting of the control loop that the description has; not its period and the above
+  KalmanSettings kalman{};                        ///< as [estimator] has it; kalman_settings() adds noise and road
+  std::vector<model::Channel> estimator_sensors;  ///< that the filter uses; empty: all with a [noise] above 0
+  bool estimator_bandwidth_given = false;         ///< else the road's default for the rig
+  DuctPolicySettings ducts{};
   double cross_over = 0.0;          ///< of the velocity estimate [Hz]; 0: the firmware's own default
   model::OpenDucts safe_ducts = 0;  ///< open in the safe state
   struct Switching {

@@ -19,9 +19,9 @@ ArmingChecks::Expected expected_of(const model::RigParameters<double>& parameter
   ArmingChecks::Expected expected;
   expected.force_answers = parameters.kind == model::RigKind::hil;
   expected.returns = parameters.kind != model::RigKind::quarter_car;
-  expected.lowest_stiffness = parameters.suspension.stiffness;
+  expected.lowest_stiffness = model::spring_stiffness(parameters, true);
   expected.highest_stiffness =
-      parameters.suspension.stiffness + (parameters.has_fdva ? parameters.fdva.coupling_stiffness : 0.0);
+      model::spring_stiffness(parameters) + (parameters.has_fdva ? parameters.fdva.coupling_stiffness : 0.0);
   if (parameters.kind == model::RigKind::quarter_car) expected.position = Channel::z_r;
   return expected;
 }
@@ -36,6 +36,9 @@ std::string_view ControlLoop::check(const Settings& settings, const model::RigPa
   }
   if (parameters.kind == model::RigKind::hil && !rig.sensors.fitted(model::index(Channel::F))) {
     return "sensors: expected channel F, the measured force that moves the virtual car of a hil rig";
+  }
+  if (AreaControl<has_area>(parameters).wanted() && rig.area == nullptr) {
+    return "area: expected an output for the area of the air spring, which the skyhook commands";
   }
   if (!valves.within(rig.valves.installed())) return "valve plan: expected only ducts that are installed";
   return {};
@@ -57,6 +60,7 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
       motion_guard_(settings.limits, settings.supervision, parameters, period_),
       frozen_guard_(settings.supervision, parameters),
       lateness_guard_(settings.limits, settings.supervision, settings.period),
+      area_control_(parameters),
       arming_(settings, expected_of(parameters)),
       player_(reference, period_) {
   model::require(check(settings, parameters, rig, valves).empty(), "a control loop of parts that fit");
@@ -68,6 +72,7 @@ void ControlLoop::step() {
   keep_time(now);
   samples_.take(rig_.sensors.read(), now);
   estimator_.step(samples_);
+  if (Companion* companion = companion_.get()) companion->follow(samples_, now);
   watch_motion();
 
   const unsigned requests = requests_.exchange(0);
@@ -104,8 +109,10 @@ void ControlLoop::step() {
 
   const bool runs = in_run(mode_);
   if (hazard && matters(*hazard)) trip(*hazard);
+  command_area(now);
   compute(now);
   act(now);
+  if (Companion* companion = companion_.get()) companion->opened(openings_);
   if (runs && in_run(mode_)) ++sample_;
 
   counters_.missed_frames = samples_.missed_frames();
@@ -118,6 +125,7 @@ void ControlLoop::step() {
   record.tare = tare();
   record.command = command_;
   record.openings = openings_;
+  if (const Companion* companion = companion_.get()) record.openings = companion->standing();
   record.counters = counters_;
   journal_.push(record);
 }
@@ -324,6 +332,19 @@ double ControlLoop::entering_force() const {
   return force * (s * s * (3.0 - 2.0 * s));
 }
 
+/// The area of an air spring for the period that begins: by the skyhook in a run, else as it is at rest.
+void ControlLoop::command_area(hal::Time now) {
+  if constexpr (has_area) {
+    if (!area_control_.wanted()) return;
+    const double velocity = car_alive_ ? car_state_.core(CoreIndex::body_velocity) : estimator_.velocities().body;
+    const double area = in_run(mode_) ? area_control_.command(velocity) : 0.0;
+    if (rig_.area->write(area) || !leads_drive(mode_)) return;
+    trip({.reason = Reason::command_failed, .time = now});
+  } else {
+    static_cast<void>(now);
+  }
+}
+
 void ControlLoop::compute(hal::Time now) {
   std::optional<hal::Command> wanted;
   energy_hazard_.reset();
@@ -339,6 +360,7 @@ void ControlLoop::compute(hal::Time now) {
     const std::uint64_t sample = player_.sample();
     wanted = follow_reference();
     openings_ = valves_.at(settings_.period * static_cast<std::int64_t>(sample));
+    if (Companion* companion = companion_.get()) openings_ = companion->choose(openings_);
   }
   if (leads_drive(mode_)) {
     if (!wanted) {
@@ -379,7 +401,8 @@ hal::Command ControlLoop::step_car(const Motion& foot_point) {
   input.foot_point = foot_point;
   const double wheel = car_state_.core(CoreIndex::wheel_position);
   car_->step(car_state_, input);
-  const auto deflection = car_->deflection(car_state_);
+  const auto suspension = car_->deflection(car_state_);
+  const auto deflection = car_->component_stroke(suspension);
   if (static_cast<double>(sample_) * period_ < settings_.arming.force_ramp) {
     energy_guard_.start(deflection.position);  // a force that is faded in feeds energy by itself
   }
@@ -387,7 +410,8 @@ hal::Command ControlLoop::step_car(const Motion& foot_point) {
                                         car_state_.core(CoreIndex::wheel_position) - wheel);
   const auto signals = car_->signals(car_state_);
   return {deflection.position, deflection.velocity,
-          signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)]};
+          car_->component_acceleration(suspension,
+                                       signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)])};
 }
 
 void ControlLoop::act(hal::Time now) {
@@ -469,6 +493,10 @@ void ControlLoop::note_values(Record& record) const {
   record.bridged = samples_.bridged();
   record.wheel_load = estimator_.wheel_load();
   record.velocities = estimator_.velocities();
+  if (const Companion* companion = companion_.get()) {
+    record.wheel_load = companion->wheel_load();
+    record.velocities = companion->velocities();
+  }
   if (car_alive_) {
     record.values = car_->signals(car_state_);
     record.values[model::index(Channel::x_act)] = unknown;

@@ -6,8 +6,10 @@
 #include <optional>
 #include <string_view>
 
+#include "firmware/loop/area_control.hpp"
 #include "firmware/loop/arming_checks.hpp"
 #include "firmware/loop/command_guard.hpp"
+#include "firmware/loop/companion.hpp"
 #include "firmware/loop/energy_guard.hpp"
 #include "firmware/loop/frozen_guard.hpp"
 #include "firmware/loop/journal.hpp"
@@ -44,6 +46,7 @@ namespace firmware {
 class ControlLoop {
  public:
   using VirtualCar = model::VirtualCar<double>;
+  static constexpr bool has_area = model::usual_laws.extensions;  ///< room for the control of an air spring
 
   /// What makes the parts unfit for each other (what, and what is expected), or an empty text.
   [[nodiscard]] static std::string_view check(const Settings& settings, const model::RigParameters<double>& parameters,
@@ -69,6 +72,11 @@ class ControlLoop {
   /// Scales the reference about its beginning, 0 … ReferencePlayer::highest_level; at once before a run, within a
   /// second or so during it. False: outside, nothing is asked for.
   bool level(double wanted);
+
+  /// Takes a companion along, which must outlive the loop. Before the first period.
+#ifndef RIGTWIN_ALONE
+  void attach(Companion& companion) { companion_.set(&companion); }
+#endif
 
   /// The first period is due then, and not when step() is called first.
   void begin_at(hal::Time first) { due_ = first; }
@@ -134,6 +142,7 @@ class ControlLoop {
   void brake_and_hold(double velocity);
   void follow_rig();
   [[nodiscard]] double entering_force() const;
+  void command_area(hal::Time now);
   void compute(hal::Time now);
   [[nodiscard]] std::optional<hal::Command> follow_reference();
   [[nodiscard]] hal::Command step_car(const Motion& foot_point);
@@ -148,6 +157,7 @@ class ControlLoop {
   hal::Rig rig_;
   ValvePlan valves_;
   Journal& journal_;
+  [[no_unique_address]] CompanionPlace companion_{};
   std::optional<VirtualCar> car_{};  ///< hil only
 
   SampleGuard samples_;
@@ -158,6 +168,7 @@ class ControlLoop {
   FrozenGuard frozen_guard_;
   LatenessGuard lateness_guard_;
   std::optional<Trip> motion_hazard_{};  ///< of this period, by motion and frozen guard
+  [[no_unique_address]] AreaControl<has_area> area_control_;
   ArmingChecks arming_;
   ReferencePlayer player_;
   std::optional<Trip> energy_hazard_{};  ///< of this period

@@ -11,12 +11,18 @@
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/compensation_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
+#include "host_sim/commands/estimate_command.hpp"
+#include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
+#include "host_sim/commands/import_command.hpp"
+#include "host_sim/commands/init_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
+#include "host_sim/commands/shell_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
+#include "host_sim/commands/transfer_command.hpp"
 
 namespace host_sim {
 namespace {
@@ -61,8 +67,19 @@ int run_command_line(int argc, const char* const* argv) {
   add_plan(app, plan_options);
   SweepOptions sweep_options;
   add_sweep(app, sweep_options);
+  ImportOptions import_options;
+  add_import(app, import_options);
+  FmuOptions fmu_options;
+  add_fmu(app, fmu_options);
+  InitOptions init_options;
+  add_init(app, init_options);
+  add_shell(app);
   PaperOptions paper_options;
   add_paper(app, paper_options);
+  EstimateOptions estimate_options;
+  add_estimate(app, estimate_options);
+  TransferOptions transfer_options;
+  add_transfer(app, transfer_options);
   try {
     if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);

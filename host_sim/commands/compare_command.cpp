@@ -140,7 +140,8 @@ void compare(const CompareOptions& options) {
   const firmware::RigDescription description = firmware::read_rig(options.rig);
   std::vector<ComparedRecording> recordings;
   for (const auto& file : options.data) {
-    for (firmware::Recording& part : read_parts(file, description.channels, description.sample_rate)) {
+    for (firmware::Recording& part :
+         read_parts(file, description.channels, description.sample_rate, description.rig.kind)) {
       recordings.emplace_back(description, std::move(part), options.start);
     }
   }

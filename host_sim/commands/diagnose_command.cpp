@@ -17,6 +17,7 @@
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
+#include "host_sim/identification/report/shape_words.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 
@@ -58,6 +59,8 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                   named.parameters[p].upper);
     }
     std::printf("   confidence %.3f\n", named.confidence);
+    const std::string shape = identification::shape_words(named.effect, diagnosis.rig.rig);
+    if (!shape.empty()) std::printf("    %s\n", shape.c_str());
     for (std::size_t a = 0; a < std::min<std::size_t>(2, named.alternatives.size()); ++a) {
       const auto& other = named.alternatives[a];
       std::printf("    rather than %s: odds %s%s%s\n", identification::words(other.effect).c_str(),
@@ -132,6 +135,8 @@ void keep_laws(const std::string& name, identification::Diagnosis& diagnosis) {
     if (identification::has_memory(learned.family)) {
       law.first_branch = learned.slot;
       law.branches = diagnosis.rig.rig.laws.branch_count - learned.slot;
+    } else if (identification::is_surface(learned.family)) {
+      law.surface = learned.slot;
     } else {
       law.curve = learned.slot;
     }
@@ -166,7 +171,8 @@ void run_diagnosis(const DiagnoseOptions& options) {
   const identification::Use use = options.holdout.empty() ? identification::Use::shared : identification::Use::fitted;
   const auto read = [&](const std::vector<fs::path>& files, identification::Use as) {
     for (const fs::path& file : files) {
-      for (firmware::Recording& part : read_parts(file, description.channels, description.sample_rate)) {
+      for (firmware::Recording& part :
+           read_parts(file, description.channels, description.sample_rate, description.rig.kind)) {
         records.push_back({std::move(part), as});
       }
     }
@@ -197,6 +203,13 @@ void run_diagnosis(const DiagnoseOptions& options) {
   verdict.commit();
   report.commit();
   rig.commit();
+  if (options.json == "-") {
+    std::printf("%s\n", identification::to_json(diagnosis).dump(2).c_str());
+    return;
+  }
+  if (!options.json.empty()) {
+    firmware::write_file(options.json, identification::to_json(diagnosis).dump(2) + "\n");
+  }
   print(diagnosis, options.out);
 }
 
@@ -208,6 +221,7 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
   command->add_option("--holdout", options.holdout,
                       "Recording for validation, not used for fitting (default: the last quarter of each --data)");
   command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
+  command->add_option("--json", options.json, "Write the verdict as JSON, too (- for standard output)");
   command->add_option("--keep-law", options.keep_law, "Name of a learned law in rig.toml, as [laws.NAME]");
   command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
   command->callback([&options] { run_diagnosis(options); });

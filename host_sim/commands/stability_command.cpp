@@ -79,7 +79,7 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
 
 void print_sampled(const StabilityAnalysis& a) {
   if (!a.sampled) {
-    std::printf("sampled loop: not analysed, the delay exceeds the model's delay line at this sample rate\n");
+    std::printf("sampled loop: not analysed: a skyhook or a lever, or a delay beyond the model's line at this rate\n");
     return;
   }
   const auto& s = *a.sampled;
@@ -89,6 +89,38 @@ void print_sampled(const StabilityAnalysis& a) {
     std::printf("  sampling and hold add %s of delay (%.2f steps): critical delay %s\n",
                 milliseconds(*s.added_delay).c_str(), *s.added_delay / s.period,
                 text("%.6g ms", 1e3 * *s.critical_delay).c_str());
+  }
+}
+
+void print_varying(const StabilityAnalysis& a) {
+  if (!a.varying) return;
+  const auto& v = *a.varying;
+  std::printf("delay that varies from %s to %s\n", milliseconds(v.lowest).c_str(), milliseconds(v.highest).c_str());
+  std::printf("  slowly: %s; rightmost root %.4g %+.4gj 1/s at %s\n",
+              v.stable ? "stable at every delay of the range" : "unstable within the range", v.worst_root.real(),
+              v.worst_root.imag(), milliseconds(v.worst_delay).c_str());
+  if (v.at_any_speed) {
+    std::printf("  at any speed: proven stable up to %s above the lowest (sufficient), %s\n",
+                milliseconds(*v.at_any_speed).c_str(),
+                v.stable_at_any_speed() ? "the whole range" : "not the whole range: its speed decides");
+  }
+}
+
+std::string border_text(const stability::LocatedBorder& border) {
+  if (!border.stable_undelayed) return "unstable";
+  return border.critical_delay ? milliseconds(*border.critical_delay) : std::string("none");
+}
+
+void print_locations(const StabilityAnalysis& a) {
+  std::printf("interface location: critical delay, and with the component's force times a factor\n  %-20s %12s",
+              "hardware", "as given");
+  for (const double factor : stability::component_factors) std::printf(" %11s", text("× %.4g", factor).c_str());
+  std::printf("\n");
+  for (const auto& map : a.locations) {
+    std::printf("  %-20s %12s", std::string(stability::interface_names[static_cast<std::size_t>(map.location)]).c_str(),
+                border_text(map.given).c_str());
+    for (const auto& border : map.borders) std::printf(" %10s", border_text(border).c_str());
+    std::printf("\n");
   }
 }
 
@@ -244,7 +276,8 @@ void examine_stability(const StabilityOptions& options) {
     sweeps.push_back(stability::parse_axis(sweep, description.rig, description.period()));
   }
 
-  const StabilityAnalysis analysis = stability::analyse(description, options.line);
+  StabilityAnalysis analysis = stability::analyse(description, options.line);
+  analysis.locations = stability::compare_locations(description.rig);
   nlohmann::ordered_json json = stability::to_json(analysis, description);
   const stability::LoopFamily family(description.rig, description.delay_budget.sum());
   std::vector<stability::PoleSweep> swept;
@@ -284,6 +317,8 @@ void examine_stability(const StabilityOptions& options) {
   print_roots(analysis);
   print_border(analysis, description.rig.machine.virtual_damping);
   print_sampled(analysis);
+  print_varying(analysis);
+  print_locations(analysis);
   print_pade(analysis);
   print_budget(analysis);
   print_sensitivities(analysis);
@@ -300,7 +335,8 @@ void examine_stability(const StabilityOptions& options) {
 }
 
 void add_stability(CLI::App& app, StabilityOptions& options) {
-  CLI::App* command = app.add_subcommand("stability", "Delay stability of a hil rig: poles, critical delay, margins");
+  CLI::App* command = app.add_subcommand(
+      "stability", "Delay stability of a hil rig: poles, critical delay, margins, interface location, varying delay");
   command->add_option("--rig", options.rig, "Rig description (TOML), kind = \"hil\"");
   command->add_option("--write-limits", options.write_limits,
                       "Write into this rig description for which loop it was found stable, and the delay that is left: "

@@ -16,6 +16,7 @@ using Rig = model::RigParameters<double>;
 
 /// Without the machine: what is known to have been reached needs no machine.
 Rig without_machine(Rig rig) {
+  rig.delay_variation = {};
   rig.effects.for_each([](auto& slot) {
     if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::machine) slot.active = false;
   });
@@ -125,7 +126,7 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
   model::MachinePath<double> machine{};
   model->parameters().effects.act_on(machine);
   model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
-  if (bench) reached = {first.position, first.velocity};
+  reached = bench ? model::Stroke<double>{first.position, first.velocity} : model->component_stroke(reached);
   reached.position -= reached.velocity * machine.delay;
   auto x = model->start(start, first, reached);
   if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();

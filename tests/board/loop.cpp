@@ -1,8 +1,15 @@
 // What a board carries: the control loop for all rig kinds on a handful of registers, and no model of the rig around
 // it. This program is what loop.ld holds to 76 KiB of flash and 16 KiB of RAM.
+//
+// The same source with RIGTWIN_SEMI_ACTIVE is a second program, of a larger board: the quarter car with Kalman filter
+// and rollout beside the loop, within 192 KiB of flash and 320 KiB of RAM (semi_active.ld).
 #include <optional>
 
 #include "tests/board/run.hpp"
+
+#ifdef RIGTWIN_SEMI_ACTIVE
+#include "firmware/loop/semi_active.hpp"
+#endif
 
 namespace {
 
@@ -131,6 +138,31 @@ hal::SensorSetup fitted(model::RigKind kind) {
   return setup;
 }
 
+#ifdef RIGTWIN_SEMI_ACTIVE
+/// All sensors of the quarter car, one road state each of contact and foot point, 20 ms of valve delay.
+firmware::SemiActive& semi_active(const model::RigParameters<double>& parameters, double period) {
+  static firmware::KalmanSettings kalman;
+  const auto noise = [](model::Channel channel, double rms) { kalman.noise[model::index(channel)] = rms; };
+  noise(model::Channel::z_r, 2e-5);
+  noise(model::Channel::zdd_r, 0.05);
+  noise(model::Channel::zdd_w, 0.05);
+  noise(model::Channel::zdd_b, 0.05);
+  noise(model::Channel::F_w, 10.0);
+  noise(model::Channel::dz_w, 5e-5);
+  noise(model::Channel::dz_b, 5e-5);
+  static constexpr firmware::DuctPolicySettings policy = [] {
+    firmware::DuctPolicySettings rollout;
+    rollout.policy = firmware::DuctPolicyKind::rollout;
+    rollout.delay = 0.020;
+    return rollout;
+  }();
+  static const firmware::EstimatorEquations equations(kalman, parameters);
+  static firmware::SteadyGains gains(equations, period);
+  static firmware::SemiActive both(equations, gains, policy, period);
+  return both;
+}
+#endif
+
 void ride(const model::RigParameters<double>& parameters) {
   board::paint_stack();
   static std::optional<Board> rig;
@@ -146,6 +178,9 @@ void ride(const model::RigParameters<double>& parameters) {
   }();
   rig.emplace(fitted(parameters.kind));
   loop.emplace(settings, parameters, rig->roles(), waves.emplace(), board::valves, journal);
+#ifdef RIGTWIN_SEMI_ACTIVE
+  loop->attach(semi_active(parameters, settings.period.seconds()));
+#endif
   const unsigned long deepest = board::deepest_stack();
   board::run(model::name(parameters.kind), *loop, journal, rig->clock, deepest);
 }
@@ -154,7 +189,11 @@ void ride(const model::RigParameters<double>& parameters) {
 
 extern "C" int trace() {
   board::start_timer();
+#ifdef RIGTWIN_SEMI_ACTIVE
+  ride(rigs[1]);
+#else
   for (const auto& rig : rigs) ride(rig);
+#endif
   return 0;
 }
 

@@ -67,7 +67,7 @@ double Compensator::do_force(double measured) {
 
 /// (1) … (4)
 model::Stroke<double> Compensator::lead(const Instant& instant) {
-  const Motion& wanted = instant.wanted;
+  const model::Motion<double>& wanted = instant.wanted;
   if (settings_.kind == Kind::polynomial) return polynomial_.next(state_.past, {wanted.position, wanted.velocity});
   const Coefficients& a = values();
   const double jerk = (wanted.acceleration - state_.wanted.acceleration) / period_;
@@ -85,7 +85,7 @@ model::Stroke<double> Compensator::lead(const Instant& instant) {
 }
 
 Compensation::Answer Compensator::do_command(const Instant& instant) {
-  const Motion& wanted = instant.wanted;
+  const model::Motion<double>& wanted = instant.wanted;
   Answer answer;
   answer.command = {wanted.position, wanted.velocity, wanted.acceleration};
   if (settings_.kind == Kind::adaptive_time_series && instant.measured) {

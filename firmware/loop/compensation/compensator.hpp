@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "firmware/loop/compensation.hpp"
+#include "firmware/loop/compensation/compensation.hpp"
 #include "firmware/loop/compensation/interface_damper.hpp"
 #include "firmware/loop/compensation/lead_polynomial.hpp"
 #include "firmware/loop/compensation/settings.hpp"
@@ -36,14 +36,14 @@ class Compensator final : public Compensation {
     TrackingFeedback::State feedback = TrackingFeedback::State::Zero();
     SpecimenPredictor::State specimen{};
     InterfaceDamper::State damper{};
-    Motion wanted{};             ///< x of this instant
-    double last_force = 0.0;     ///< F at the instant before [N]
-    double held_force = 0.0;     ///< F_car, held to the next instant [N]
-    double added = 0.0;          ///< c of the command for this instant [m]
-    double added_force = 0.0;    ///< of this period [N]
-    double elapsed = 0.0;        ///< since the start [s], up to start_ramp
-    double last_feedback = 0.0;  ///< [m]
-    bool begun = false;          ///< a force has been received
+    model::Motion<double> wanted{};  ///< x of this instant
+    double last_force = 0.0;         ///< F at the instant before [N]
+    double held_force = 0.0;         ///< F_car, held to the next instant [N]
+    double added = 0.0;              ///< c of the command for this instant [m]
+    double added_force = 0.0;        ///< of this period [N]
+    double elapsed = 0.0;            ///< since the start [s], up to start_ramp
+    double last_feedback = 0.0;      ///< [m]
+    bool begun = false;              ///< a force has been received
   };
 
   /// Settings that pass check(), of delays within the lines of this period, else stops.

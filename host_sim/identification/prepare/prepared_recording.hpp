@@ -55,7 +55,7 @@ struct PreparedRecording {
   Window fitted, held_out;
   InputNoise input_noise;
   /// The input is an integrated acceleration: its mean was removed, (ż(T) − ż(0))/T of which was motion, and with it
-  /// what a channel is on average. Nothing is compared at 0 Hz.
+  /// what a channel is on average. At 0 Hz accelerations alone are compared (noise/whitening.hpp, 7).
   bool mean_unknown = false;
   /// z_r and zdd_r contradict each other: the foot point moves on z_r alone and zdd_r is one of the channels. Where
   /// they agree the foot point moves on the fusion of both.

@@ -88,7 +88,8 @@ SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, do
                           const std::optional<NoiseColour>& expected) {
   if (!declared) return {found, std::nullopt};
   if (!found.is_known() || !(*declared > 0.0)) {
-    return {{*declared, expected.value_or(NoiseColour{}), 1.0, 0.0, found.highest_level}, std::nullopt};
+    const NoiseColour colour = expected.value_or(NoiseColour{});
+    return {{*declared / std::sqrt(colour.mean_power(period)), colour, 1.0, 0.0, found.highest_level}, std::nullopt};
   }
   const double rms = found.rms(period), factor = rms / *declared;
   double believed = std::clamp(factor, 1.0 / thresholds::most_noise_factor, thresholds::most_noise_factor);

@@ -8,8 +8,10 @@
 #include "firmware/description/rig_description.hpp"
 #include "host_sim/stability/margins/affine_family.hpp"
 #include "host_sim/stability/margins/crossings.hpp"
+#include "host_sim/stability/margins/interface_location.hpp"
 #include "host_sim/stability/margins/margins.hpp"
 #include "host_sim/stability/margins/sensitivity.hpp"
+#include "host_sim/stability/margins/varying_delay.hpp"
 #include "host_sim/stability/roots/characteristic_roots.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "host_sim/stability/roots/sampled_loop.hpp"
@@ -50,7 +52,10 @@ struct StabilityAnalysis {
   Complex critical_root;  ///< the root that reaches the axis at the critical delay, at the given delay; else the
                           ///< rightmost [1/s]
   std::vector<ParameterSensitivity> parameters;  ///< sorted by effect on the critical root, largest first
-  std::optional<SampledLoop> sampled;            ///< none: the delay exceeds the model's delay line
+  std::optional<SampledLoop> sampled;  ///< none: the delay exceeds the model's delay line, or the loop has a skyhook or
+                                       ///< a lever, which are analysed in continuous time
+  std::optional<VaryingDelay> varying;  ///< where the machine's delay varies
+  std::vector<LocationMap> locations;   ///< the same rig cut elsewhere (compare_locations); empty: not asked for
   DelayBalance balance;
 
   [[nodiscard]] DelayEquation equation() const { return rig.equation(delay); }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/loop/compensation.hpp"
+#include "firmware/loop/compensation/compensation.hpp"
 
 namespace rths {
 

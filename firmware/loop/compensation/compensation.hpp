@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "firmware/loop/reference.hpp"
 #include "hal/command_output.hpp"
+#include "model/motion.hpp"
 
 namespace firmware {
 
@@ -16,11 +16,11 @@ namespace firmware {
 class Compensation {
  public:
   struct Instant {
-    Motion wanted{};         ///< the car's deflection at t_{k+1}, with two derivatives
-    double commanded = 0.0;  ///< what the machine was told to be at t_k [m]
-    double reached = 0.0;    ///< x_act at t_k [m]
-    bool measured = false;   ///< reached is a good sample of this instant
-    int open_ducts = 0;      ///< from t_k to t_{k+1}
+    model::Motion<double> wanted{};  ///< the car's deflection at t_{k+1}, with two derivatives
+    double commanded = 0.0;          ///< what the machine was told to be at t_k [m]
+    double reached = 0.0;            ///< x_act at t_k [m]
+    bool measured = false;           ///< reached is a good sample of this instant
+    int open_ducts = 0;              ///< from t_k to t_{k+1}
   };
   /// More than it may add.
   struct Excess {

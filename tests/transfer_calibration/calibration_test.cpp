@@ -1,0 +1,31 @@
+// A few of the rigs that rigtwin_transfer_calibration draws by hundreds.
+#include "tests/transfer_calibration/calibration.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+// Law. The true value is anywhere among the draws, as often low as high. 16 rigs, 8 bins: χ² of 7 exceeds 29.9 once in
+// 10 000; five such tests fail by chance once in 2000 seeds.
+TEST(TransferCalibration, RanksOfTruePriorDrawsAreUniform) {
+  const auto result = transfer_calibration::calibrate_on_prior(16, 7501);
+  EXPECT_EQ(result.ranks.size(), 5U);
+  for (const auto& [name, ranks] : result.ranks) {
+    EXPECT_EQ(ranks.count(), 16U);
+    EXPECT_LT(ranks.chi_squared(), 29.9) << name;
+  }
+}
+
+// Point. (1): eight bins with one rank each are uniform; all eight in one bin are 7² + 7 · 1² = 56 from it.
+TEST(TransferCalibration, CountsRanks) {
+  transfer_calibration::Ranks even, heaped;
+  for (int i = 0; i < 8; ++i) {
+    even.add((i + 0.5) / 8.0);
+    heaped.add(1.0);
+  }
+  EXPECT_DOUBLE_EQ(even.chi_squared(), 0.0);
+  EXPECT_DOUBLE_EQ(heaped.chi_squared(), 56.0);
+  EXPECT_LT(heaped.p(), 1e-6);
+}
+
+}  // namespace
