@@ -17,7 +17,7 @@ using firmware::compensation::Settings;
 using Rig = model::RigParameters<double>;
 
 constexpr double lowest_hz = 0.1, highest_hz = 50.0;  ///< of road and response
-constexpr std::size_t frequencies = 240;
+constexpr std::size_t frequency_count = 240;
 constexpr double share_off = 0.2;     ///< of the delay, for the robustness table
 constexpr double stiffer = 1.03;      ///< of the component
 constexpr double widest_error = 1.5;  ///< of the delay, for the map of the mismatch
@@ -86,9 +86,9 @@ Rig changed(const Rig& rig, Change change) {
 
 std::vector<double> spread_frequencies() {
   std::vector<double> hz;
-  for (std::size_t i = 0; i < frequencies; ++i) {
+  for (std::size_t i = 0; i < frequency_count; ++i) {
     hz.push_back(lowest_hz *
-                 std::pow(highest_hz / lowest_hz, static_cast<double>(i) / static_cast<double>(frequencies - 1)));
+                 std::pow(highest_hz / lowest_hz, static_cast<double>(i) / static_cast<double>(frequency_count - 1)));
   }
   return hz;
 }
