@@ -51,15 +51,16 @@ void Compensator::do_start(double deflection) {
 }
 
 double Compensator::do_force(double measured) {
-  if (!state_.begun) state_.last_force = measured;
-  state_.begun = true;
-  double added = settings_.force_lead * (measured - state_.last_force);  // (6)
-  state_.last_force = measured;
+  double whole = measured;
   if (settings_.kind == Kind::smith) {
-    added += specimen_.force(state_.specimen);
+    whole += specimen_.force(state_.specimen);
   } else if (!leads_command(settings_.kind)) {
-    added += damper_.force(state_.damper, state_.wanted.velocity);
+    whole += damper_.force(state_.damper, state_.wanted.velocity);
   }
+  if (!state_.begun) state_.last_force = whole;
+  state_.begun = true;
+  const double added = whole - measured + settings_.force_lead * (whole - state_.last_force);  // (6)
+  state_.last_force = whole;
   state_.added_force = added;
   state_.held_force = measured;
   return measured + added;

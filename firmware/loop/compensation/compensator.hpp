@@ -20,7 +20,7 @@ namespace firmware::compensation {
 ///   (3)  adaptive_time_series       the same, a of TimeSeries
 ///   (4)  feedforward_feedback       u = (2) + TrackingFeedback
 ///   (5)  smith, virtual_damping, adaptive_virtual_damping:  u = x, a force is added to F
-///   (6)  F_car = F + force_lead (F − F_before) + added force
+///   (6)  F_car = F_s + force_lead (F_s − F_s,before),  F_s = F + added force
 ///
 /// ẋ and ẍ are states of the virtual car; x⃛ is the difference of ẍ over a period. The force of (6) is held during the
 /// period, which is half a period of delay: force_lead = ½ makes up for it.

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/recording/output_file.hpp"
 #include "tests/bench/rths/methods.hpp"
 
 namespace {
@@ -103,20 +104,8 @@ int main(int argc, char** argv) {
     result["elcentro"] = all_cases("elcentro", elcentro, seed);
     result["kobe"] = all_cases("kobe", kobe, seed);
     result["perturbed"] = perturbed(elcentro, seed);
-    if (!json_file.empty()) {
-      auto temporary = json_file;
-      temporary += ".part";
-      std::ofstream out(temporary);
-      out << result.dump(1) << '\n';
-      out.close();
-      if (!out) {
-        std::filesystem::remove(temporary);
-        std::fprintf(stderr, "rigtwin_rths: %s: cannot be written\n", json_file.c_str());
-        return 4;
-      }
-      std::filesystem::rename(temporary, json_file);
-    }
-  } catch (const std::filesystem::filesystem_error& error) {
+    if (!json_file.empty()) firmware::write_file(json_file, result.dump(1) + "\n");
+  } catch (const firmware::OutputError& error) {
     std::fprintf(stderr, "rigtwin_rths: %s\n", error.what());
     return 4;
   } catch (const std::runtime_error& error) {

@@ -73,7 +73,7 @@ struct Method {
   std::string name;
   Controller controller = Controller::none;
   std::function<firmware::Compensation*()> compensation{};  ///< a fresh one; nullptr: none. The test deletes it
-  bool late_force = true;                                 ///< the problem's force is one step late
+  bool late_force = true;                                   ///< the problem's force is one step late
 };
 
 struct Test {

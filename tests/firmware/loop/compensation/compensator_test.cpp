@@ -205,6 +205,20 @@ TEST(Compensation, SmithAddsTheForceOfTheMissingDeflection) {
   }
 }
 
+// Law. The predicted force is held for a period too: force_lead extrapolates it with the measured one.
+TEST(Compensation, ForceLeadExtrapolatesWhatSmithAdds) {
+  Settings s = bare(Kind::smith);
+  s.machine.delay = 0.008;
+  s.component = {.stiffness = 3e4, .damping = 0.0, .has_fdva = false, .fdva = {}};
+  s.force_lead = 0.5;
+  Compensator compensator(s, period);
+  firmware::Compensation& loop = compensator;
+  loop.start(0.0);
+  EXPECT_DOUBLE_EQ(loop.force(0.0), 0.0);
+  (void)loop.command({.wanted = {1e-3, 0.0, 0.0}});  // 30 N that the machine has not reached yet
+  EXPECT_NEAR(loop.force(0.0), 45.0, 1e-9);
+}
+
 // Law. Over a held piston the FDVA is its spring; over an open duct at rest it lets go.
 TEST(Compensation, SmithsFdvaLocksWithoutDuctsAndYieldsWithThem) {
   Settings s = bare(Kind::smith);
