@@ -9,6 +9,7 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/compare_command.hpp"
+#include "host_sim/commands/compensation_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
 #include "host_sim/commands/estimate_command.hpp"
 #include "host_sim/commands/fmu_command.hpp"
@@ -56,6 +57,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_compare(app, compare_options);
   StabilityOptions stability_options;
   add_stability(app, stability_options);
+  CompensationOptions compensation_options;
+  add_compensation(app, compensation_options);
   FrfOptions frf_options;
   add_frf(app, frf_options);
   DiagnoseOptions diagnose_options;

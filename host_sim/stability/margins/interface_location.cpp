@@ -11,8 +11,8 @@ namespace {
 constexpr double full_turn_of_phase = 6.283185307179586;
 /// Frequencies at which |e| is compared with 1, evenly by logarithm. Half: two crossings nearer than 1 % to each other
 /// are missed. Twice: twice the time, 10 ms a border.
-constexpr int frequencies = 3000;
-constexpr double lowest_frequency = 0.05, highest_frequency = 1e5;  ///< [rad/s]
+constexpr int location_frequencies = 3000;
+constexpr double lowest_location_frequency = 0.05, highest_location_frequency = 1e5;  ///< [rad/s]
 
 /// The values of e that solve (1) at s = jω: two, or one where R = 0.
 std::vector<Complex> exponentials(const LocatedLoop& loop, double omega) {
@@ -33,7 +33,8 @@ double excess(const LocatedLoop& loop, double omega, std::size_t which) {
 }
 
 double frequency(int i) {
-  return lowest_frequency * std::pow(highest_frequency / lowest_frequency, static_cast<double>(i) / (frequencies - 1));
+  return lowest_location_frequency * std::pow(highest_location_frequency / lowest_location_frequency,
+                                              static_cast<double>(i) / (location_frequencies - 1));
 }
 
 }  // namespace
@@ -57,7 +58,7 @@ LocatedBorder border_of(const LocatedLoop& loop) {
   if (!border.stable_undelayed) return border;
   for (std::size_t which = 0; which < 2; ++which) {
     double before = excess(loop, frequency(0), which);
-    for (int i = 1; i < frequencies; ++i) {
+    for (int i = 1; i < location_frequencies; ++i) {
       const double after = excess(loop, frequency(i), which);
       if ((before > 0.0) != (after > 0.0)) {
         double low = frequency(i - 1), high = frequency(i);

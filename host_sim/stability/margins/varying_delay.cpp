@@ -12,15 +12,15 @@ namespace {
 constexpr int delays = 33;
 /// (1) is evaluated at so many frequencies, evenly by logarithm, between these [rad/s]. Half: the minimum is off by
 /// 1e-4 near a resonance with 1 % of damping.
-constexpr int frequencies = 8000;
-constexpr double lowest_frequency = 0.1, highest_frequency = 1e5;
+constexpr int speed_frequencies = 8000;
+constexpr double lowest_speed_frequency = 0.1, highest_speed_frequency = 1e5;
 constexpr double rightmost_from = -200.0;  ///< [1/s] roots are looked for right of this line
 
 std::optional<double> at_any_speed(const DelayEquation& equation) {
   double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < frequencies; ++i) {
-    const double omega =
-        lowest_frequency * std::pow(highest_frequency / lowest_frequency, static_cast<double>(i) / (frequencies - 1));
+  for (int i = 0; i < speed_frequencies; ++i) {
+    const double omega = lowest_speed_frequency * std::pow(highest_speed_frequency / lowest_speed_frequency,
+                                                           static_cast<double>(i) / (speed_frequencies - 1));
     const Complex s(0.0, omega);
     const Complex fed_back = times(equation.q()(s), equation.delayed(s));
     const double closed = std::abs(fed_back / (equation.p()(s) + fed_back));

@@ -307,7 +307,7 @@ Criteria run(const Excitation& excitation, const Test& test, const Method& metho
     if (compensation) {
       // The force that enters the next step is known by then.
       const double next_force = method.late_force ? measured_force : entering;
-      const firmware::Motion wanted{x(0), x(3), divided.acceleration(x, -next_force, ground_now)};
+      const model::Motion<double> wanted{x(0), x(3), divided.acceleration(x, -next_force, ground_now)};
       const auto answer =
           compensation->command({.wanted = wanted, .commanded = command, .reached = measured, .measured = true});
       target = answer.command.position;

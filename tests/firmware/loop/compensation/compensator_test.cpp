@@ -11,7 +11,7 @@
 
 namespace {
 
-using firmware::Motion;
+using Motion = model::Motion<double>;
 using firmware::compensation::Coefficients;
 using firmware::compensation::Compensator;
 using firmware::compensation::Kind;
