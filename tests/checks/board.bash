@@ -1,7 +1,7 @@
 #!/bin/bash
 # board.bash REFERENCES -- model and control loop on a Cortex-M7 (QEMU's mps2-an500, newlib) print the hashes that the same programs
-# print here: rigtwin_board_loop, the control loop alone, rigtwin_board_trace, with the simulated rig, rigtwin_board_laws, the model with laws
-# from tables, and rigtwin_board_semi_active, the loop with Kalman filter and duct policy, in folder REFERENCES. A period
+# print here: rigtwin_board_loop, the control loop alone, rigtwin_board_trace, with the simulated rig, and rigtwin_board_laws, the model
+# with laws from tables, in folder REFERENCES. A period
 # costs the instructions of tests/golden/cortex_m7.txt, within 5 %, and a small stack. Code and memory are held to their budget by
 # the linker scripts; a stack that is too small for construction faults.
 . "$(dirname "$0")/common.bash"
@@ -11,9 +11,9 @@ need qemu-system-arm
 version=$(arm-none-eabi-g++ -dumpversion | cut -d. -f1)
 most_stack=2560  # bytes, of a period beyond its caller
 
-build cortex-m7 rigtwin_board_loop rigtwin_board_trace rigtwin_board_laws rigtwin_board_semi_active
+build cortex-m7 rigtwin_board_loop rigtwin_board_trace rigtwin_board_laws
 status=0
-for program in loop trace laws semi_active; do
+for program in loop trace laws; do
   image=$builds/cortex-m7/bin/rigtwin_board_$program
   arm-none-eabi-size "$image"
   expected=$("$references/rigtwin_board_$program")

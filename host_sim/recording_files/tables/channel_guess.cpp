@@ -40,7 +40,7 @@ struct Word {
 
 // German and English, in lower case with ä ö ü ß as ae oe ue ss. Short words count only as whole words or as the begin
 // of one ("Radweg"); a compound may hold several ("Aufbaubeschleunigung").
-constexpr std::array words{
+constexpr std::array known_words{
     Word{"weg", Match::begin, Meaning::displacement},
     Word{"weg", Match::end, Meaning::displacement},
     Word{"verschiebung", Match::anywhere, Meaning::displacement},
@@ -254,7 +254,7 @@ struct Reading {
 Reading read_words(std::string_view text) {
   Reading reading;
   for (const std::string_view in_name : words_of(text)) {
-    for (const Word& word : words) {
+    for (const Word& word : known_words) {
       if (!matches(word, in_name) || reading.has(word.meaning)) continue;
       reading.found[static_cast<std::size_t>(word.meaning)] = word.text;
       ++reading.words;
