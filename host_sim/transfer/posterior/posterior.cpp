@@ -49,6 +49,11 @@ Eigen::VectorXd stretch_of(const IdentificationProblem& problem, const identific
                            const Fit& fit, const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd half_widths = identification::uncertainty(problem, space.suspects, fit).half_widths;
   Eigen::VectorXd stretch = Eigen::VectorXd::Ones(covariance.rows());
+  const auto count = static_cast<double>(fit.residual.size());
+  const double excess = (fit.chi_squared / count - 1.0) * std::sqrt(0.5 * count);
+  if (excess < thresholds::discrepancy_significance && !identification::is_stepped_finely(fit.hypothesis.rig)) {
+    return stretch;  // white residuals of a smooth rig: the likelihood is right as it is
+  }
   for (Eigen::Index i = 0; i < stretch.size(); ++i) {
     const FreeParameter& parameter = fit.parameters[static_cast<std::size_t>(i)];
     const double deviation = std::sqrt(covariance(i, i));
