@@ -162,7 +162,8 @@ std::string verdict_text(const Transfer& t) {
     for (std::size_t r = 0; r < 2; ++r) {
       for (const std::string& sentence : range_sentences(v, r)) sentences += (sentences.empty() ? "" : "; ") + sentence;
     }
-    text += sentences + ". " + lines_text(v) + ". " + prediction_text(t);
+    if (shown) text += sentences + ". ";
+    text += lines_text(v) + ". " + prediction_text(t);
     const Bands load = t.prediction.quantity(Quantity::rms_F_w);
     const double measured = v.measured.quantity[0];
     if (std::isfinite(measured)) {
