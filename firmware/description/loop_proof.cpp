@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "firmware/description/compensation_settings.hpp"
 #include "firmware/description/rig_writer.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
@@ -96,6 +97,7 @@ std::string loop_text(const RigDescription& description) {
   line("delay_budget.sensor_age", shortest(copy.delay_budget.sensor_age));
   line("delay_budget.transport", shortest(copy.delay_budget.transport));
   line("delay_budget.computation", shortest(copy.delay_budget.computation));
+  for (const auto& [key, value] : compensation_lines(copy)) line("compensation." + key, value);
   for (const auto& entry : copy.controller.valve_plan)
     line("valves.plan", shortest(entry.time) + " " + std::to_string(entry.open));
   return text;

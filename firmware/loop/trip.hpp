@@ -51,9 +51,10 @@ enum class Reason : unsigned char {
   acceleration,           ///< a command that accelerates more than the limit for too long
   growth,                 ///< a hil interface that drives the car outwards: the loop diverges
   gap,                    ///< one period began far too late
+  compensation,           ///< the compensation of the delay adds more than its limit
 };
 
-inline constexpr Reason last_reason = Reason::gap;
+inline constexpr Reason last_reason = Reason::compensation;
 
 [[nodiscard]] constexpr std::string_view name(Reason reason) {
   constexpr auto names = std::to_array<std::string_view>({"none",
@@ -92,7 +93,8 @@ inline constexpr Reason last_reason = Reason::gap;
                                                           "sensor_frozen",
                                                           "acceleration",
                                                           "growth",
-                                                          "gap"});
+                                                          "gap",
+                                                          "compensation"});
   return names[static_cast<std::size_t>(reason)];
 }
 
