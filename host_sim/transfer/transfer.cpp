@@ -6,6 +6,7 @@
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/transfer/common/thresholds.hpp"
 #include "host_sim/transfer/posterior/component_part.hpp"
+#include "host_sim/transfer/report/wording.hpp"
 
 namespace host_sim::transfer {
 namespace {
@@ -32,6 +33,19 @@ void check_second_rig(const firmware::RigDescription& to) {
   throw firmware::InputError(to.source, to.line_of("kind"),
                              "kind is " + std::string(model::name(to.rig.kind)) + " for the second rig",
                              "quarter_car, on which the component drives over a road");
+}
+
+/// InputError where the posterior is so wide that the second rig with its draws is mostly no rig.
+void require_draws(const Transfer& t, const identification::Identified& first) {
+  const double finite =
+      static_cast<double>(t.prediction.draws.size()) / static_cast<double>(thresholds::predictive_draws);
+  if (finite >= thresholds::least_finite) return;
+  throw firmware::InputError(first.problem.samples().front().recording.source, 0,
+                             "it leaves the component open: only " + per_cent(finite) +
+                                 " of the draws stay finite on the second rig, of whose motion it has shown " +
+                                 per_cent(t.overlap.in_frequency) + " by frequency and " +
+                                 per_cent(t.overlap.in_travel) + " by travel",
+                             "recordings that move the component as the second rig does");
 }
 
 void add_remarks(const std::vector<std::string>& more, const std::string& of, std::vector<std::string>& remarks) {
@@ -62,6 +76,7 @@ Transfer transfer_component(TransferInput input, const TransferProgress& progres
       overlap_of(first, t.second, with_component(input.to.rig, input.from.rig, t.posterior.diagnosed().hypothesis));
   t.prediction = predict_second_rig(input.from, t.posterior, t.second, input.seed, thresholds::predictive_draws,
                                     thresholds::source_draws);
+  require_draws(t, first);
   if (progress) progress(0.85, "next measurement");
   t.next = next_measurements(input.from, first, t.posterior, sensitivity_of(input.from, t.posterior, t.second),
                              t.prediction.budget[static_cast<std::size_t>(Quantity::rms_F_w)]);
@@ -84,7 +99,8 @@ Transfer transfer_component(TransferInput input, const TransferProgress& progres
     t.naive_model = naive_model(input.from, first);
     t.naive.emplace();
     t.naive->prediction = predict_naively(input.from, *t.naive_model, t.second, thresholds::source_draws * 2);
-    if (second) t.naive->validation = validate(t.naive->prediction, t.second);
+    if (t.naive->prediction.draws.empty()) t.naive.reset();
+    if (second && t.naive) t.naive->validation = validate(t.naive->prediction, t.second);
   }
   return t;
 }

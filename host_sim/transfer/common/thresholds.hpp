@@ -67,6 +67,10 @@ inline constexpr double block = 4.0;
 /// the same verdicts with the noise of the paper's sensors.
 inline constexpr double simulation_error = 1e-3;
 
+/// [1] Share of the predictive draws whose simulation stays finite, below which there is no prediction. What a
+/// posterior allows and a rig cannot be is left out; half of it left out is another posterior.
+inline constexpr double least_finite = 0.9;
+
 // Validation ----------------------------------------------------------------------------------------------------------
 
 /// [1] Family error: a prediction that holds is called wrong so often.

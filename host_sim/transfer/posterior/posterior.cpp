@@ -1,6 +1,7 @@
 #include "host_sim/transfer/posterior/posterior.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "host_sim/identification/estimate/uncertainty.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
+#include "host_sim/least_squares/gram.hpp"
 #include "host_sim/transfer/common/statistics.hpp"
 #include "host_sim/transfer/common/thresholds.hpp"
 #include "host_sim/transfer/posterior/component_part.hpp"
@@ -49,6 +51,11 @@ Eigen::VectorXd stretch_of(const IdentificationProblem& problem, const identific
                            const Fit& fit, const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd half_widths = identification::uncertainty(problem, space.suspects, fit).half_widths;
   Eigen::VectorXd stretch = Eigen::VectorXd::Ones(covariance.rows());
+  const auto count = static_cast<double>(fit.residual.size());
+  const double excess = (fit.chi_squared / count - 1.0) * std::sqrt(0.5 * count);
+  if (excess < thresholds::discrepancy_significance && !identification::is_stepped_finely(fit.hypothesis.rig)) {
+    return stretch;  // white residuals of a smooth rig: the likelihood is right as it is
+  }
   for (Eigen::Index i = 0; i < stretch.size(); ++i) {
     const FreeParameter& parameter = fit.parameters[static_cast<std::size_t>(i)];
     const double deviation = std::sqrt(covariance(i, i));
@@ -65,6 +72,27 @@ Eigen::VectorXd stretch_of(const IdentificationProblem& problem, const identific
 double log_determinant(const Eigen::MatrixXd& covariance) {
   const Eigen::LDLT<Eigen::MatrixXd> factor(covariance);
   return factor.vectorD().array().abs().max(1e-300).log().sum();
+}
+
+double prior_width(const FreeParameter& parameter);
+
+/// (JᵀJ/T + diag(12/width²))⁻¹, width: of the prior. Positive definite also where the recordings determine nothing; a
+/// column of J that is no number tells nothing.
+Eigen::MatrixXd covariance_of(const Fit& fit, double temper) {
+  Eigen::MatrixXd j = fit.jacobian;
+  for (Eigen::Index i = 0; i < j.cols(); ++i) {
+    if (!j.col(i).allFinite()) j.col(i).setZero();
+  }
+  Eigen::MatrixXd h = gram(j) / temper;
+  for (Eigen::Index i = 0; i < h.rows(); ++i) {
+    const double width = prior_width(fit.parameters[static_cast<std::size_t>(i)]);
+    h(i, i) += 12.0 / (width * width);
+  }
+  const Eigen::VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();  // of parameters of many units
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * h * scale.asDiagonal());
+  const Eigen::VectorXd inverse = solver.eigenvalues().cwiseMax(1e-12).cwiseInverse();
+  const Eigen::MatrixXd c = solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+  return scale.asDiagonal() * c * scale.asDiagonal();
 }
 
 double prior_width(const FreeParameter& parameter) {
@@ -243,7 +271,7 @@ ComponentModel laplace_model(const IdentificationProblem& problem, const identif
   for (Eigen::Index i = 0; i < d; ++i) model.mode(i) = fit.parameters[static_cast<std::size_t>(i)].get(fit.hypothesis);
   model.log_evidence = -0.5 * fit.chi_squared / temper;
   if (d == 0) return model;
-  const Eigen::MatrixXd plain = fit.covariance() * temper;
+  const Eigen::MatrixXd plain = covariance_of(fit, temper);
   model.log_evidence += 0.5 * static_cast<double>(d) * std::log(2.0 * std::numbers::pi) + 0.5 * log_determinant(plain);
   for (const FreeParameter& parameter : fit.parameters) model.log_evidence -= std::log(prior_width(parameter));
   const Eigen::VectorXd stretch = stretch_of(problem, space, fit, plain);
@@ -262,7 +290,7 @@ ChainReport sample_model(const IdentificationProblem& problem, double temper, co
     identification::refresh_jacobian(problem, fit);
     return fit;
   }();
-  const Eigen::MatrixXd plain = at_mode.covariance() * temper;
+  const Eigen::MatrixXd plain = covariance_of(at_mode, temper);
   const auto densities = [&](const std::vector<Eigen::VectorXd>& at) {
     std::vector<identification::Variation> variations;
     for (const Eigen::VectorXd& u : at) variations.push_back({model.at(u), std::nullopt});
@@ -320,7 +348,7 @@ Posterior find_posterior(const firmware::RigDescription& /*from*/, const identif
   diagnosed.effects = with_values_of(diagnosed.hypothesis, first.found.best.effects);
   if (diagnosed.mode.size() > 0) {
     identification::refresh_jacobian(problem, fit);
-    posterior.discrepancy = find_discrepancy(problem, fit, fit.covariance());
+    posterior.discrepancy = find_discrepancy(problem, fit, covariance_of(fit, 1.0));
   }
   posterior.models.push_back(std::move(diagnosed));
   add_other_models(problem, space, first.found, posterior.temper, progress, posterior.models);
@@ -389,7 +417,7 @@ ComponentModel naive_model(const firmware::RigDescription& /*from*/, const ident
     model.mode(i) = fit.parameters[static_cast<std::size_t>(i)].get(fit.hypothesis);
   }
   if (model.mode.size() > 0) {
-    model.covariance = fit.covariance() * identification::temper_of(fit);
+    model.covariance = covariance_of(fit, identification::temper_of(fit));
     draw_laplace(model, thresholds::predictive_draws, 1);
   } else {
     model.draws.resize(0, 1);

@@ -21,9 +21,10 @@ namespace host_sim::transfer {
 ///   (3)  u ← û + D (u − û),   D_i = half width_i/(1.96 σ_i) from thresholds::stretched_from on, else 1
 ///   (4)  u ← u + √V z                                                                      V: Discrepancy (2)
 ///
-/// (3): half widths of estimate/uncertainty.hpp, which count residuals in bursts and bands that contradict each other.
-/// It is the adjustment of B. Shaby, J. Am. Stat. Assoc. 109, 2014. χ² is that of the diagnosis.
-/// Sources: (2) R. Kass and A. Raftery, J. Am. Stat. Assoc. 90, 1995.
+/// (3): half widths of estimate/uncertainty.hpp, which count residuals in bursts and bands that contradict each other;
+/// only where residuals are more than noise or the rig has corners. Of white residuals the likelihood is right as it
+/// is. It is the adjustment of B. Shaby, J. Am. Stat. Assoc. 109, 2014. χ² is that of the diagnosis. Sources: (2) R.
+/// Kass and A. Raftery, J. Am. Stat. Assoc. 90, 1995.
 struct ComponentModel {
   std::string name;  ///< "as diagnosed", "relaxation in the place of seal_friction"
   identification::Hypothesis hypothesis;

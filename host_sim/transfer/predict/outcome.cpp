@@ -9,8 +9,6 @@
 namespace host_sim::transfer {
 namespace {
 
-using Complex = std::complex<double>;
-
 frf::BlockScheme scheme_of(std::size_t block) { return {block, block / 2, WindowShape::hann, Detrend::mean}; }
 
 /// Sums over the samples of all runs, about the mean.

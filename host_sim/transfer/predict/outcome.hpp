@@ -11,6 +11,8 @@
 
 namespace host_sim::transfer {
 
+using Complex = std::complex<double>;
+
 /// Responses to the foot point and the channels that they belong to.
 inline constexpr std::array<std::string_view, 2> response_names{"F_w/z_r", "zdd_b/z_r"};
 inline constexpr std::array<std::string_view, 2> response_units{"N/m", "1/s²"};

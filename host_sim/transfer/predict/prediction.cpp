@@ -11,7 +11,6 @@
 
 namespace host_sim::transfer {
 
-using Complex = std::complex<double>;
 using Rig = model::RigParameters<double>;
 
 namespace {
@@ -48,8 +47,9 @@ void draw_own_parameters(const firmware::RigDescription& to, Dice& dice, Rig& ri
 /// nothing of it. They are anywhere in their tolerance still.
 void draw_unlearned(const firmware::RigDescription& from, const ComponentModel& model, Dice& dice, Rig& rig) {
   Rig described = from.rig;
-  for (const auto& [path, bound] : from.tolerance) {
-    const double share = bound * (2.0 * dice.uniform() - 1.0);
+  for (const auto& tolerance : from.tolerance) {
+    const std::string& path = tolerance.first;
+    const double share = tolerance.second * (2.0 * dice.uniform() - 1.0);
     const bool learned =
         std::any_of(model.parameters.begin(), model.parameters.end(), [&](const auto& p) { return p.path == path; });
     if (learned || !travels(path)) continue;

@@ -84,7 +84,7 @@ void add_responses(const Transfer& t, report::Report& page) {
     figure.title = std::string(titles[r]) + ": predicted bands" + (measured.empty() ? "" : " and measurement");
     figure.x = {"frequency", "Hz", true};
     report::Panel response;
-    response.y = {std::string(titles[r]), std::string(response_units[r]), true};
+    response.y = {std::string(response_names[r]), std::string(response_units[r]), true};
     add_bands(f, bands, measured, response);
     report::Panel deviation;
     deviation.y = {"from the median", "%"};

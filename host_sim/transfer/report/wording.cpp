@@ -52,8 +52,7 @@ std::string prediction_text(const Transfer& t) {
     constexpr std::array<std::string_view, source_count> names{
         "the component's parameters", "effects that rival each other", "the discrepancy of the component's model",
         "the second rig's own tolerances", "measurement noise"};
-    text +=
-        "; " + figure_text(100.0 * budget[largest], 2) + " % of its variance come from " + std::string(names[largest]);
+    text += "; " + per_cent(budget[largest]) + " of its variance come from " + std::string(names[largest]);
   }
   return text + ".";
 }
@@ -129,7 +128,7 @@ std::vector<std::string> range_sentences(const Validation& validation, std::size
     double width = 0.0, worst = -1.0;
     std::size_t at = i;
     for (std::size_t k = i; k < j; ++k) {
-      width = std::max(width, own[k].half_width);
+      width = std::max({width, own[k].half_width, own[k].holds ? own[k].deviation : 0.0});
       if (own[k].deviation > worst) {
         worst = own[k].deviation;
         at = k;
@@ -163,7 +162,8 @@ std::string verdict_text(const Transfer& t) {
     for (std::size_t r = 0; r < 2; ++r) {
       for (const std::string& sentence : range_sentences(v, r)) sentences += (sentences.empty() ? "" : "; ") + sentence;
     }
-    text += sentences + ". " + lines_text(v) + ". " + prediction_text(t);
+    if (shown) text += sentences + ". ";
+    text += lines_text(v) + ". " + prediction_text(t);
     const Bands load = t.prediction.quantity(Quantity::rms_F_w);
     const double measured = v.measured.quantity[0];
     if (std::isfinite(measured)) {

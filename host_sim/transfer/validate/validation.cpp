@@ -9,8 +9,6 @@
 
 namespace host_sim::transfer {
 
-using Complex = std::complex<double>;
-
 namespace {
 
 /// Mean and variance of the draws of one response, by line.
