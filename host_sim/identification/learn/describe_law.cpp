@@ -220,7 +220,7 @@ class LawDescription {
     out.numbers = {number("exponent", 1), number("damping_at_the_end", 0, end)};
     const double more = out.numbers.back().value;
     out.words =
-        text_of("damping %s along the stroke: %s %s N s/m at %.3g mm, with |x|^%.2g", more > 0.0 ? "grows" : "falls",
+        text_of("damping %s along the stroke: %s N s/m %s at %.3g mm, with |x|^%.2g", more > 0.0 ? "grows" : "falls",
                 figures(std::abs(more)).c_str(), more > 0.0 ? "more" : "less", 1e3 * law_.largest, law_.values[1]);
   }
 

@@ -74,7 +74,7 @@ TEST(DescribeLaw, SaysEachShapeInWordsWithNumbers) {
   EXPECT_NEAR(load.numbers[0].upper - load.numbers[0].value, 0.025 * 100.0 / 300.0, 1e-12);  // 0.025 of 100 N
   // 4 N at r and 0.1 m/s: 40 N s/m; at 4 r with a square 640
   EXPECT_EQ(described(LawFamily::along_stroke, both, {4.0, 2.0}).words,
-            "damping grows along the stroke: more 640 N s/m at 40 mm, with |x|^2");
+            "damping grows along the stroke: 640 N s/m more at 40 mm, with |x|^2");
 }
 
 // Point. Effects of the catalogue have the same words.
