@@ -37,11 +37,7 @@ class SideBySide {
     allow_open_files(files.size());
     for (const std::filesystem::path& file : files) {
       readers_.push_back(std::make_unique<ResultReader>(file));
-      const CaseSet& cases = readers_.back()->cases();
-      if (cases.fingerprint != this->cases().fingerprint || cases.count != this->cases().count) {
-        throw firmware::InputError(file.string(), 1, "belongs to another plan than " + readers_.front()->name(),
-                                   "results of one plan in a folder");
-      }
+      readers_.back()->demand(cases());
     }
     for (std::size_t i = 0; i < readers_.size(); ++i) advance(i);
   }
@@ -79,8 +75,10 @@ class SideBySide {
   std::priority_queue<Head> heads_;
 };
 
-/// Goes through all lines; nothing is missing and nothing is there twice.
-void prove_complete(const std::filesystem::path& folder) {
+using TakeLine = std::function<void(const ResultReader::Line&)>;
+
+/// Goes through all lines and shows each to `look`; at the end nothing is missing and nothing is there twice.
+void prove_complete(const std::filesystem::path& folder, const TakeLine& look) {
   SideBySide lines(folder);
   std::uint64_t expected = 0, missing = 0;
   std::optional<std::uint64_t> first;
@@ -89,7 +87,10 @@ void prove_complete(const std::filesystem::path& folder) {
     missing += id - expected;
     expected = id + 1;
   };
-  while (const auto line = lines.next()) skip_to(line->id);
+  while (const auto line = lines.next()) {
+    skip_to(line->id);
+    look(*line);
+  }
   const std::uint64_t count = lines.cases().count;
   if (expected < count) {
     if (!first) first = expected;
@@ -102,6 +103,12 @@ void prove_complete(const std::filesystem::path& folder) {
                              "all of them: run the shards again, what is done is not computed twice");
 }
 
+CaseSet pass_on(const std::filesystem::path& folder, const TakeLine& take) {
+  SideBySide lines(folder);
+  while (const auto line = lines.next()) take(*line);
+  return lines.cases();
+}
+
 std::string csv_cell(const ordered_json& value) {
   if (!value.is_string()) return value.dump();
   std::string cell = "\"";
@@ -111,11 +118,9 @@ std::string csv_cell(const ordered_json& value) {
 
 }  // namespace
 
-CaseSet merge(const std::filesystem::path& folder, const std::function<void(const ResultReader::Line&)>& take) {
-  prove_complete(folder);
-  SideBySide lines(folder);
-  while (const auto line = lines.next()) take(*line);
-  return lines.cases();
+CaseSet merge(const std::filesystem::path& folder, const TakeLine& take) {
+  prove_complete(folder, [](const ResultReader::Line&) {});
+  return pass_on(folder, take);
 }
 
 void Spread::add(double value) {
@@ -138,7 +143,7 @@ Merged merge_into_files(const std::filesystem::path& folder) {
   // Columns: the keys of the first case that did not fail, else of the first.
   std::vector<std::string> columns;
   bool complete = false;
-  merge(folder, [&](const ResultReader::Line& line) {
+  prove_complete(folder, [&](const ResultReader::Line& line) {
     if (complete) return;
     const ordered_json json = ordered_json::parse(line.text);
     const bool failed = json.contains("failed");
@@ -154,7 +159,7 @@ Merged merge_into_files(const std::filesystem::path& folder) {
   std::string header;
   for (const std::string& column : columns) header += (header.empty() ? "" : ",") + column;
   csv_file.write(header + "\n");
-  merged.cases = merge(folder, [&](const ResultReader::Line& line) {
+  merged.cases = pass_on(folder, [&](const ResultReader::Line& line) {
     json_file.write(line.text + "\n");
     const ordered_json json = ordered_json::parse(line.text);
     if (json.contains("failed")) {

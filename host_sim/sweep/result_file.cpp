@@ -60,10 +60,7 @@ ResultFile::ResultFile(const std::filesystem::path& folder, const CaseSet& cases
       return;
     }
     ResultReader reader(path_);
-    if (reader.cases().count != cases.count || reader.cases().fingerprint != cases.fingerprint) {
-      throw firmware::InputError(path_.string(), 1, "belongs to another plan, rig or version of rigtwin",
-                                 "an empty folder, or the results of this plan");
-    }
+    reader.demand(cases);
     while (reader.next()) {
     }
     if (reader.whole() < size && ::ftruncate(descriptor_, static_cast<off_t>(reader.whole())) != 0) {
@@ -98,6 +95,12 @@ ResultReader::ResultReader(const std::filesystem::path& file) : name_(file.strin
     throw firmware::InputError(name_, 1, "is no file of results", "a first line with \"cases\" and \"fingerprint\"");
   }
   cases_ = {*count, json["fingerprint"].get<std::string>()};
+}
+
+void ResultReader::demand(const CaseSet& cases) const {
+  if (cases_.count == cases.count && cases_.fingerprint == cases.fingerprint) return;
+  throw firmware::InputError(name_, 1, "belongs to another plan, rig or version of rigtwin",
+                             "an empty folder, or results of one plan only");
 }
 
 bool ResultReader::read_line(std::string& line) {

@@ -56,6 +56,8 @@ class ResultReader {
 
   [[nodiscard]] const CaseSet& cases() const { return cases_; }
   [[nodiscard]] const std::string& name() const { return name_; }
+  /// InputError if the file belongs to other cases.
+  void demand(const CaseSet& cases) const;
   /// Bytes up to the end of the last whole line that was read.
   [[nodiscard]] std::uint64_t whole() const { return whole_; }
 

@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/description/text/input_error.hpp"
-
 namespace host_sim::sweep {
 namespace {
 
@@ -24,10 +22,7 @@ std::vector<bool> done_before(const CaseSet& cases, const std::filesystem::path&
   std::vector<bool> done(cases.count, false);
   for (const std::filesystem::path& file : result_files(folder)) {
     ResultReader reader(file);
-    if (reader.cases().fingerprint != cases.fingerprint) {
-      throw firmware::InputError(reader.name(), 1, "belongs to another plan, rig or version of rigtwin",
-                                 "an empty folder, or results of this plan only");
-    }
+    reader.demand(cases);
     while (const auto line = reader.next()) done[line->id] = true;
   }
   return done;

@@ -1,7 +1,6 @@
 #include "host_sim/sweep/sweep_plan.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <sstream>

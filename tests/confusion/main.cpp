@@ -96,7 +96,7 @@ void run_shard(const Options& options, const std::vector<Asked>& asked) {
   const auto line = [&](std::uint64_t id) {
     const auto outcome = run_all({asked[id]}, options.run.wanted, 1, options.most_seconds, {});
     nlohmann::ordered_json json{{"id", id}};
-    json.update(nlohmann::ordered_json{{"outcome", to_json(outcome.front())}});
+    json["outcome"] = to_json(outcome.front());
     return json.dump();
   };
   const auto tell = [](const sweep::ShardWork& work) {

@@ -95,7 +95,7 @@ TEST(SweepResults, GoOnAfterAKill) {
   }
 }
 
-// What other shards have done is not computed again when a sweep goes on with another number of shards.
+// A sweep that goes on with another number of shards does not compute finished cases again.
 TEST(SweepResults, GoOnWithAnotherNumberOfShards) {
   const TemporaryFolder folder, whole;
   run(whole, "0/1");
