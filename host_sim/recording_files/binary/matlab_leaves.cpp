@@ -105,9 +105,8 @@ std::string text_of(const matvar_t& variable, std::size_t count) {
     std::uint32_t code = 0;
     const auto* bytes = static_cast<const unsigned char*>(variable.data) + i * width;
     for (std::size_t k = 0; k < width; ++k) code |= static_cast<std::uint32_t>(bytes[k]) << (8 * k);
-    if (width == 1 && variable.data_type == MAT_T_UTF8) {
-      text += static_cast<char>(code);
-    } else if (code < 0x80) {
+    const bool is_utf8 = width == 1 && variable.data_type == MAT_T_UTF8;
+    if (is_utf8 || code < 0x80) {
       text += static_cast<char>(code);
     } else if (code < 0x800) {
       text += static_cast<char>(0xc0U | code >> 6U);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
@@ -17,8 +16,6 @@ namespace {
 using firmware::in_quotes;
 using firmware::InputError;
 using firmware::shortest;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::size_t line_of(const RawTable& table, std::size_t row) { return row < table.lines.size() ? table.lines[row] : 0; }
 
