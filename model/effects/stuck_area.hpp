@@ -26,7 +26,7 @@ struct StuckArea {
                                       .shows =
                                           "no force follows the skyhook command; a constant force if it is stuck "
                                           "away from the middle",
-                                      .linearisation = Linearisation::left_out};
+                                      .linearisation = Linearisation::exact};
   static constexpr auto values = std::array{&StuckArea::position};
 
   constexpr void act_on(AirSpringCondition<S>& air_spring) const {

@@ -70,11 +70,16 @@ SteadyGains::SteadyGains(const EstimatorEquations& equations, double period)
   if (settings.history > 0) longest_lag_ = settings.history;
 }
 
-void SteadyGains::discretise(int open) {
+/// Noise of variance 1/(2h), held for a period, as model::RoadFilter steps: `held` is what a noise of 1 adds.
+void SteadyGains::hold_noise(const EstimatorVector& held) {
+  for (int j = 0; j < n_; ++j) {
+    for (int i = 0; i < n_; ++i) noise_(i, j) = held(i) * held(j) / (2.0 * period_);
+  }
+}
+
+/// White noise within the period, too (Van Loan's integral, by doubling). Uses work_1_, work_2_ and transition_.
+void SteadyGains::accumulate_noise(const EstimatorMatrix& a) {
   constexpr int halvings = 12;
-  Matrix a = equations_.matrix(open);
-  const int piston = equations_.core(CoreIndex::piston_velocity);
-  if (piston >= 0) a(piston, piston) -= equations_.linear_loss(piston_rms_, open);
   const double step = period_ / static_cast<double>(1 << halvings);
   // The middle of a step stands for all of it: an error of (λ step)²/24, 1e-9 at λ = 1000 1/s.
   work_1_ = model::ExactDiscretisation<double, estimator_states>(a, 0.5 * step).transition();
@@ -94,7 +99,19 @@ void SteadyGains::discretise(int open) {
     multiply(work_1_, transition_, transition_, n_);
     transition_ = work_1_;
   }
-  transition_ = model::ExactDiscretisation<double, estimator_states>(a, period_).transition();
+}
+
+void SteadyGains::discretise(int open) {
+  Matrix a = equations_.matrix(open);
+  const int piston = equations_.core(CoreIndex::piston_velocity);
+  if (piston >= 0) a(piston, piston) -= equations_.linear_loss(piston_rms_, open);
+  const model::ExactDiscretisation<double, estimator_states> exact(a, period_);
+  if (equations_.settings().bandwidth > 0.0) {
+    hold_noise(exact.held(equations_.noise_column()));
+  } else {
+    accumulate_noise(a);
+  }
+  transition_ = exact.transition();
   const KalmanSettings& settings = equations_.settings();
   for (int i = 0; i < n_; ++i) {
     if (equations_.state(i).kind != EstimatorState::Kind::bias) continue;
