@@ -6,8 +6,6 @@ namespace {
 using model::CoreIndex;
 constexpr int ring = Rollout::longest_delay + 1;
 
-int periods(double time, double period) { return static_cast<int>(time / period + 0.5); }
-
 }  // namespace
 
 std::string_view DuctPolicy::check(const DuctPolicySettings& settings, const model::RigParameters<double>& rig,
@@ -30,8 +28,8 @@ DuctPolicy::DuctPolicy(const EstimatorEquations& equations, SteadyGains& gains, 
     : settings_(settings),
       rollout_(equations, gains, settings, period),
       ducts_(equations.ducts()),
-      delay_(periods(settings.delay, period)),
-      dwell_(periods(settings.dwell, period)),
+      delay_(whole_periods(settings.delay, period)),
+      dwell_(whole_periods(settings.dwell, period)),
       wheel_position_(equations.core(CoreIndex::wheel_position)),
       wheel_velocity_(equations.core(CoreIndex::wheel_velocity)),
       body_position_(equations.core(CoreIndex::body_position)),

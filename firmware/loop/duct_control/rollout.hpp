@@ -10,6 +10,12 @@
 
 namespace firmware {
 
+/// The number of periods nearest to a time ≥ 0.
+[[nodiscard]] inline int whole_periods(double time, double period) {
+  const double periods = time / period + 0.5;
+  return static_cast<int>(periods);
+}
+
 /// Predicts the car with each number of open ducts n, held for a horizon of H periods, and compares
 ///
 ///   (1)  J_n(x) = Σ_{k=1…H} x_kᵀ C x_k,    x_{k+1} = Φ_n x_k
