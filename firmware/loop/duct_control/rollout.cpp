@@ -45,7 +45,7 @@ Rollout::Rollout(const EstimatorEquations& equations, SteadyGains& gains, const 
   const double slow = 2.0 * fdva.duct_length / settings.closing_time;
   peak_per_velocity_ = fdva.oil_density * (slow < sound ? slow : sound) * fdva.piston_area / area;
   const EstimatorMatrix c = cost_matrix(equations, settings);
-  const int horizon = whole_periods(settings.horizon, period);
+  const int horizon = nearest_periods(settings.horizon, period);
   EstimatorMatrix half, transposed, step;
   for (int open = 0; open <= ducts_; ++open) {
     PerCount& m = by_count_[static_cast<std::size_t>(open)];

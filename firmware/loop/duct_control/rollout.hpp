@@ -11,7 +11,7 @@
 namespace firmware {
 
 /// The number of periods nearest to a time ≥ 0.
-[[nodiscard]] inline int whole_periods(double time, double period) {
+[[nodiscard]] inline int nearest_periods(double time, double period) {
   const double periods = time / period + 0.5;
   return static_cast<int>(periods);
 }
