@@ -49,12 +49,13 @@ bool take(const std::string& key, const json& value, Datagram& datagram) {
     datagram.setup = value;
     return true;
   }
+  if (key == "timestamp") {
+    if (!value.is_number()) return false;
+    datagram.timestamp = value.get<double>();
+    return std::isfinite(datagram.timestamp);
+  }
   if (value.is_string()) return take_text(key, value.get_ref<const std::string&>(), datagram);
-  if (!value.is_number()) return false;
-  const double number = value.get<double>();
-  if (key != "timestamp") return take_number(key, number, datagram);
-  datagram.timestamp = number;
-  return std::isfinite(number);
+  return value.is_number() && take_number(key, value.get<double>(), datagram);
 }
 
 /// Deeply nested input would take the parser's stack.

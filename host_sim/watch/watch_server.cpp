@@ -145,6 +145,7 @@ class WatchServer::Implementation {
       std::unique_lock<std::mutex> lock(mutex_);
       if (ended_.wait_for(lock, frame_pause, [this] { return end_; })) return false;
       lock.unlock();
+      if (!sink.is_writable()) return false;  // a page that was closed gives its place back at once
       if (feed_.has_news(cursor)) break;
     }
     const std::string event = "data: " + dumped(feed_.frame(cursor, steady_seconds())) + "\n\n";
