@@ -34,7 +34,7 @@
   const digits = function (value, many) {
     if (value === null || value === undefined || !isFinite(value)) return "–";
     const size = Math.abs(value);
-    if (size >= 1000 && size < 1e6) return String(Math.round(value)).replace("-", "−");
+    if (size >= 999.5 && size < 1e6) return String(Math.round(value)).replace("-", "−");
     return Number(value).toPrecision(many || 3).replace(/e\+?/, "e").replace("-", "−");
   };
   const decimals = function (value, places) {
