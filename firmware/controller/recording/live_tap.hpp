@@ -24,6 +24,7 @@ class LiveTap {
       : every_(every), storage_(capacity), ring_(storage_) {}
   LiveTap(const LiveTap&) = delete;
   LiveTap& operator=(const LiveTap&) = delete;
+  ~LiveTap() = default;
 
   /// From the recording's thread only.
   void offer(const Record& record) {
