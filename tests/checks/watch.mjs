@@ -5,6 +5,7 @@ import {mkdirSync, readFileSync, writeFileSync} from "node:fs";
 const [rigtwin, controller, folder, screenshots] = process.argv.slice(2);
 const processes = [];
 let complaints = 0;
+let browser = null;
 
 function start(program, words, options = {}) {
   const child = spawn(program, words, {stdio: ["ignore", "pipe", "pipe"], ...options});
@@ -19,7 +20,7 @@ const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
 /// The first value of `look` that is true. A time-out only ends what hangs.
 async function until(what, look) {
-  for (let i = 0; i < 1200; ++i) {
+  for (let i = 0; i < 600; ++i) {
     const seen = await look();
     if (seen) return seen;
     await pause(50);
@@ -72,11 +73,25 @@ class Page {
     if (exceptionDetails) throw new Error(expression + ": " + exceptionDetails.text);
     return result.value;
   }
-  body(name) { return this.evaluate(`document.body.dataset.${name}`); }
+  body(name) { return this.evaluate(`document.body ? document.body.dataset.${name} : ""`); }
   text(id) { return this.evaluate(`document.getElementById("${id}").innerText`); }
   comesTo(name, value) { return until(`${name} ${value}`, async () => (await this.body(name)) === value); }
   press(ask) { return this.evaluate(`document.querySelector('[data-ask="${ask}"]').click()`); }
+  /// Presses until the rig is in one of the states: a busy machine may take a second press for a first one.
+  async ask(word, states) {
+    await until(`${word}: ${states}`, async () => {
+      if (states.includes(await this.body("state"))) return true;
+      await this.press(word);
+      return false;
+    });
+  }
   isEnabled(ask) { return this.evaluate(`!document.querySelector('[data-ask="${ask}"]').disabled`); }
+  /// So that it writes nothing any more.
+  async close() {
+    this.session = undefined;
+    await this.send("Browser.close");
+    await this.browser.gone;
+  }
   async shot(name) {
     if (!screenshots) return;
     mkdirSync(screenshots, {recursive: true});
@@ -114,6 +129,7 @@ async function main() {
     "--publish", `127.0.0.1:${port}`, "--out", `${folder}/run${++runs}.csv`]);
 
   const page = await Page.open(1280, 800);
+  browser = page;
   await page.send("Page.navigate", {url});
   await page.comesTo("link", "waiting");
   check("before a controller: nothing can be asked but stop",
@@ -124,14 +140,23 @@ async function main() {
   await page.comesTo("link", "live");
   await page.comesTo("state", "idle");
   check("in idle: arm, not start", (await page.isEnabled("arm")) && !(await page.isEnabled("start")));
-  await page.press("arm");
-  await pause(500);
-  check("one press of Arm asks for nothing", (await page.body("state")) === "idle" && (await page.text("requests")).includes("Sure?"));
-  await page.press("arm");
-  await page.comesTo("state", "armed");
-  await page.press("start");
-  await page.press("start");
-  await page.comesTo("state", "running");
+  await until("the button asks whether that is meant", async () => {
+    await page.press("arm");
+    return (await page.text("requests")).includes("Sure?") || (await page.text("answer")).startsWith("Asked");
+  });
+  check("one press of Arm asks for nothing", (await page.text("answer")).startsWith("Nothing asked yet"));
+  await page.ask("arm", ["armed"]);
+  await page.ask("start", ["running"]);
+  await pause(2000);
+  // A cable that is out says nothing: no end of the connection, only silence.
+  watch.kill("SIGSTOP");
+  await page.comesTo("link", "lost");
+  check("a silent server is a lost one: nothing can be asked, values are stale",
+    (await page.evaluate("[...document.querySelectorAll('[data-ask], [data-any]')].every((b) => b.disabled)")) &&
+    (await page.evaluate("document.body.classList.contains('stale')")) && (await page.text("alarm")).includes("red button"));
+  watch.kill("SIGCONT");
+  await page.comesTo("link", "live");
+  check("it goes on when the server speaks again", !(await page.evaluate("document.body.classList.contains('stale')")) && (await page.isEnabled("hold")));
   await pause(4000);
   const before = await page.evaluate(drawing), frames = Number(await page.body("frames"));
   await pause(1000);
@@ -157,8 +182,9 @@ async function main() {
     document.getElementById("mark-form").requestSubmit()`);
   await until("the mark is taken", async () => (await page.text("answer")).includes("taken"));
   await page.press("stop");
+  check("stop takes one press", !(await page.text("stop")).includes("Sure?"));
   await page.comesTo("state", "safe");
-  check("stop takes one press", (await page.text("why")).startsWith("Ended by stop requested"));
+  check("and its reason is shown", (await page.text("why")).startsWith("Ended by stop requested"));
   first.kill("SIGTERM");
   await page.comesTo("link", "ended");
   check("the end of a controller is no alarm", (await page.text("why")).startsWith("The controller has ended"));
@@ -167,11 +193,8 @@ async function main() {
   const second = control(wild_rig);
   await page.comesTo("link", "live");
   await page.comesTo("state", "idle");
-  for (const [word, state] of [["arm", "armed"], ["start", null]]) {
-    await page.press(word);
-    await page.press(word);
-    if (state) await page.comesTo("state", state);
-  }
+  await page.ask("arm", ["armed"]);
+  await page.ask("start", ["ready", "running", "safe"]);
   await page.comesTo("state", "safe");
   check("the trip with its reason: " + await page.text("why"),
     (await page.body("reason")) === "energy" && /^Ended by energy \([\d.]+, limit 0\.3\)/.test(await page.text("why")));
@@ -205,6 +228,13 @@ async function main() {
   check("nothing was fetched", (await page.body("requests")) === "0");
 }
 
+for (const signal of ["SIGTERM", "SIGINT", "SIGHUP"]) {
+  process.on(signal, () => {  // nothing that was started here goes on
+    for (const child of processes) child.kill("SIGKILL");
+    process.exit(1);
+  });
+}
+
 try {
   await main();
 } catch (error) {
@@ -212,5 +242,6 @@ try {
   ++complaints;
   for (const child of processes) if (child.spawnfile !== "chromium") console.log(child.text.split("\n").slice(-12).join("\n"));
 }
+if (browser) await Promise.race([browser.close(), pause(5000)]);
 for (const child of processes) if (child.exitCode === null) child.kill("SIGKILL");
 process.exit(complaints === 0 ? 0 : 1);

@@ -16,6 +16,7 @@ namespace {
 using nlohmann::json;
 using support::DatagramInbox;
 using support::Ended;
+using support::GuardedProgram;
 using support::RunningProgram;
 using support::TemporaryFolder;
 using testing::HasSubstr;
@@ -59,7 +60,7 @@ TEST(Publish, SendsEachPeriodOrCountsIt) {
   const std::string patient =
       folder.write("patient.toml", TemporaryFolder::read(paper_hil()) +
                                        "\n[supervision]\ngap = 1.0\n[controller]\nlate_in_a_row = 1000000\n");
-  RunningProgram program(folder,
+  GuardedProgram program(folder,
                          {"--rig", patient, "--simulated", "--no-realtime", "--duration", "1", "--publish",
                           inbox.address(), "--publish-every", "10", "--out", folder / "run.csv"},
                          {}, RIG_CONTROLLER_PROGRAM);
@@ -96,7 +97,7 @@ TEST(Publish, StandsInTheState) {
   const std::string patient =
       folder.write("patient.toml", TemporaryFolder::read(paper_hil()) +
                                        "\n[supervision]\ngap = 1.0\n[controller]\nlate_in_a_row = 1000000\n");
-  RunningProgram program(folder,
+  GuardedProgram program(folder,
                          {"--rig", patient, "--simulated", "--no-realtime", "--wait", "--socket", folder / "control",
                           "--publish", inbox.address(), "--out", folder / "run.csv"},
                          {}, RIG_CONTROLLER_PROGRAM);

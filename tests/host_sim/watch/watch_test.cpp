@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 using support::Ended;
-using support::RunningProgram;
+using support::GuardedProgram;
 using support::TemporaryFolder;
 using testing::HasSubstr;
 
@@ -81,7 +81,7 @@ class Watch {
 
  private:
   TemporaryFolder folder_;
-  RunningProgram program_;
+  GuardedProgram program_;
   int port_ = 0;
   int receive_ = 0;
   std::string token_;
@@ -95,7 +95,7 @@ struct Rig {
   TemporaryFolder folder;
   std::string socket = folder / "control";
   Watch watch{socket};
-  RunningProgram controller;
+  GuardedProgram controller;
   explicit Rig(const std::string& description, const std::vector<std::string>& more)
       : controller(
             folder,
