@@ -123,6 +123,8 @@ void ControlLoop::step() {
   record.enabled = enabled_;
   record.level = player_.level();
   record.tare = tare();
+  record.energy_fed = energy_guard_.fed();
+  record.energy_taken = energy_guard_.taken();
   record.command = command_;
   record.openings = openings_;
   if (const Companion* companion = companion_.get()) record.openings = companion->standing();

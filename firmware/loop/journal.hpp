@@ -51,12 +51,14 @@ struct Record {
   std::array<double, model::channel_count> values{};
   std::array<hal::Time, model::channel_count> taken{};  ///< stamps of the measured channels, else `never`
 
-  double level = 1.0;        ///< factor on the reference
-  double tare = 0.0;         ///< taken from F as it was read, for the car and the limits [N]
-  double wheel_load = 0.0;   ///< soft sensor F_w,c [N]
-  Velocities velocities{};   ///< estimated; in `hil` the virtual car's
-  hal::Command command{};    ///< put out in this period, for t_{k+1}
-  hal::Openings openings{};  ///< put out in this period, in force from t_k to t_{k+1}
+  double level = 1.0;         ///< factor on the reference
+  double tare = 0.0;          ///< taken from F as it was read, for the car and the limits [N]
+  double wheel_load = 0.0;    ///< soft sensor F_w,c [N]
+  double energy_fed = 0.0;    ///< hil: W of the energy guard [J]
+  double energy_taken = 0.0;  ///< hil: D of the energy guard [J]
+  Velocities velocities{};    ///< estimated; in `hil` the virtual car's
+  hal::Command command{};     ///< put out in this period, for t_{k+1}
+  hal::Openings openings{};   ///< put out in this period, in force from t_k to t_{k+1}
   Counters counters{};
 };
 

@@ -23,6 +23,7 @@
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
 #include "host_sim/commands/transfer_command.hpp"
+#include "host_sim/commands/watch_command.hpp"
 
 namespace host_sim {
 namespace {
@@ -80,6 +81,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_estimate(app, estimate_options);
   TransferOptions transfer_options;
   add_transfer(app, transfer_options);
+  WatchOptions watch_options;
+  add_watch(app, watch_options);
   try {
     if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);

@@ -60,8 +60,8 @@ forbid 'what is compiled for one kind of processor shares no inline code with ot
 order firmware loop description recording simulation controller
 order firmware/loop compensation kalman duct_control
 order firmware/description text table laws values
-order firmware/controller real_time safety devices reference recording
-order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability compensation frf paper identification plan transfer sweep commands
+order firmware/controller real_time safety devices reference recording publishing
+order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability compensation frf paper identification plan transfer sweep watch commands
 order host_sim/recording_files tables text binary export
 order host_sim/stability roots margins map report
 order host_sim/identification common prepare predict noise parity estimate select learn assess report
