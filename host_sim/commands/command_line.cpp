@@ -16,6 +16,7 @@
 #include "host_sim/commands/frf_command.hpp"
 #include "host_sim/commands/import_command.hpp"
 #include "host_sim/commands/init_command.hpp"
+#include "host_sim/commands/new_effect_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/shell_command.hpp"
@@ -73,7 +74,10 @@ int run_command_line(int argc, const char* const* argv) {
   add_fmu(app, fmu_options);
   InitOptions init_options;
   add_init(app, init_options);
-  add_shell(app);
+  NewEffectOptions new_effect_options;
+  add_new_effect(app, new_effect_options);
+  ShellOptions shell_options;
+  add_shell(app, shell_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   EstimateOptions estimate_options;
