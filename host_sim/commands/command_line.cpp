@@ -14,6 +14,7 @@
 #include "host_sim/commands/estimate_command.hpp"
 #include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/import_command.hpp"
 #include "host_sim/commands/init_command.hpp"
 #include "host_sim/commands/new_effect_command.hpp"
@@ -49,6 +50,7 @@ void demand_command(const CLI::App& app, const std::string& word) {
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
+  remember_command_line(argc, argv);
   CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC", "rigtwin");
   app.set_version_flag("--version", "rigtwin " + std::string(firmware::version));
   app.require_subcommand(1);

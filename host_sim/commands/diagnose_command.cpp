@@ -13,6 +13,7 @@
 #include "firmware/description/text/spelling.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/identification/diagnosis.hpp"
@@ -220,7 +221,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
   firmware::OutputFile verdict(options.out / "verdict.json"), report(options.out / "report.html"),
       rig(options.out / "rig.toml");
   verdict.write(identification::to_json(diagnosis).dump(2) + "\n");
-  report.write(identification::report_html(diagnosis, description));
+  report.write(with_how_made(identification::report_html(diagnosis, description)));
   rig.write(identification::result_rig(diagnosis.rig, options.rig.filename().string()));
   verdict.commit();
   report.commit();

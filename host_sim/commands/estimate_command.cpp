@@ -10,6 +10,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/json_output.hpp"
 #include "host_sim/estimation/run_filter.hpp"
 #include "host_sim/estimation/wheel_load_report.hpp"
@@ -86,7 +87,7 @@ void estimate(const EstimateOptions& options) {
   }
   std::string page;
   if (!options.report.empty()) {
-    page = estimation::report_page(description, parts.front(), result, loads, truth ? &*truth : nullptr);
+    page = with_how_made(estimation::report_page(description, parts.front(), result, loads, truth ? &*truth : nullptr));
   }
   firmware::Recording out;
   out.sample_period = parts.front().sample_period;

@@ -10,6 +10,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/paper/paper_report.hpp"
@@ -47,7 +48,7 @@ void reproduce_paper(const PaperOptions& options) {
   }
   const std::vector<paper::Statement> statements = paper::statements(experiments);
   const std::string json = paper::paper_json(experiments, statements);
-  firmware::write_file(options.out / "report.html", paper::paper_report(experiments, statements).html());
+  firmware::write_file(options.out / "report.html", with_how_made(paper::paper_report(experiments, statements).html()));
   firmware::write_file(options.out / "paper.json", json);
   if (write_json(options.json, nlohmann::ordered_json::parse(json))) return;
 

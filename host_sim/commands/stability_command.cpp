@@ -11,6 +11,7 @@
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/signal/spectrum.hpp"
@@ -295,7 +296,7 @@ void examine_stability(const StabilityOptions& options) {
 
   if (options.report) {
     const stability::StabilityFindings findings{description, analysis, swept, map, over};
-    firmware::write_file(*options.report, stability::stability_report(findings).html());
+    firmware::write_file(*options.report, with_how_made(stability::stability_report(findings).html()));
   }
   const bool only_json = options.json && *options.json == "-";
   if (options.json) {

@@ -10,6 +10,7 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/road_choice.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
@@ -92,7 +93,7 @@ void run_transfer(const TransferOptions& options) {
   // Both files or none: each is written under a temporary name first.
   firmware::OutputFile json(options.out / "transfer.json"), report(options.out / "report.html");
   json.write(transfer::to_json(found).dump(1) + "\n");
-  report.write(transfer::report_html(found, from, to));
+  report.write(with_how_made(transfer::report_html(found, from, to)));
   json.commit();
   report.commit();
   if (write_json(options.json, transfer::to_json(found))) return;

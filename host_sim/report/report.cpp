@@ -42,6 +42,7 @@ th.words, td.words { text-align: left; white-space: normal; min-width: 7rem; }
 details { margin: .6rem 0; }
 summary { cursor: pointer; font-weight: 600; }
 pre { background: #f7f7f7; padding: .7rem; overflow-x: auto; font-size: .85rem; line-height: 1.35; }
+pre.made { white-space: pre-wrap; overflow-wrap: anywhere; }
 footer { margin-top: 2.5rem; font-size: .9rem; color: #444; }
 @media print {
   body { max-width: none; padding: 0; font-size: 10.5pt; }
@@ -109,6 +110,9 @@ constexpr std::string_view listening = R"(
   window.addEventListener("unhandledrejection", count);
 })();
 )";
+
+/// Where with_origin() writes: in the footer, once a page.
+constexpr std::string_view origin_mark = "<div id=\"origin\"></div>\n";
 
 std::string section_id(std::size_t i) { return "section-" + std::to_string(i + 1); }
 
@@ -216,6 +220,19 @@ void Report::add_appendix(std::string_view title, std::string_view text) {
   appendices_ += "<details><summary>" + escaped(title) + "</summary>\n<pre>" + escaped(text) + "</pre></details>\n";
 }
 
+std::string with_origin(std::string page, const Origin& origin) {
+  const std::size_t at = page.rfind(origin_mark);
+  if (at == std::string::npos) throw std::logic_error("a page without a place for its origin");
+  std::string text = "<h2>How this page was made</h2>\n<pre class=\"made\">rigtwin " + std::string(firmware::version) +
+                     "\n$ " + escaped(origin.command) + "\n";
+  for (const Origin::Input& input : origin.inputs) text += "\n" + input.sha256 + "  " + escaped(input.file);
+  if (!origin.inputs.empty()) text += "\n";
+  text +=
+      "</pre>\n<p>The same version and command with inputs of the same SHA-256 (sha256sum prints it) give this page "
+      "again.</p>\n";
+  return page.replace(at, origin_mark.size(), text);
+}
+
 std::string Report::html() const {
   const std::string name = "rigtwin " + std::string(firmware::version);
   std::string page =
@@ -240,7 +257,7 @@ std::string Report::html() const {
     page += "<details><summary>Licence of Plotly.js, which draws the figures</summary>\n<pre>" +
             escaped(embedded_file("plotly-LICENSE")) + "</pre></details>\n";
   }
-  page += "<p>Made by " + name +
+  page += std::string(origin_mark) + "<p>Made by " + name +
           ". Drag over a figure to zoom, double-click to reset, point at a curve to read values.</p>\n</footer>\n";
   if (figures_ > 0) {
     page += "<script>" + in_script(embedded_file("plotly-cartesian.min.js")) + "</script>\n<script>" +
