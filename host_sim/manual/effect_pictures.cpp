@@ -10,6 +10,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/simulation/road_choice.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
+#include "host_sim/identification/common/multisine.hpp"
 #include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/plan/effect_size.hpp"
@@ -24,16 +25,27 @@ constexpr std::array<const char*, 4> shipped{"paper_rig_fdva.toml", "paper_hil_f
 
 // Of what is shown. The window begins where the start has died away, and is long enough for two cycles of the body.
 constexpr double run_duration = 8.0, window_begin = 4.0, window_length = 1.5;  // [s]
-constexpr std::size_t longest_curve = 260;                                     // points of a curve
+// An effect that does nothing on the road is shown on this many times the road (the wheel must lift off), with limits
+// of the cylinder out of the way.
+constexpr double rougher = 4.0;
+constexpr double wide_stroke = 2.0, wide_speed = 10.0;  // [m], [m/s]
+constexpr double no_change = 1e-3;                      // rms of the change ÷ rms
+constexpr std::size_t longest_curve = 260;              // points of a curve
 
-/// A shipped rig without effects of its own, and its run without any.
+/// A road and the run of a rig over it without effects.
+struct Drive {
+  std::string words;  ///< behind the values of an effect
+  firmware::FootPointMotion motion;
+  Run without;
+};
+
+/// A shipped rig without effects of its own.
 struct PlainRig {
   std::string file;
   firmware::RigDescription description;
-  firmware::FootPointMotion motion;
   std::unique_ptr<plan::Rehearsal> rehearsal;
   std::vector<plan::Subject> subjects;
-  Run without;
+  std::vector<Drive> drives;
 };
 
 Run drive(const firmware::RigDescription& description, const firmware::FootPointMotion& motion) {
@@ -43,21 +55,30 @@ Run drive(const firmware::RigDescription& description, const firmware::FootPoint
 }
 
 PlainRig plain_rig(const std::filesystem::path& folder, const char* file) {
-  PlainRig rig{file, firmware::read_rig((folder / file).string()), {}, nullptr, {}, {}};
-  for (const firmware::PlacedEffect& effect : firmware::effects_of(rig.description.rig)) {
-    firmware::remove_effect(rig.description.rig, *effect.entry, effect.channel);
+  PlainRig rig{file, firmware::read_rig((folder / file).string()), nullptr, {}, {}};
+  firmware::RigDescription& description = rig.description;
+  for (const firmware::PlacedEffect& effect : firmware::effects_of(description.rig)) {
+    firmware::remove_effect(description.rig, *effect.entry, effect.channel);
   }
-  const firmware::RoadChoice road{"iso8608:C", 20.0, 1, std::nullopt, std::nullopt};
-  rig.motion = firmware::excitation(
-      rig.description.rig,
-      firmware::motion_over(road, rig.description, firmware::samples_of(run_duration, rig.description.sample_rate),
-                            read_recording),
-      rig.description.sample_rate);
+  const firmware::RoadChoice road{"iso8608:B", 27.78, 1, std::nullopt, std::nullopt};
+  const std::size_t samples = firmware::samples_of(run_duration, description.sample_rate);
+  firmware::FootPointMotion motion = firmware::excitation(
+      description.rig, firmware::motion_over(road, description, samples, read_recording), description.sample_rate);
+
+  // Sizes are found on a bench, where there is no body that a skyhook could hold still.
+  firmware::RigDescription uncontrolled = description;
+  uncontrolled.rig.air_spring.skyhook = 0.0;
   plan::Setting setting;
-  setting.motion = rig.motion;
-  rig.rehearsal = std::make_unique<plan::Rehearsal>(rig.description, setting);
+  setting.motion = motion;
+  rig.rehearsal = std::make_unique<plan::Rehearsal>(uncontrolled, setting);
   rig.subjects = plan::subjects(*rig.rehearsal);
-  rig.without = drive(rig.description, rig.motion);
+
+  description.controller.stroke = wide_stroke;
+  description.controller.speed = wide_speed;
+  rig.drives.push_back({"", motion, drive(description, motion)});
+  identification::scale(motion, rougher);
+  rig.drives.push_back(
+      {", on a road " + report::figure_text(rougher, 2) + " times as high", motion, drive(description, motion)});
   return rig;
 }
 
@@ -94,15 +115,26 @@ std::string values_in_words(const firmware::PlacedEffect& effect) {
   return text;
 }
 
-EffectPicture picture_of(const plan::Subject& subject, const PlainRig& rig) {
+EffectPicture picture_over(const Drive& road, const plan::Subject& subject, const PlainRig& rig) {
   const firmware::PlacedEffect effect = subject.placed();
   firmware::RigDescription description = rig.description;
   firmware::put_effect(description.rig, effect);
-  const Run with = drive(description, rig.motion);
-  EffectPicture picture{subject.entry, rig.file, values_in_words(effect), window_length};
+  const Run with = drive(description, road.motion);
+  EffectPicture picture{subject.entry, rig.file, values_in_words(effect) + road.words, window_length};
   for (std::size_t c = 0; c < model::channel_count; ++c) {
-    if (rig.without.recording.channels[c].empty() || with.recording.channels[c].empty()) continue;
-    picture.channels.push_back(channel_picture(model::channel_at(c), rig.without, with));
+    if (road.without.recording.channels[c].empty() || with.recording.channels[c].empty()) continue;
+    picture.channels.push_back(channel_picture(model::channel_at(c), road.without, with));
+  }
+  return picture;
+}
+
+/// On the first road on which the effect changes something.
+EffectPicture picture_of(const plan::Subject& subject, const PlainRig& rig) {
+  EffectPicture picture;
+  for (const Drive& road : rig.drives) {
+    picture = picture_over(road, subject, rig);
+    const auto changes = [](const ChannelPicture& channel) { return channel.change >= no_change; };
+    if (std::any_of(picture.channels.begin(), picture.channels.end(), changes)) break;
   }
   return picture;
 }

@@ -27,9 +27,9 @@ struct EffectPicture {
 
 /// One picture for each effect of the catalogue, on the first of the shipped rigs where it has a place: quarter car,
 /// hardware in the loop, bench, hardware in the loop with an air spring. `rigs`: folder of their descriptions, which
-/// are taken without their own effects and without noise. Sizes are those that `rigtwin plan` calls typical. Road:
-/// ISO 8608 C at 20 m/s, 8 s, seed 1. InputError if a description is missing; std::logic_error if an effect has no
-/// place.
+/// are taken without their own effects, limits and noise. Sizes are those that `rigtwin plan` calls typical. Road:
+/// ISO 8608 B at 27.78 m/s, 8 s, seed 1; four times as high for an effect that changes nothing there. InputError if a
+/// description is missing; std::logic_error if an effect has no place.
 [[nodiscard]] std::vector<EffectPicture> effect_pictures(const std::filesystem::path& rigs);
 
 }  // namespace host_sim::manual

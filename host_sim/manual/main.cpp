@@ -33,8 +33,8 @@ void write_manual(const Arguments& arguments) {
   std::set<std::string> known{"controller"};
   std::error_code error;
   if (!fs::exists(arguments.programs / "rig_controller", error)) known.clear();
-  const fs::path measured = fs::absolute(arguments.measured);
-  const bool real = !arguments.measured.empty() && fs::exists(measured / "emps_1.csv", error);
+  const fs::path measured = arguments.measured.empty() ? fs::path() : fs::absolute(arguments.measured);
+  const bool real = !measured.empty() && fs::exists(measured / "emps_1.csv", error);
   const std::vector<fs::path> files = chapter_files(arguments.chapters);
   // The script of the package: whoever has it has no measured data.
   const std::string script = as_script(read_chapter(files.front(), {"controller"}));

@@ -28,7 +28,7 @@ void expect_made(const std::string& page, const std::string& command, const std:
   ASSERT_NE(end, std::string::npos);
   const std::string part = page.substr(begin, end - begin);
   EXPECT_EQ(std::count(part.begin(), part.end(), '\n'),
-            2 + (inputs.empty() ? 0 : 1 + static_cast<std::ptrdiff_t>(inputs.size())))
+            3 + (inputs.empty() ? 0 : 1 + static_cast<std::ptrdiff_t>(inputs.size())))
       << part;
 }
 
