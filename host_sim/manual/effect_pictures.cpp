@@ -26,7 +26,7 @@ constexpr std::array<const char*, 4> shipped{"paper_rig_fdva.toml", "paper_hil_f
 // Of what is shown. The window begins where the start has died away, and is long enough for two cycles of the body.
 constexpr double run_duration = 8.0, window_begin = 4.0, window_length = 1.5;  // [s]
 // An effect that does nothing on the road is shown on this many times the road (the wheel must lift off), with limits
-// of the cylinder out of the way.
+// of cylinder and sensors out of the way.
 constexpr double rougher = 4.0;
 constexpr double wide_stroke = 2.0, wide_speed = 10.0;  // [m], [m/s]
 constexpr double no_change = 1e-3;                      // rms of the change ÷ rms
@@ -73,6 +73,7 @@ PlainRig plain_rig(const std::filesystem::path& folder, const char* file) {
   rig.rehearsal = std::make_unique<plan::Rehearsal>(uncontrolled, setting);
   rig.subjects = plan::subjects(*rig.rehearsal);
 
+  description.range = {};
   description.controller.stroke = wide_stroke;
   description.controller.speed = wide_speed;
   rig.drives.push_back({"", motion, drive(description, motion)});
