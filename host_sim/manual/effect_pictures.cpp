@@ -111,7 +111,9 @@ std::string values_in_words(const firmware::PlacedEffect& effect) {
   std::string text = identification::words(effect);
   for (std::size_t p = 0; p < effect.values.size(); ++p) {
     text += (p == 0 ? ": " : ", ") + std::string(effect.entry->parameters[p].name) + " = " +
-            report::figure_text(effect.values[p], 3) + " " + identification::unit_of(effect, p);
+            report::figure_text(effect.values[p], 3);
+    const std::string unit = identification::unit_of(effect, p);
+    if (!unit.empty()) text += " " + unit;
   }
   return text;
 }

@@ -44,11 +44,13 @@ summary { cursor: pointer; font-weight: 600; }
 pre { background: #f7f7f7; padding: .7rem; overflow-x: auto; font-size: .85rem; line-height: 1.35; }
 pre.made { white-space: pre-wrap; overflow-wrap: anywhere; }
 footer { margin-top: 2.5rem; font-size: .9rem; color: #444; }
+@page { size: A4; margin: 15mm; }
 @media print {
   body { max-width: none; padding: 0; font-size: 10.5pt; }
   nav, .modebar-container { display: none !important; }
-  figure, tr, .verdict { break-inside: avoid; }
-  h2 { break-after: avoid; }
+  figure, tr, .verdict, .short { break-inside: avoid; }
+  h2, h3, caption, thead, summary { break-after: avoid; }
+  p { orphans: 3; widows: 3; }
   pre { white-space: pre-wrap; overflow: visible; }
   .scroll { overflow: visible; }
 }
@@ -93,10 +95,18 @@ constexpr std::string_view drawing = R"(
   }, function (error) { console.error(error); });
   window.addEventListener("beforeprint", function () {
     document.querySelectorAll("details").forEach(function (part) { part.open = true; });
-    places.forEach(function (place) { Plotly.relayout(place, {width: 680}); });
+    places.forEach(function (place) {  // two figures of the usual height fit on a page
+      const height = 0.78 * place.clientHeight;
+      place.dataset.screen = String(place.clientHeight);
+      place.style.height = height + "px";
+      Plotly.relayout(place, {width: 680, height: height});
+    });
   });
   window.addEventListener("afterprint", function () {
-    places.forEach(function (place) { Plotly.relayout(place, {width: null, autosize: true}); });
+    places.forEach(function (place) {
+      place.style.height = place.dataset.screen + "px";
+      Plotly.relayout(place, {width: null, height: Number(place.dataset.screen), autosize: true});
+    });
   });
 })();
 )";
@@ -202,7 +212,9 @@ void Report::add_table(const Table& table) {
     return std::string("<") + tag + (column < table.text_columns ? " class=\"words\">" : ">") + escaped(text) + "</" +
            tag + ">";
   };
-  body_ += "<div class=\"scroll\"><table><caption>" + escaped(table.title) + "</caption>\n<thead><tr>";
+  constexpr std::size_t short_table = 15;  // rows that stay together on paper
+  body_ += std::string("<div class=\"scroll") + (table.rows.size() <= short_table ? " short" : "") +
+           "\"><table><caption>" + escaped(table.title) + "</caption>\n<thead><tr>";
   for (std::size_t i = 0; i < table.headings.size(); ++i) body_ += cell("th", i, table.headings[i]);
   body_ += "</tr></thead>\n<tbody>\n";
   for (const auto& row : table.rows) {

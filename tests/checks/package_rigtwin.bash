@@ -43,7 +43,7 @@ done
 # The pages as man(1) reads them.
 if command -v groff >/dev/null; then
   for page in "$folder"/root/usr/share/man/man1/*.1; do
-    groff -man -Tutf8 -ww -z "$page" 2>&1 | grep . && complain "  ^ ${page##*/}"
+    groff -k -man -Tutf8 -ww -z "$page" 2>&1 | grep . && complain "  ^ ${page##*/}"
   done
 fi
 
@@ -74,8 +74,8 @@ machine() {
   local wanted
   wanted=$(for package in "$program" "$controller"; do dpkg-deb -f "$package" Depends; done | sed 's/([^)]*)//g; s/[,|]/ /g')
   # shellcheck disable=SC2086
-  installed=$(closure dash bash coreutils sed grep dpkg base-files debianutils perl-base passwd $wanted)
-  mkdir -p "$folder/machine"/{usr/bin,usr/sbin,usr/lib,usr/lib64,proc,tmp,dev,etc,var/lib/dpkg/info,var/lib/dpkg/updates}
+  installed=$(closure $(dpkg-query -W -f '${Package} ${Essential}\n' | sed -n 's/ yes$//p') $wanted)  # the essential ones are everywhere
+  mkdir -p "$folder/machine"/{usr/bin,usr/sbin,usr/lib,usr/lib64,proc,run,tmp,dev,etc,var/lib/dpkg/info,var/lib/dpkg/updates}
   for name in bin sbin lib lib64; do ln -s "usr/$name" "$folder/machine/$name"; done
   # shellcheck disable=SC2086
   dpkg -L $installed | sort -u | while read -r file; do [ -d "$file" ] && [ ! -L "$file" ] || [ ! -e "$file" ] || echo "${file#/}"; done |
@@ -85,7 +85,7 @@ machine() {
     dpkg-query -s "$package"
     echo
   done >"$folder/machine/var/lib/dpkg/status"
-  for package in $installed; do cp "/var/lib/dpkg/info/$package"*.list "$folder/machine/var/lib/dpkg/info/" 2>/dev/null || true; done
+  for package in $installed; do cp "/var/lib/dpkg/info/$package".list "/var/lib/dpkg/info/$package":*.list "$folder/machine/var/lib/dpkg/info/" 2>/dev/null || true; done
   printf 'root:x:0:0:root:/root:/bin/sh\n' >"$folder/machine/etc/passwd"
   printf 'root:x:0:\n' >"$folder/machine/etc/group"
   : >"$folder/machine/etc/shadow"
@@ -107,6 +107,7 @@ if [ "$(id -u)" -eq 0 ] && command -v unshare >/dev/null; then
   machine
   dpkg --root="$folder/machine" --install "$program" "$controller" >"$folder/log" 2>&1 || { cat "$folder/log"; complain "dpkg does not install the packages"; }
   cp "$folder/inside.sh" "$folder/machine/tmp/"
+    grep -E '^Setting up' "$folder/log" || true
   echo "a machine of $(wc -w <<<"$installed") packages, $(du -sm "$folder/machine" | cut -f1) MB"
   unshare --mount --propagation private -- sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp LANG=C.UTF-8 sh /tmp/inside.sh' \
     "$folder/machine" >"$folder/tour" 2>&1 || complain "the tour ends with an error"
