@@ -95,8 +95,9 @@ constexpr std::string_view drawing = R"(
   }, function (error) { console.error(error); });
   window.addEventListener("beforeprint", function () {
     document.querySelectorAll("details").forEach(function (part) { part.open = true; });
-    places.forEach(function (place) {  // two figures of the usual height fit on a page
-      const height = 0.78 * place.clientHeight;
+    places.forEach(function (place) {  // two figures of one or two panels fit on a page
+      const panels = Object.keys(place.layout).filter(function (key) { return key.startsWith("yaxis"); }).length;
+      const height = (panels > 2 ? 1 : 0.78) * place.clientHeight;
       place.dataset.screen = String(place.clientHeight);
       place.style.height = height + "px";
       Plotly.relayout(place, {width: 680, height: height});
