@@ -53,6 +53,9 @@ footer { margin-top: 2.5rem; font-size: .9rem; color: #444; }
   p { orphans: 3; widows: 3; }
   pre { white-space: pre-wrap; overflow: visible; }
   .scroll { overflow: visible; }
+  table { font-size: .85em; }
+  th, td { white-space: normal; padding-right: .5rem; }
+  th.words, td.words { min-width: 0; }
 }
 )";
 
