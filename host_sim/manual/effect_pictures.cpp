@@ -22,6 +22,7 @@ namespace {
 
 constexpr std::array<const char*, 4> shipped{"paper_rig_fdva.toml", "paper_hil_fdva.toml", "paper_bench_fdva.toml",
                                              "paper_hil_aas.toml"};
+constexpr std::size_t bench = 2;  // in `shipped`
 
 // Of what is shown. The window begins where the start has died away, and is long enough for two cycles of the body.
 constexpr double run_duration = 8.0, window_begin = 4.0, window_length = 1.5;  // [s]
@@ -142,6 +143,15 @@ EffectPicture picture_of(const plan::Subject& subject, const PlainRig& rig) {
   return picture;
 }
 
+/// The law of an effect as a bench sees it; nullopt: it has no place there.
+std::optional<ChannelPicture> force_on_bench(const firmware::PlacedEffect& effect, const PlainRig& rig) {
+  if (!firmware::has_place(rig.description.rig, *effect.entry, effect.channel)) return std::nullopt;
+  firmware::RigDescription description = rig.description;
+  firmware::put_effect(description.rig, effect);
+  const Drive& road = rig.drives.front();
+  return channel_picture(model::Channel::F, road.without, drive(description, road.motion));
+}
+
 }  // namespace
 
 std::vector<EffectPicture> effect_pictures(const std::filesystem::path& rigs) {
@@ -157,6 +167,8 @@ std::vector<EffectPicture> effect_pictures(const std::filesystem::path& rigs) {
       });
       if (subject == rig.subjects.end()) continue;
       pictures.push_back(picture_of(*subject, rig));
+      const bool quarter_car = rig.description.rig.kind == model::RigKind::quarter_car;
+      if (quarter_car && !entry.of_channel) pictures.back().on_bench = force_on_bench(subject->placed(), plain[bench]);
       break;
     }
     if (pictures.size() == before) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct EffectPicture {
   std::string values;                      ///< "coulomb_friction: force = 44.3 N"
   double window = 0.0;                     ///< length of the curves [s]
   std::vector<ChannelPicture> channels{};  ///< that the rig records, in the order of model::channel_names
+  /// The force on the shipped bench with the same values, where the effect has a place there: the law itself.
+  std::optional<ChannelPicture> on_bench{};
 };
 
 /// One picture for each effect of the catalogue, on the first of the shipped rigs where it has a place: quarter car,

@@ -40,8 +40,23 @@ std::string card(const EffectPicture& picture) {
   return text + "</p>\n";
 }
 
+std::string plot_of(const ChannelPicture& channel, const std::string& title, double window) {
+  return svg({.title = title,
+              .change = "changes by " + per_cent(channel.change),
+              .unit = std::string(model::unit(channel.channel)),
+              .duration = window,
+              .without = channel.without,
+              .with = channel.with}) +
+         "\n";
+}
+
 std::string pictures_html(const std::vector<EffectPicture>& pictures) {
-  std::string html;
+  std::string html = "<nav><ul>\n";
+  for (const EffectPicture& picture : pictures) {
+    const std::string name(picture.entry->name);
+    html += "<li><a href=\"#effect-" + name + "\">" + name + "</a></li>\n";
+  }
+  html += "</ul></nav>\n";
   for (const EffectPicture& picture : pictures) {
     html += "<section class=\"effect\" id=\"effect-" + std::string(picture.entry->name) + "\">\n<h3>" +
             report::escaped(picture.entry->name) + "</h3>\n" + card(picture) + "<p class=\"lead\">Here on " +
@@ -51,16 +66,11 @@ std::string pictures_html(const std::vector<EffectPicture>& pictures) {
       const std::string name(model::name(channel.channel));
       if (channel.change < unchanged) {
         same += (same.empty() ? "" : ", ") + name;
-        continue;
+      } else {
+        html += plot_of(channel, name, picture.window);
       }
-      html += svg({.title = name,
-                   .change = "changes by " + per_cent(channel.change),
-                   .unit = std::string(model::unit(channel.channel)),
-                   .duration = picture.window,
-                   .without = channel.without,
-                   .with = channel.with}) +
-              "\n";
     }
+    if (picture.on_bench) html += plot_of(*picture.on_bench, "F on a bench", picture.window);
     html += "</div>\n";
     if (!same.empty()) html += "<p class=\"lead\">Not changed, by less than 0.1 %: " + same + ".</p>\n";
     html += "</section>\n";
@@ -82,6 +92,7 @@ svg.small { width: 100%; background: #fafafa; border: 1px solid #ddd; }
 svg.small text { font-size: 10px; fill: #333; }
 svg.small .without { fill: none; stroke: #aaa; stroke-width: 2.6; }
 svg.small .with { fill: none; stroke: #0072B2; stroke-width: 1; }
+svg.small .difference { fill: none; stroke: #D55E00; stroke-width: 1; }
 @media print {
   .plots { grid-template-columns: repeat(3, 1fr); }
   section.effect > h3, section.effect > p, h3 { break-after: avoid; }

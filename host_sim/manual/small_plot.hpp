@@ -16,7 +16,8 @@ struct SmallPlot {
   std::span<const double> with{};     ///< blue, thin, before
 };
 
-/// One <svg> element. Both curves have the same scale; their extremes stand at its edge. Curves of different lengths,
+/// One <svg> element. Both curves have the same scale; below them, in a scale of its own, stands their difference. The
+/// extremes of both scales stand beside them. Curves of different lengths,
 /// empty ones and values that are not finite are a std::logic_error.
 [[nodiscard]] std::string svg(const SmallPlot& plot);
 

@@ -156,13 +156,15 @@ TEST(Manual, ReadsTablesAndShowsHtmlAsText) {
   EXPECT_THAT(markdown_html("a <script>alert(1)</script>\n"), Not(HasSubstr("<script>")));
 }
 
-// Point. Two samples, the greater at the top: lowest at y = 96, highest at y = 20 of the view box.
+// Point. Curves between y = 80 (lowest, 0) and 20 (highest, 4); their difference 1, 2 between 134 (0) and 98 (2).
 TEST(ManualPlot, ScalesBothCurvesAlike) {
   const std::array<double, 2> a{0.0, 2.0}, b{1.0, 4.0};
   const std::string picture = svg({"F", "changes by 50 %", "N", 1.5, a, b});
-  EXPECT_THAT(picture, HasSubstr("class=\"without\" points=\"4.0,96.0 246.0,58.0 \""));
-  EXPECT_THAT(picture, HasSubstr("class=\"with\" points=\"4.0,77.0 246.0,20.0 \""));
+  EXPECT_THAT(picture, HasSubstr("class=\"without\" points=\"4.0,80.0 246.0,50.0 \""));
+  EXPECT_THAT(picture, HasSubstr("class=\"with\" points=\"4.0,65.0 246.0,20.0 \""));
+  EXPECT_THAT(picture, HasSubstr("class=\"difference\" points=\"4.0,116.0 246.0,98.0 \""));
   EXPECT_THAT(picture, HasSubstr(">0 … 4 N</text>"));
+  EXPECT_THAT(picture, HasSubstr(">difference 0 … 2 N</text>"));
   EXPECT_THAT(picture, HasSubstr(">1.5 s</text>"));
 }
 
