@@ -3,15 +3,21 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <fstream>
+#include <iterator>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/sha256.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/manual/manual.hpp"
+#include "host_sim/report/report.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace host_sim::manual;
+
+constexpr const char* measured_record = "emps_1.csv";  // of the tour
 
 struct Arguments {
   fs::path chapters, rigs, programs, measured, out, script;
@@ -29,12 +35,26 @@ std::vector<fs::path> chapter_files(const fs::path& folder) {
   return files;
 }
 
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// Chapters and measured data by name and hash: where they lie is of no use to a reader.
+host_sim::report::Origin origin_of(const std::vector<fs::path>& files) {
+  host_sim::report::Origin origin{"cmake --build build/host --target manual"};
+  for (const fs::path& file : files) {
+    origin.inputs.push_back({file.filename().string(), firmware::sha256(bytes_of(file))});
+  }
+  return origin;
+}
+
 void write_manual(const Arguments& arguments) {
   std::set<std::string> known{"controller"};
   std::error_code error;
   if (!fs::exists(arguments.programs / "rig_controller", error)) known.clear();
   const fs::path measured = arguments.measured.empty() ? fs::path() : fs::absolute(arguments.measured);
-  const bool real = !measured.empty() && fs::exists(measured / "emps_1.csv", error);
+  const bool real = !measured.empty() && fs::exists(measured / measured_record, error);
   const std::vector<fs::path> files = chapter_files(arguments.chapters);
   // The script of the package: whoever has it has no measured data.
   const std::string script = as_script(read_chapter(files.front(), {"controller"}));
@@ -46,7 +66,9 @@ void write_manual(const Arguments& arguments) {
       {arguments.programs, {"RIGS=" + fs::absolute(arguments.rigs).string(), "MEASURED=" + measured.string()}});
   const Manual manual = make_manual(chapters, workshop, effect_pictures(arguments.rigs));
   firmware::OutputFile page(arguments.out);
-  page.write(manual.html);
+  std::vector<fs::path> inputs = files;
+  if (real) inputs.push_back(measured / measured_record);
+  page.write(host_sim::report::with_origin(manual.html, origin_of(inputs)));
   page.commit();
   if (!arguments.script.empty()) firmware::write_file(arguments.script, script);
   std::printf("%s: %zu chapters, %zu blocks of commands, on %s data, %.1f MB\n", arguments.out.c_str(), chapters.size(),

@@ -88,7 +88,7 @@ main table th, main table td { text-align: left; white-space: normal; min-width:
 pre.run { background: #eef6fb; border-left: 4px solid #0072B2; margin-bottom: 0; }
 pre.output { margin-top: 0; border-left: 4px solid #ccc; }
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); gap: .5rem 1rem; }
-svg.small { width: 100%; background: #fafafa; border: 1px solid #ddd; }
+svg.small { width: 100%; box-sizing: border-box; background: #fafafa; border: 1px solid #ddd; }
 svg.small text { font-size: 10px; fill: #333; }
 svg.small .without { fill: none; stroke: #aaa; stroke-width: 2.6; }
 svg.small .with { fill: none; stroke: #0072B2; stroke-width: 1; }

@@ -15,10 +15,12 @@ complain() {
 }
 "$maker" --chapters host_sim/manual/chapters --rigs host_sim/rigs --programs "$programs" --measured ../shared/real --script "$folder/tour.sh" \
   --out "$folder/manual.html"
-# Another kind of data is another text: made here, too.
-if [ -e ../shared/real/emps_1.csv ]; then
-  "$maker" --chapters host_sim/manual/chapters --rigs host_sim/rigs --programs "$programs" --out "$folder/simulated.html"
-fi
+# Without measured data and without a controller the tour is another text: made here, too.
+mkdir "$folder/programs"
+ln -s "$(realpath "$programs/rigtwin")" "$folder/programs/rigtwin"
+"$maker" --chapters host_sim/manual/chapters --rigs host_sim/rigs --programs "$folder/programs" --out "$folder/simulated.html"
+! grep -q '^rig_controller' "$folder/simulated.html" || complain "a controller that is not there was run"
+grep -q 'the record is simulated' "$folder/simulated.html" || complain "the manual does not say that its record is simulated"
 sh -n "$folder/tour.sh"
 
 blocks=$(grep -c '<pre class="run">' "$folder/manual.html")
