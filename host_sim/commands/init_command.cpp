@@ -71,7 +71,7 @@ open_ducts = 2
 constexpr std::string_view optional_parts = R"(
 # How far a parameter may be from its value above, relative, as a hard bound. diagnose fits these; what is not listed is exact.
 # Take them from the data sheet, or from the scatter and the calibration of a measurement of your own. The number below is a place to
-# write, not a recommendation: with half the true tolerance diagnose explains the rest by effects, with twice it knows less of each.
+# write, not a recommendation. Too narrow: diagnose explains the rest by effects. Too wide: a poor record leaves more open.
 # [tolerance]
 # "suspension.stiffness" = 0.03     # replace by yours
 
