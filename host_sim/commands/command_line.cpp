@@ -14,8 +14,10 @@
 #include "host_sim/commands/estimate_command.hpp"
 #include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/import_command.hpp"
 #include "host_sim/commands/init_command.hpp"
+#include "host_sim/commands/new_effect_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/shell_command.hpp"
@@ -49,6 +51,7 @@ void demand_command(const CLI::App& app, const std::string& word) {
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
+  remember_command_line(argc, argv);
   CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC", "rigtwin");
   app.set_version_flag("--version", "rigtwin " + std::string(firmware::version));
   app.require_subcommand(1);
@@ -74,7 +77,10 @@ int run_command_line(int argc, const char* const* argv) {
   add_fmu(app, fmu_options);
   InitOptions init_options;
   add_init(app, init_options);
-  add_shell(app);
+  NewEffectOptions new_effect_options;
+  add_new_effect(app, new_effect_options);
+  ShellOptions shell_options;
+  add_shell(app, shell_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
   EstimateOptions estimate_options;

@@ -5,6 +5,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/compensation/comparison_report.hpp"
 
 namespace host_sim {
@@ -46,7 +47,7 @@ void compare_compensation(const CompensationOptions& options) {
   const firmware::RigDescription description = firmware::read_rig(options.rig);
   const auto comparison = compensation::compare_methods(description);
   if (options.report) {
-    firmware::write_file(*options.report, compensation::comparison_page(comparison, description));
+    firmware::write_file(*options.report, with_how_made(compensation::comparison_page(comparison, description)));
   }
   if (options.json) {
     const std::string bytes =

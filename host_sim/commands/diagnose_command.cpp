@@ -13,6 +13,8 @@
 #include "firmware/description/text/spelling.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
+#include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
@@ -147,6 +149,25 @@ void keep_laws(const std::string& name, identification::Diagnosis& diagnosis) {
   if (diagnosis.laws.empty()) diagnosis.remarks.push_back("no law was learned: nothing is kept as " + name);
 }
 
+/// The card of an effect.
+nlohmann::ordered_json card_json(const firmware::CatalogueEntry& entry) {
+  nlohmann::ordered_json json{{"name", entry.name},
+                              {"subsystem", model::name(entry.subsystem)},
+                              {"equation", entry.equation},
+                              {"shows", entry.shows},
+                              {"parameters", nlohmann::ordered_json::array()},
+                              {"rigs", nlohmann::ordered_json::array()},
+                              {"needs_fdva", entry.needs_fdva},
+                              {"needs_air_spring", entry.needs_air_spring}};
+  for (const model::EffectParameter& p : entry.parameters) {
+    json["parameters"].push_back({{"name", p.name}, {"unit", p.unit}, {"lower", p.lower}, {"upper", p.upper}});
+  }
+  for (std::size_t kind = 0; kind < model::rig_kind_names.size(); ++kind) {
+    if (entry.rigs.contains(static_cast<model::RigKind>(kind))) json["rigs"].push_back(model::rig_kind_names[kind]);
+  }
+  return json;
+}
+
 }  // namespace
 
 void run_diagnosis(const DiagnoseOptions& options) {
@@ -159,7 +180,9 @@ void run_diagnosis(const DiagnoseOptions& options) {
                                  " (did you mean " + firmware::in_quotes(firmware::nearest(options.explain, names)) +
                                  "?)");
     }
-    std::printf("%s", identification::explanation(*entry).c_str());
+    if (!write_json(options.json, options.json.empty() ? nlohmann::ordered_json() : card_json(*entry))) {
+      std::printf("%s", identification::explanation(*entry).c_str());
+    }
     return;
   }
   if (options.rig.empty() || options.data.empty() || options.out.empty()) {
@@ -198,18 +221,12 @@ void run_diagnosis(const DiagnoseOptions& options) {
   firmware::OutputFile verdict(options.out / "verdict.json"), report(options.out / "report.html"),
       rig(options.out / "rig.toml");
   verdict.write(identification::to_json(diagnosis).dump(2) + "\n");
-  report.write(identification::report_html(diagnosis, description));
+  report.write(with_how_made(identification::report_html(diagnosis, description)));
   rig.write(identification::result_rig(diagnosis.rig, options.rig.filename().string()));
   verdict.commit();
   report.commit();
   rig.commit();
-  if (options.json == "-") {
-    std::printf("%s\n", identification::to_json(diagnosis).dump(2).c_str());
-    return;
-  }
-  if (!options.json.empty()) {
-    firmware::write_file(options.json, identification::to_json(diagnosis).dump(2) + "\n");
-  }
+  if (write_json(options.json, identification::to_json(diagnosis))) return;
   print(diagnosis, options.out);
 }
 
@@ -221,7 +238,7 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
   command->add_option("--holdout", options.holdout,
                       "Recording for validation, not used for fitting (default: the last quarter of each --data)");
   command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
-  command->add_option("--json", options.json, "Write the verdict as JSON, too (- for standard output)");
+  add_json_option(*command, options.json, "the verdict, or the card of --explain,");
   command->add_option("--keep-law", options.keep_law, "Name of a learned law in rig.toml, as [laws.NAME]");
   command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
   command->callback([&options] { run_diagnosis(options); });

@@ -10,6 +10,8 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/estimation/run_filter.hpp"
 #include "host_sim/estimation/wheel_load_report.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
@@ -85,7 +87,7 @@ void estimate(const EstimateOptions& options) {
   }
   std::string page;
   if (!options.report.empty()) {
-    page = estimation::report_page(description, parts.front(), result, loads, truth ? &*truth : nullptr);
+    page = with_how_made(estimation::report_page(description, parts.front(), result, loads, truth ? &*truth : nullptr));
   }
   firmware::Recording out;
   out.sample_period = parts.front().sample_period;
@@ -95,14 +97,7 @@ void estimate(const EstimateOptions& options) {
                   "estimates, no measurements: not for diagnose"};
   write_recording(options.out, out);
   if (!page.empty()) firmware::write_file(options.report, page);
-  if (!options.json.empty() && options.json != "-") {
-    firmware::write_file(options.json, json_of(result, loads).dump(2) + "\n");
-  }
-  if (options.json == "-") {
-    std::printf("%s\n", json_of(result, loads).dump(2).c_str());
-  } else {
-    print(options, result, loads);
-  }
+  if (!write_json(options.json, json_of(result, loads))) print(options, result, loads);
 }
 
 void add_estimate(CLI::App& app, EstimateOptions& options) {
@@ -113,7 +108,7 @@ void add_estimate(CLI::App& app, EstimateOptions& options) {
   command->add_option("--out", options.out, "Estimates to write: CSV, or MATLAB if the name ends in .mat")->required();
   command->add_option("--truth", options.truth, "Recording of the same run whose F_w is right, to compare with");
   command->add_option("--report", options.report, "HTML page: wheel load by tyre deflection, sensor and filter");
-  command->add_option("--json", options.json, "Results as JSON; - for standard output");
+  add_json_option(*command, options.json, "the result");
   command->callback([&options] { estimate(options); });
 }
 

@@ -111,7 +111,7 @@ void add_import(CLI::App& app, ImportOptions& options) {
                       "Rig description: its [channels] name columns; its kind and rate help to guess");
   command->add_flag("--write-channels", options.write_channels,
                     "Write the mapping of names and units into the rig description's [channels]");
-  command->add_option("--json", options.json, "Write the account of the columns as JSON (\"-\": to standard output)");
+  command->add_option("--json", options.json, "Write the account of the columns as JSON (- for standard output)");
   command->callback([&options] { import_recording(options); });
 }
 

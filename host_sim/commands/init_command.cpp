@@ -13,6 +13,7 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/option_checks.hpp"
 
 namespace host_sim {
@@ -69,18 +70,19 @@ open_ducts = 2
 
 constexpr std::string_view optional_parts = R"(
 # How far a parameter may be from its value above, relative, as a hard bound. diagnose fits these; what is not listed is exact.
-# Take the tolerance of the data sheet or of your scales; a spring is rarely known better than 3 %, a damper than 10 %.
+# Take them from the data sheet, or from the scatter and the calibration of a measurement of your own. The number below is a place to
+# write, not a recommendation. Too narrow: diagnose explains the rest by effects. Too wide: a poor record leaves more open.
 # [tolerance]
-# "suspension.stiffness" = 0.03
+# "suspension.stiffness" = 0.03     # replace by yours
 
 # rms of each sensor's noise, in the channel's unit. Record the rig at rest and take the rms of what is left; a channel that is not
 # listed has unknown noise, which diagnose estimates.
 # [noise]
-# F = 10.0
+# F = 10.0                          # replace by yours
 
 # Measuring range; a sample at or beyond it is clipped and not used.
 # [range]
-# F = [-10000.0, 10000.0]
+# F = [-10000.0, 10000.0]           # replace by yours
 
 # Only if recordings use other names, units or signs: value in SI = scale × column + offset.
 # [channels]
@@ -138,14 +140,7 @@ void init(const InitOptions& options) {
   (void)firmware::parse_rig(text,
                             options.out.string());  // numbers that cannot be a rig are refused before they are written
   firmware::write_file(options.out, text);
-  if (options.json == "-") {
-    std::printf("%s\n", nlohmann::ordered_json{{"rig", options.out.string()}, {"kind", kind}}.dump(1).c_str());
-    return;
-  }
-  if (!options.json.empty()) {
-    firmware::write_file(options.json,
-                         nlohmann::ordered_json{{"rig", options.out.string()}, {"kind", kind}}.dump(1) + "\n");
-  }
+  if (write_json(options.json, {{"rig", options.out.string()}, {"kind", kind}})) return;
   std::printf("%s: a %s; next: rigtwin simulate --rig %s --out run.csv\n", options.out.c_str(), kind.c_str(),
               options.out.c_str());
 }

@@ -9,6 +9,7 @@
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/road_choice.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/identification/common/multisine.hpp"
@@ -116,7 +117,7 @@ void run_plan(const PlanOptions& options) {
     const std::string over = options.road + " at " + firmware::shortest(options.speed) + " m/s" +
                              (options.level == 1.0 ? "" : ", level " + firmware::shortest(options.level));
     report.emplace(options.report);
-    report->write(plan::report_html(made, rig, over));
+    report->write(with_how_made(plan::report_html(made, rig, over)));
   }
   if (json) json->commit();
   if (report) report->commit();

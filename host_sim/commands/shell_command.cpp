@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware/description/version.hpp"
+#include "host_sim/commands/json_output.hpp"
 
 namespace host_sim {
 namespace {
@@ -73,15 +74,38 @@ std::string man_page(const CLI::App& app) {
          ".SH SEE ALSO\n.BR rig_controller (1)\n";
 }
 
+/// Every command with its options, for shells and programs that have no completion here.
+nlohmann::ordered_json commands_json(const CLI::App& app) {
+  nlohmann::ordered_json json{{"program", "rigtwin"}, {"version", firmware::version}};
+  for (const CLI::App* command : commands_of(app)) {
+    nlohmann::ordered_json entry{{"name", command->get_name()}, {"description", command->get_description()}};
+    entry["options"] = nlohmann::ordered_json::array();
+    for (const CLI::Option* option : options_of(*command)) {
+      entry["options"].push_back({{"name", option->get_name()},
+                                  {"description", option->get_description()},
+                                  {"value", option->get_type_size() == 0 ? "" : option->get_type_name()},
+                                  {"default", option->get_default_str()},
+                                  {"required", option->get_required()}});
+    }
+    json["commands"].push_back(std::move(entry));
+  }
+  return json;
+}
+
 }  // namespace
 
-void add_shell(CLI::App& app) {
-  app.add_subcommand("completion", "Print the completion for bash: source <(rigtwin completion)")->callback([&app] {
-    std::fputs(bash_completion(app).c_str(), stdout);
-  });
-  app.add_subcommand("manpage", "Print the manual page rigtwin(1): rigtwin manpage | man -l -")->callback([&app] {
-    std::fputs(man_page(app).c_str(), stdout);
-  });
+void add_shell(CLI::App& app, ShellOptions& options) {
+  const auto add = [&](const char* name, const char* description, std::string (*text)(const CLI::App&)) {
+    CLI::App* command = app.add_subcommand(name, description);
+    add_json_option(*command, options.json, "the commands and their options");
+    command->callback([&app, &options, text] {
+      if (!write_json(options.json, options.json.empty() ? nlohmann::ordered_json() : commands_json(app))) {
+        std::fputs(text(app).c_str(), stdout);
+      }
+    });
+  };
+  add("completion", "Print the completion for bash: source <(rigtwin completion)", bash_completion);
+  add("manpage", "Print the manual page rigtwin(1): rigtwin manpage | man -l -", man_page);
 }
 
 }  // namespace host_sim

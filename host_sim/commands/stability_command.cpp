@@ -11,6 +11,8 @@
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/report/json.hpp"
@@ -234,11 +236,12 @@ double allowed_delay(const firmware::RigDescription& description) {
   return allowed;
 }
 
-void write_limits(const firmware::RigDescription& description) {
+void write_limits(const firmware::RigDescription& description, const std::string& json) {
   const double allowed = allowed_delay(description);
   const std::string fingerprint = firmware::loop_fingerprint(description);
   firmware::write_file(description.source,
                        firmware::with_loop_proof(description.text, description.source, allowed, fingerprint));
+  if (write_json(json, {{"rig", description.source}, {"allowed_delay", allowed}, {"proven", fingerprint}})) return;
   std::printf("%s: stable; [controller] allowed_delay = %.6g s, proven = %.20s…\n", description.source.c_str(), allowed,
               fingerprint.c_str());
 }
@@ -263,7 +266,7 @@ void examine_stability(const StabilityOptions& options) {
         "kind = \"hil\"");
   }
   if (options.write_limits) {
-    write_limits(description);
+    write_limits(description, options.json ? options.json->string() : "");
     return;
   }
   if (options.report && options.json == options.report) {
@@ -293,7 +296,7 @@ void examine_stability(const StabilityOptions& options) {
 
   if (options.report) {
     const stability::StabilityFindings findings{description, analysis, swept, map, over};
-    firmware::write_file(*options.report, stability::stability_report(findings).html());
+    firmware::write_file(*options.report, with_how_made(stability::stability_report(findings).html()));
   }
   const bool only_json = options.json && *options.json == "-";
   if (options.json) {

@@ -10,6 +10,8 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/road_choice.hpp"
+#include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
@@ -78,8 +80,8 @@ void run_transfer(const TransferOptions& options) {
   input.seed = options.seed;
   if (options.measured.empty()) {
     const firmware::RoadChoice road{options.road, options.speed, options.seed, std::nullopt, std::nullopt};
-    input.road = firmware::motion_over(road, input.to,
-                                       firmware::samples_of(options.duration, input.to.sample_rate), read_recording);
+    input.road = firmware::motion_over(road, input.to, firmware::samples_of(options.duration, input.to.sample_rate),
+                                       read_recording);
   }
   prepare_out(options.out);
   const firmware::RigDescription from = input.from, to = input.to;
@@ -91,9 +93,10 @@ void run_transfer(const TransferOptions& options) {
   // Both files or none: each is written under a temporary name first.
   firmware::OutputFile json(options.out / "transfer.json"), report(options.out / "report.html");
   json.write(transfer::to_json(found).dump(1) + "\n");
-  report.write(transfer::report_html(found, from, to));
+  report.write(with_how_made(transfer::report_html(found, from, to)));
   json.commit();
   report.commit();
+  if (write_json(options.json, transfer::to_json(found))) return;
   print_transfer(found, options.out);
 }
 
@@ -122,6 +125,7 @@ void add_transfer(CLI::App& app, TransferOptions& options) {
       ->check(CLI::Range(200, 1000000))
       ->capture_default_str();
   command->add_option("--out", options.out, "Folder for transfer.json and report.html")->required();
+  add_json_option(*command, options.json, "transfer.json here, too,");
   command->callback([&options] { run_transfer(options); });
 }
 

@@ -21,6 +21,7 @@ struct TransferOptions {
   std::uint64_t seed = 1;          ///< of road and draws
   std::size_t draws = 10000;
   std::filesystem::path out;
+  std::string json;  ///< transfer.json here, too; "-": standard output
 };
 void run_transfer(const TransferOptions& options);
 

@@ -108,9 +108,12 @@ TEST(TransferCommand, CarriesThePapersAbsorberFromTheVirtualToTheRealCar) {
 // Journey. Without recordings of the second rig it is a prediction; with bad input it is one line and nothing is left.
 TEST(TransferCommand, PredictsOverARoadAndRefusesInOneLine) {
   const PaperCase paper;
-  const auto predicted = paper.transfer({"--duration", "12"});
+  const auto predicted = paper.transfer({"--duration", "12", "--json", "-"});
   ASSERT_EQ(predicted.status, 0) << predicted.errors;
   const json t = paper.result();
+  EXPECT_EQ(json::parse(predicted.output, nullptr, false), t) << "--json -: transfer.json and nothing else";
+  EXPECT_NE(TemporaryFolder::read(paper.folder / "out" / "report.html").find("How this page was made"),
+            std::string::npos);
   EXPECT_TRUE(t["holds"].is_null());
   EXPECT_TRUE(t["quantities"]["rms_F_w"]["measured"].is_null());
   EXPECT_GT(t["responses"]["F_w/z_r"]["frequency_hz"].size(), 50U);
