@@ -2,15 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <set>
 
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/loop_limits.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/report/json.hpp"
@@ -197,41 +196,6 @@ void print_amplitudes(const stability::OverAmplitude& over) {
   }
   for (const auto& cycle : over.limit_cycles) std::printf("  %s\n", stability::in_words(cycle).c_str());
   if (!over.left_out.empty()) std::printf("  not counted: %s\n", joined(over.left_out).c_str());
-}
-
-/// Sample age and computation that the loop may have on top of the delays that the description states [s]: four fifths
-/// of the way to the border of the sampled loop, for every number of ducts that the run opens. The fifth is for what
-/// the description does not know; at half of it (0.9) the slowest decay would halve, at twice (0.6) few rigs would be
-/// left. Throws InputError where a loop is not stable.
-double allowed_delay(const firmware::RigDescription& description) {
-  constexpr double share = 0.8;
-  constexpr double longest = 0.5;  // [s] what a description may say
-  constexpr double step = 1e-6;    // [s] rounded down to
-  std::set<int> counts{description.rig.fdva.open_ducts};
-  for (const auto& entry : description.controller.valve_plan)
-    counts.insert(std::popcount(static_cast<unsigned>(entry.open)));
-  double allowed = longest;
-  for (const int open : counts) {
-    firmware::RigDescription with = description;
-    with.rig.fdva.open_ducts = open;
-    const StabilityAnalysis a = stability::analyse(with);
-    const std::string ducts = with.rig.has_fdva ? " with " + std::to_string(open) + " open ducts" : "";
-    if (!a.stable || (a.sampled && !a.sampled->stable())) {
-      throw firmware::InputError(description.source, 0, "the loop" + ducts + " is " + stability::verdict(a),
-                                 "a stable loop; nothing was written");
-    }
-    const double stated = a.delay - with.delay_budget.sensor_age - with.delay_budget.computation;
-    std::optional<double> border;
-    if (a.sampled) border = a.sampled->critical_delay;
-    if (!border && a.margins.critical_delay) border = *a.margins.critical_delay - 0.5 * with.period();
-    if (border) allowed = std::min(allowed, share * (*border - stated));
-  }
-  allowed = std::floor(allowed / step + 1e-9) / 1e6;
-  if (!(allowed > 0.0)) {
-    throw firmware::InputError(description.source, 0, "the described delays leave nothing for samples and computation",
-                               "less delay or more damping; nothing was written");
-  }
-  return allowed;
 }
 
 void write_limits(const firmware::RigDescription& description) {

@@ -144,6 +144,43 @@ TEST(StabilityCommand, ProvesEveryPositionOfTheValves) {
   EXPECT_EQ(support::TemporaryFolder::read(file), unstable);
 }
 
+// Fault. A delay of 10 ms that swings by 0.8 ms and jitters by 0.4 ms is at times 11.2 ms: limits written for its mean
+// would have let samples and computation take 0.96 ms more than four fifths of what is then left. A swing beyond the
+// border (11.9 ms) is refused, although the loop is stable at its mean; one below the border with all of it in jitter
+// leaves as little as one with all of it in swing.
+TEST(StabilityCommand, LimitsHoldAtTheLongestDelayOfTheRange) {
+  const support::TemporaryFolder folder;
+  const std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml");
+  const auto varying = [&](const std::string& keys) {
+    return folder.write("rig.toml", support::with(text, "[machine]", "[machine]\n" + keys)).string();
+  };
+  const auto allowed = [&](const std::string& keys) {
+    const std::string file = varying(keys);
+    const Outcome outcome = rigtwin({"stability", "--write-limits", file});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return firmware::read_rig(file).hardware.schedule.allowed_delay;
+  };
+  const double mean = allowed("");
+  EXPECT_NEAR(allowed("delay_swing = 0.0008\ndelay_jitter = 0.0004"), mean - 0.8 * 0.0012, 2e-6);
+  EXPECT_NEAR(allowed("delay_jitter = 0.0012"), mean - 0.8 * 0.0012, 2e-6);
+  // With the limit of the mean the loop would grow at the far end of the range.
+  firmware::RigDescription rig = firmware::read_rig(rigs + "paper_hil_fdva.toml");
+  rig.delay_budget.sensor_age = mean;
+  rig.rig.delay_variation.swing = 0.0012;
+  const auto analysis = host_sim::stability::analyse(rig);
+  ASSERT_TRUE(analysis.varying);
+  EXPECT_TRUE(analysis.stable);
+  EXPECT_FALSE(analysis.varying->stable);
+  EXPECT_LT(*analysis.balance.left, 0.0);
+
+  const std::string wide = varying("delay_swing = 0.003");
+  const std::string before = support::TemporaryFolder::read(wide);
+  const Outcome outcome = rigtwin({"stability", "--write-limits", wide});
+  EXPECT_EQ(outcome.status, static_cast<int>(firmware::ExitStatus::unfit_input));
+  EXPECT_NE(outcome.err.find("unstable within the range of its delay, 7 ms … 13 ms"), std::string::npos) << outcome.err;
+  EXPECT_EQ(support::TemporaryFolder::read(wide), before);
+}
+
 // Fault. One line, the right exit status, no result left behind.
 TEST(StabilityCommand, RefusesInOneLine) {
   const support::TemporaryFolder folder;
