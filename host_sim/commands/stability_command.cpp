@@ -11,6 +11,7 @@
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/loop_limits.hpp"
 #include "host_sim/commands/progress.hpp"
+#include "host_sim/compensation/stability_section.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/report/json.hpp"
 #include "host_sim/stability/report/stability_report.hpp"
@@ -198,6 +199,28 @@ void print_amplitudes(const stability::OverAmplitude& over) {
   if (!over.left_out.empty()) std::printf("  not counted: %s\n", joined(over.left_out).c_str());
 }
 
+void print_compensated(const compensation::CompensatedStability& s) {
+  std::printf("with compensation %s: spectral radius %.6g, assumed %.4g ms of %.4g ms of delay\n",
+              std::string(name(s.kind)).c_str(), s.spectral_radius, 1e3 * s.assumed_delay, 1e3 * s.delay);
+  std::printf("  %14s %14s %10s\n", "Re [1/s]", "Im [1/s]", "f [Hz]");
+  constexpr std::size_t most = 6;
+  for (std::size_t i = 0; i < std::min(most, s.roots.size()); ++i) {
+    std::printf("  %14.7g %14.7g %10.4f\n", s.roots[i].real(), s.roots[i].imag(), s.roots[i].imag() / full_turn);
+  }
+  const auto factor = [](const std::optional<double>& gain) {
+    return gain ? text("%.4g", *gain) : std::string("none");
+  };
+  if (s.stable) {
+    std::printf("  force factor at the border: %s above 1, %s below\n", factor(s.upper_gain).c_str(),
+                factor(s.lower_gain).c_str());
+  }
+  std::printf("  true - described delay [ms], spectral radius:");
+  for (std::size_t i = 0; i < s.mismatch.error.size(); i += 2) {
+    std::printf(" %.3g: %.4f", 1e3 * s.mismatch.error[i], s.mismatch.radius[i]);
+  }
+  std::printf("\n");
+}
+
 void write_limits(const firmware::RigDescription& description) {
   const double allowed = allowed_delay(description);
   const std::string fingerprint = firmware::loop_fingerprint(description);
@@ -255,9 +278,25 @@ void examine_stability(const StabilityOptions& options) {
   std::optional<stability::OverAmplitude> over;
   if (options.amplitude) over = stability::over_amplitude(description, *options.amplitude);
 
+  std::optional<compensation::CompensatedStability> compensated;
+  std::optional<compensation::MismatchMap> mismatch;
+  if (description.compensation) {
+    compensated = compensation::compensated_stability(description, description.delay_budget.sum());
+    if (options.report) {
+      Progress progress("map of assumed and true delay");
+      mismatch = compensation::mismatch_map(description, description.delay_budget.sum(),
+                                            [&](double share) { progress.show(share); });
+    }
+    json["stable_without_compensation"] = json["stable"];
+    json["stable"] = compensated->stable;
+    json["compensation"] = compensation::to_json(*compensated, mismatch);
+  }
+
   if (options.report) {
     const stability::StabilityFindings findings{description, analysis, swept, map, over};
-    firmware::write_file(*options.report, stability::stability_report(findings).html());
+    report::Report page = stability::stability_report(findings);
+    if (compensated) compensation::add_stability_section(page, *compensated, *mismatch);
+    firmware::write_file(*options.report, page.html());
   }
   const bool only_json = options.json && *options.json == "-";
   if (options.json) {
@@ -277,7 +316,14 @@ void examine_stability(const StabilityOptions& options) {
     }
     firmware::write_file(*options.json, bytes);
   }
-  std::printf("%s: %s\n", options.rig.c_str(), stability::verdict(analysis).c_str());
+  if (compensated) {
+    std::printf("%s: with compensation %s %s\n", options.rig.c_str(), std::string(name(compensated->kind)).c_str(),
+                in_words(*compensated).c_str());
+    print_compensated(*compensated);
+    std::printf("without it: %s\n", stability::verdict(analysis).c_str());
+  } else {
+    std::printf("%s: %s\n", options.rig.c_str(), stability::verdict(analysis).c_str());
+  }
   print_roots(analysis);
   print_border(analysis, description.rig.machine.virtual_damping);
   print_sampled(analysis);

@@ -181,6 +181,52 @@ TEST(StabilityCommand, LimitsHoldAtTheLongestDelayOfTheRange) {
   EXPECT_EQ(support::TemporaryFolder::read(wide), before);
 }
 
+// With [compensation] the described loop is the compensated one: first line, JSON and limits are its. The proof is
+// written for it; a compensator that makes the loop unstable leaves the file as it was, and the message has the margin.
+TEST(StabilityCommand, DecidesByTheCompensatedLoop) {
+  const support::TemporaryFolder folder;
+  const std::string undamped = support::with(support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml"),
+                                             "virtual_damping = 1140.0", "virtual_damping = 0.0");
+  const auto write = [&](const std::string& keys) {
+    return folder.write("rig.toml", undamped + "\n[compensation]\n" + keys + "\n").string();
+  };
+  const std::string stable = write("kind = \"inverse\"");
+  const Outcome words = rigtwin({"stability", "--rig", stable});
+  EXPECT_NE(words.out.find("with compensation inverse stable; the machine's delay may be 1.14 ms longer"),
+            std::string::npos)
+      << words.out.substr(0, 300);
+  const auto json = nlohmann::json::parse(rigtwin({"stability", "--rig", stable, "--json", "-"}).out);
+  EXPECT_EQ(json["stable"], true);
+  EXPECT_EQ(json["stable_without_compensation"], false);
+  EXPECT_EQ(json["compensation"]["kind"], "inverse");
+
+  const Outcome outcome = rigtwin({"stability", "--write-limits", stable});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const firmware::RigDescription rig = firmware::read_rig(stable);
+  EXPECT_EQ(firmware::stability_objection(rig).text, "");
+  EXPECT_NEAR(rig.hardware.schedule.allowed_delay, 0.8 * json["compensation"]["delay_may_be_longer"].get<double>(),
+              2e-6);
+  ASSERT_EQ(rigtwin({"stability", "--rig", stable, "--report", (folder / "page.html").string()}).status, 0);
+  EXPECT_NE(support::TemporaryFolder::read(folder / "page.html").find("Assumed and true delay"), std::string::npos);
+
+  const std::string unstable = write("kind = \"inverse\"\ndelay = 0.006");
+  const std::string before = support::TemporaryFolder::read(unstable);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"stability", "--write-limits", unstable},
+        std::vector<std::string>{"simulate", "--rig", unstable, "--out", (folder / "run.csv").string()}}) {
+    const Outcome refused = rigtwin(command);
+    EXPECT_EQ(refused.status, static_cast<int>(firmware::ExitStatus::unfit_input));
+    EXPECT_NE(refused.err.find("unstable at 14.1 Hz"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("ms earlier"), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(support::TemporaryFolder::read(unstable), before);
+  EXPECT_FALSE(std::filesystem::exists(folder / "run.csv"));
+  // Computation that the compensation counts on, but that may not be there: stable only as long as it is late.
+  const std::string counts_on_it = write("kind = \"smith\"\n[delay_budget]\ncomputation = 0.02");
+  const Outcome early = rigtwin({"stability", "--write-limits", counts_on_it});
+  EXPECT_EQ(early.status, static_cast<int>(firmware::ExitStatus::unfit_input)) << early.out;
+}
+
 // Fault. One line, the right exit status, no result left behind.
 TEST(StabilityCommand, RefusesInOneLine) {
   const support::TemporaryFolder folder;
