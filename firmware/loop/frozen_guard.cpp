@@ -1,6 +1,7 @@
 #include "firmware/loop/frozen_guard.hpp"
 
 #include "model/effects/catalogue.hpp"
+#include "model/rig_equations.hpp"
 
 namespace firmware {
 
