@@ -293,7 +293,12 @@ void examine_stability(const StabilityOptions& options) {
   }
 
   if (options.report) {
-    const stability::StabilityFindings findings{description, analysis, swept, map, over};
+    stability::StabilityFindings findings{description, analysis, swept, map, over};
+    if (compensated) {
+      findings.compensated =
+          "With compensation " + std::string(name(compensated->kind)) + " the loop is " + in_words(*compensated) + ".";
+      findings.compensated_stable = compensated->stable;
+    }
     report::Report page = stability::stability_report(findings);
     if (compensated) compensation::add_stability_section(page, *compensated, *mismatch);
     firmware::write_file(*options.report, page.html());

@@ -92,11 +92,8 @@ nlohmann::ordered_json to_json(const CompensatedStability& stability, const std:
 
 void add_stability_section(report::Report& page, const CompensatedStability& stability, const MismatchMap& map) {
   page.add_section("With compensation");
-  page.add_verdict(
-      stability.stable ? report::Verdict::good : report::Verdict::bad,
-      "With compensation " + std::string(name(stability.kind)) + " the loop is " + in_words(stability) + ".");
   page.add_text(
-      "The verdict above is of the same loop without compensation. Here one period of the code that runs, with car, "
+      "One period of the code that runs, with car, "
       "compensator, machine and component, is a matrix; the loop is stable where all its eigenvalues lie within the "
       "unit circle.");
   report::Table table{.title = "Roots of the compensated loop, ln λ/h",
