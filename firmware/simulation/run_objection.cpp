@@ -112,7 +112,7 @@ class WholeRig {
       : model_(std::make_unique<Model>(description.rig, description.period())),
         state_(std::make_unique<Model::State>(model_->start(start))) {}
 
-  LoopPeriod step(const Motion& foot_point, model::OpenDucts open) {
+  LoopPeriod step(const model::Motion<double>& foot_point, model::OpenDucts open) {
     if (model_->parameters().has_fdva && open != state_->ducts.open()) model_->open_ducts(*state_, open);
     model_->step(*state_, {.foot_point = foot_point});
     const auto deflection = model_->deflection(*state_);
@@ -144,7 +144,7 @@ class CompensatedRig {
     compensation_->start(0.0);
   }
 
-  LoopPeriod step(const Motion& foot_point, model::OpenDucts open) {
+  LoopPeriod step(const model::Motion<double>& foot_point, model::OpenDucts open) {
     if (hardware_->parameters().has_fdva && open != state_->ducts.open()) hardware_->open_ducts(*state_, open);
     const auto shown = hardware_->measured(*state_);
     const double measured = shown[model::index(model::Channel::F)];

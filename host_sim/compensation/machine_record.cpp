@@ -21,7 +21,7 @@ using Lead = std::function<Phase(double omega)>;
 /// inverse amplifies. The record of a chirp from 0.4 to 20 Hz: 0.10 … 20.1 Hz; at half 0.06 … 46 Hz and an error of
 /// 4.5 in place of 2.7 %, at twice 0.3 … 18 Hz and 2.4 %.
 constexpr double left_out_power = 0.01;
-constexpr double led_beyond = 1.5;  ///< up to so many times the end of the band a command is led, as it is beyond
+constexpr double led_beyond = 1.5;        ///< up to so many times the end of the band a command is led, as it is beyond
 constexpr double shortest_padding = 2.0;  ///< zeros behind the signals [s]: what a lead moves must not come round
 constexpr double delay_grid = 1e-4;       ///< of the best pure delay, then refined [s]
 constexpr double longest_pure_delay = 0.2;

@@ -65,6 +65,7 @@ int main() {
     for (std::size_t kind = 0; kind < firmware::compensation::kind_names.size(); ++kind) {
       firmware::RigDescription description = shipped("paper_hil_fdva");
       description.compensation.emplace().kind = static_cast<firmware::compensation::Kind>(kind);
+      description.compensation->numbers["limit"] = 0.1;
       description.rig.effects.add(model::ActuatorLag<double>{0.003});
       drive_on_record("paper_hil_fdva with " + std::string(firmware::compensation::kind_names[kind]), description);
     }

@@ -9,6 +9,7 @@
 #include "firmware/simulation/road_choice.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/rig_texts.hpp"
 
@@ -68,6 +69,16 @@ TEST(AirSpringDiagnosis, NamesAWrongExponent) {
   expect_named(
       diagnosed(support::rig("paper_hil_aas"), [](auto& rig) { rig.effects.add(model::GasExponent<double>{1.2}); }),
       "gas_exponent", 1.2, 0.02);
+}
+
+// Law. The component of a hil rig behind a lever moves on x_cmd as it is: the lever is one of the computed car.
+TEST(AirSpringDiagnosis, FindsNothingBehindALever) {
+  RigDescription rig = support::rig("paper_hil_fdva");
+  rig.rig.lever.count = 3;
+  rig.rig.lever.at = {-0.08, 0.0, 0.06};
+  rig.rig.lever.ratio = {0.7, 0.8, 0.85};
+  const Diagnosis found = diagnosed(rig, [](auto&) {});
+  EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << identification::sentence(found);
 }
 
 // Law. Ducts that the rollout switches stand on record as the valves stood: nothing is found where nothing is, and what
