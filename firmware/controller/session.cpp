@@ -13,6 +13,7 @@
 #include "firmware/controller/real_time/heap_seal.hpp"
 #include "firmware/controller/recording/trip_text.hpp"
 #include "firmware/controller/safety/systemd_notify.hpp"
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/semi_active_setup.hpp"
@@ -72,14 +73,18 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       storage_(journal_records),
       journal_(storage_),
       companion_(companion(rig)),
+      compensation_(compensation_of(rig)),
+      compensation_of_warmup_(compensation_of(rig)),
       loop_(settings_, rig.rig, roles_, road_.reference(), valves_, journal_),
       spans_(std::make_unique<Spans>()),
       wake_(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period()))),
       emergency_return_(roles_, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke, rig.period()),
       longest_return_(longest_return(rig)) {
   if (companion_) loop_.attach(*companion_);
+  if (compensation_) loop_.attach(*compensation_);
   if (realtime_ && wake_.early() > hal::Time{}) {
     warmup_ = std::make_unique<CacheWarmup>(loop_, journal_, settings_, rig.rig, roles_.sensors.setup());
+    if (compensation_of_warmup_) warmup_->attach(*compensation_of_warmup_);
   }
 }
 

@@ -87,7 +87,8 @@ class Session {
   RunRoad road_;
   std::vector<Record> storage_;
   Journal journal_;
-  const std::unique_ptr<Companion> companion_;  ///< none: observers, and ducts by plan
+  const std::unique_ptr<Companion> companion_;                                 ///< none: observers, and ducts by plan
+  const std::unique_ptr<Compensation> compensation_, compensation_of_warmup_;  ///< none: the car's deflection alone
   ControlLoop loop_;
   const std::unique_ptr<Spans> spans_;
   WakeLead wake_;

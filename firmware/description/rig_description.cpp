@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "firmware/description/compensation_reader.hpp"
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/laws/law_reader.hpp"
 #include "firmware/description/rig_description_controller.hpp"
 #include "firmware/description/table/rig_description_table.hpp"
@@ -273,10 +275,12 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_controller(top, description.rig, description.controller);
   read_arming(top, description.rig.kind, description.waivers, description.controller);
   read_delay_budget(top, description.rig.kind, description.delay_budget);
+  description.compensation = read_compensation(top, description.rig);
   read_hardware(top, description.rig, description.period(), description.waivers, description.hardware);
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);
+  if (description.compensation) static_cast<void>(compensation_settings(description));  // that its numbers fit
   check_load(top, description.rig);
   check_lever_tolerances(top, description.rig, description.tolerance);
   return description;

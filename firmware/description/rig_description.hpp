@@ -13,6 +13,7 @@
 
 #include "firmware/description/laws/law_description.hpp"
 #include "firmware/description/values/channel_map.hpp"
+#include "firmware/description/values/compensation_description.hpp"
 #include "firmware/description/values/hardware_description.hpp"
 #include "firmware/loop/duct_control/duct_settings.hpp"
 #include "firmware/loop/kalman/kalman_settings.hpp"
@@ -78,7 +79,8 @@ struct RigDescription {
   ChannelMap channels;
   ControllerDescription controller;
   DelayBudget delay_budget;
-  HardwareDescription hardware;                ///< used by rig_controller only
+  std::optional<CompensationDescription> compensation;  ///< hil only: of the machine's delay
+  HardwareDescription hardware;                         ///< used by rig_controller only
   std::map<std::string, std::string> waivers;  ///< [waivers]: what the rig goes without, and the sentence that says so
   std::string source;                          ///< file name as given by the user
   std::string text;                            ///< its contents, for reports

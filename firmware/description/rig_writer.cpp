@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "firmware/description/compensation_reader.hpp"
 #include "firmware/description/semi_active_reader.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
@@ -188,6 +189,10 @@ void write_controller(Text& out, const RigDescription& description) {
   if (budget.sensor_age > 0.0) out.line("sensor_age", real(budget.sensor_age));
   if (budget.transport > 0.0) out.line("transport", real(budget.transport));
   if (budget.computation > 0.0) out.line("computation", real(budget.computation));
+  if (description.compensation) {
+    out.table("compensation");
+    for (const auto& [key, value] : compensation_lines(*description.compensation)) out.line(key, value);
+  }
 }
 
 void write_hardware(Text& out, const HardwareDescription& hardware) {

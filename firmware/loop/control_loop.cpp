@@ -1,6 +1,7 @@
 #include "firmware/loop/control_loop.hpp"
 
 #include <array>
+#include <bit>
 #include <limits>
 
 #include "model/require.hpp"
@@ -274,6 +275,8 @@ void ControlLoop::get_ready() {
     car_alive_ = true;
     energy_guard_.start(0.0);
   }
+  if (Compensation* compensation = compensation_.get(); compensation != nullptr && hil()) compensation->start(0.0);
+  compensation_.note_force(0.0);
   move_ = SmoothMove(command_guard_.last().position, hil() ? 0.0 : begin->position, settings_.ramps.rate, period_);
   settling_left_ = (hal::seconds(settings_.ramps.settling).ns + settings_.period.ns - 1) / settings_.period.ns;
 }
@@ -325,13 +328,23 @@ void ControlLoop::follow_rig() {
   command_.position = followed_ > half_stroke ? half_stroke : followed_ < -half_stroke ? -half_stroke : followed_;
 }
 
-/// hil: the measured force enters the car by a smoothstep over force_ramp from the beginning of a run.
-double ControlLoop::entering_force() const {
-  const double force = samples_.value(Channel::F);
+/// hil: the measured force, with what the compensation adds in a run, enters the car by a smoothstep over force_ramp
+/// from the beginning of a run.
+double ControlLoop::entering_force() {
+  const double measured = samples_.value(Channel::F);
+  double force = measured;
+  if (Compensation* compensation = compensation_.get(); compensation != nullptr && in_run(mode_)) {
+    force = compensation->force(measured);
+  }
   const double elapsed = in_run(mode_) ? static_cast<double>(sample_) * period_ : 0.0;
-  if (elapsed >= settings_.arming.force_ramp) return force;
+  if (elapsed >= settings_.arming.force_ramp) {
+    compensation_.note_force(force - measured);
+    return force;
+  }
   const double s = elapsed / settings_.arming.force_ramp;
-  return force * (s * s * (3.0 - 2.0 * s));
+  const double share = s * s * (3.0 - 2.0 * s);
+  compensation_.note_force((force - measured) * share);
+  return force * share;
 }
 
 /// The area of an air spring for the period that begins: by the skyhook in a run, else as it is at rest.
@@ -349,7 +362,7 @@ void ControlLoop::command_area(hal::Time now) {
 
 void ControlLoop::compute(hal::Time now) {
   std::optional<hal::Command> wanted;
-  energy_hazard_.reset();
+  loop_hazard_.reset();
   if (mode_ == Mode::arming) {
     wanted = arming_.next();
   } else if (mode_ == Mode::armed) {
@@ -360,16 +373,16 @@ void ControlLoop::compute(hal::Time now) {
     openings_ = valves_.at(hal::Time{});
   } else if (in_run(mode_)) {
     const std::uint64_t sample = player_.sample();
-    wanted = follow_reference();
     openings_ = valves_.at(settings_.period * static_cast<std::int64_t>(sample));
+    wanted = follow_reference();
     if (Companion* companion = companion_.get()) openings_ = companion->choose(openings_);
   }
   if (leads_drive(mode_)) {
     if (!wanted) {
       trip({.reason = Reason::reference_ended, .time = now});
-    } else if (energy_hazard_) {
-      energy_hazard_->time = now;
-      trip(*energy_hazard_);
+    } else if (loop_hazard_) {
+      loop_hazard_->time = now;
+      trip(*loop_hazard_);
     } else {
       CommandGuard::Verdict verdict = command_guard_.judge(*wanted);
       command_ = verdict.command;
@@ -408,12 +421,32 @@ hal::Command ControlLoop::step_car(const Motion& foot_point) {
   if (static_cast<double>(sample_) * period_ < settings_.arming.force_ramp) {
     energy_guard_.start(deflection.position);  // a force that is faded in feeds energy by itself
   }
-  energy_hazard_ = energy_guard_.follow(car_state_.received_force, deflection.position,
-                                        car_state_.core(CoreIndex::wheel_position) - wheel);
+  loop_hazard_ = energy_guard_.follow(car_state_.received_force, deflection.position,
+                                      car_state_.core(CoreIndex::wheel_position) - wheel);
   const auto signals = car_->signals(car_state_);
-  return {deflection.position, deflection.velocity,
-          car_->component_acceleration(suspension,
-                                       signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)])};
+  const model::Motion<double> wanted{
+      deflection.position, deflection.velocity,
+      car_->component_acceleration(suspension,
+                                   signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)])};
+  if (Compensation* compensation = compensation_.get()) return compensated(*compensation, wanted);
+  return {wanted.position, wanted.velocity, wanted.acceleration};
+}
+
+/// A command that leads the wanted deflection, so that the machine is there in time.
+hal::Command ControlLoop::compensated(Compensation& compensation, const model::Motion<double>& wanted) {
+  Compensation::Instant instant;
+  instant.wanted = wanted;
+  instant.commanded = command_guard_.last().position;
+  instant.measured = samples_.fitted(Channel::x_act) && samples_.seen(Channel::x_act) &&
+                     (samples_.bridged() >> model::index(Channel::x_act) & 1U) == 0;
+  if (instant.measured) instant.reached = samples_.value(Channel::x_act);
+  instant.open_ducts = std::popcount(openings_.bits());
+  const Compensation::Answer answer = compensation.command(instant);
+  if (answer.excess && !loop_hazard_) {
+    loop_hazard_ = Trip{Reason::compensation, answer.excess->of_force ? Channel::F : Channel::x_cmd,
+                        answer.excess->value, answer.excess->limit, hal::never};
+  }
+  return answer.command;
 }
 
 void ControlLoop::act(hal::Time now) {
@@ -505,6 +538,10 @@ void ControlLoop::note_values(Record& record) const {
     record.values[model::index(Channel::F_act)] = unknown;
     const double wheel = car_state_.core(CoreIndex::wheel_velocity), body = car_state_.core(CoreIndex::body_velocity);
     record.velocities = {car_state_.foot_point.velocity, wheel, body, wheel - body};
+  }
+  if (compensation_.get() != nullptr && car_alive_ && in_run(mode_)) {
+    record.added.set(command_guard_.last().position - car_->component_stroke(car_->deflection(car_state_)).position,
+                     compensation_.added_force());
   }
   record.values[model::index(Channel::x_cmd)] =
       kind_ == model::RigKind::quarter_car ? unknown : command_guard_.last().position;

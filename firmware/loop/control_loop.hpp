@@ -10,6 +10,7 @@
 #include "firmware/loop/arming_checks.hpp"
 #include "firmware/loop/command_guard.hpp"
 #include "firmware/loop/companion.hpp"
+#include "firmware/loop/compensation/compensation.hpp"
 #include "firmware/loop/energy_guard.hpp"
 #include "firmware/loop/frozen_guard.hpp"
 #include "firmware/loop/journal.hpp"
@@ -34,7 +35,8 @@ namespace firmware {
 /// Timing: at t_k the samples of t_k are read, row k of the journal is the rig at t_k, and the command put out is for
 /// t_{k+1}; the drive moves to it during the period.
 ///
-///   hil              F(t_k) enters the virtual car, which is stepped to t_{k+1} with F held; command z_w − z_b there
+///   hil              F(t_k) enters the virtual car, which is stepped to t_{k+1} with F held; command z_w − z_b there.
+///                    A Compensation stands between both: it may change F before and the command behind the car
 ///   quarter_car      command is the foot point of the reference at t_{k+1}; velocities and wheel load are estimated
 ///   component_bench  command is the deflection of the reference at t_{k+1}
 ///
@@ -76,6 +78,8 @@ class ControlLoop {
   /// Takes a companion along, which must outlive the loop. Before the first period.
 #ifndef RIGTWIN_ALONE
   void attach(Companion& companion) { companion_.set(&companion); }
+  /// The same for a compensation of the machine's delay; a rig that is no hil never calls it.
+  void attach(Compensation& compensation) { compensation_.set(&compensation); }
 #endif
 
   /// The first period is due then, and not when step() is called first.
@@ -141,11 +145,12 @@ class ControlLoop {
   void lose_power(const Trip& cause);
   void brake_and_hold(double velocity);
   void follow_rig();
-  [[nodiscard]] double entering_force() const;
+  [[nodiscard]] double entering_force();
   void command_area(hal::Time now);
   void compute(hal::Time now);
   [[nodiscard]] std::optional<hal::Command> follow_reference();
   [[nodiscard]] hal::Command step_car(const Motion& foot_point);
+  [[nodiscard]] hal::Command compensated(Compensation& compensation, const model::Motion<double>& wanted);
   void act(hal::Time now);
   [[nodiscard]] bool write_valves();
   void write_enable(hal::Time now);
@@ -158,6 +163,7 @@ class ControlLoop {
   ValvePlan valves_;
   Journal& journal_;
   [[no_unique_address]] CompanionPlace companion_{};
+  [[no_unique_address]] CompensationPlace compensation_{};
   std::optional<VirtualCar> car_{};  ///< hil only
 
   SampleGuard samples_;
@@ -171,7 +177,7 @@ class ControlLoop {
   [[no_unique_address]] AreaControl<has_area> area_control_;
   ArmingChecks arming_;
   ReferencePlayer player_;
-  std::optional<Trip> energy_hazard_{};  ///< of this period
+  std::optional<Trip> loop_hazard_{};  ///< of this period, by energy guard or compensation
   SmoothMove move_{};
   ReturnToRest return_{};
 

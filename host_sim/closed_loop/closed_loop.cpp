@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/semi_active_setup.hpp"
 #include "firmware/recording/run_columns.hpp"
@@ -26,6 +27,8 @@ Run run_closed_loop(const firmware::RigDescription& description, const firmware:
                              journal);
   const std::unique_ptr<firmware::Companion> companion = firmware::companion(description);
   if (companion) loop.attach(*companion);
+  const std::unique_ptr<firmware::Compensation> compensation = firmware::compensation_of(description);
+  if (compensation) loop.attach(*compensation);
 
   firmware::RunRecording recording(description, construction.sensors, excitation.size());
   loop.arm();

@@ -13,6 +13,8 @@ namespace host_sim {
 struct CompensationOptions {
   std::string rig;
   std::optional<std::string> json, report;
+  std::optional<std::string> data;  ///< a recording of the machine
+  std::optional<std::string> out;   ///< the command that would have made it follow
 };
 
 void add_compensation(CLI::App& app, CompensationOptions& options);

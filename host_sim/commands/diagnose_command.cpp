@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/spelling.hpp"
 #include "firmware/recording/output_file.hpp"
@@ -189,6 +190,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
     throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --explain EFFECT");
   }
   const firmware::RigDescription description = firmware::read_rig(options.rig);
+  firmware::refuse_compensation(description, "diagnose");
   check_name(options.keep_law, description);
   std::vector<identification::Record> records;
   const identification::Use use = options.holdout.empty() ? identification::Use::shared : identification::Use::fitted;

@@ -8,6 +8,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/sha256.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/compensation/compensated_stability.hpp"
 #include "host_sim/fmu/archive.hpp"
 #include "host_sim/fmu/model_description.hpp"
 #include "host_sim/fmu/variables.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 void make_fmu(const FmuOptions& options) {
   const firmware::RigDescription rig = firmware::read_rig(options.rig);
+  compensation::refuse_unstable_compensation(rig);
   const std::vector<fmu::Binary> binaries = fmu::built_binaries();
   fmu::write_fmu(options.out, rig, binaries);
 

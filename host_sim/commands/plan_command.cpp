@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/output_file.hpp"
@@ -94,6 +95,7 @@ void run_plan(const PlanOptions& options) {
     throw firmware::UsageError("--json and --report name the same file, expected two files");
   }
   const firmware::RigDescription rig = firmware::read_rig(options.rig);
+  firmware::refuse_compensation(rig, "plan");
   const firmware::RoadChoice road{options.road, options.speed, options.seed, std::nullopt, std::nullopt};
   plan::Setting setting;
   setting.motion = firmware::excitation(

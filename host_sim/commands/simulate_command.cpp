@@ -16,6 +16,7 @@
 #include "host_sim/closed_loop/trace.hpp"
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
+#include "host_sim/compensation/compensated_stability.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "host_sim/signal/summary.hpp"
 
@@ -83,6 +84,7 @@ std::string json_of(const SimulateOptions& options, const Run& run, const firmwa
 
 void simulate(const SimulateOptions& options) {
   const firmware::RigDescription rig = firmware::read_rig(options.rig);
+  compensation::refuse_unstable_compensation(rig);
   const std::size_t samples = firmware::samples_of(options.duration, rig.sample_rate);
   const firmware::RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
   const firmware::FootPointMotion motion =

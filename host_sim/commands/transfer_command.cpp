@@ -7,6 +7,7 @@
 #include <optional>
 #include <system_error>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/road_choice.hpp"
@@ -74,6 +75,7 @@ void run_transfer(const TransferOptions& options) {
   transfer::TransferInput input;
   input.from = firmware::read_rig(options.from);
   input.to = firmware::read_rig(options.to);
+  for (const auto* rig : {&input.from, &input.to}) firmware::refuse_compensation(*rig, "transfer");
   input.first = records_of(options.data, input.from);
   input.second = records_of(options.measured, input.to);
   input.draws = options.draws;

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "host_sim/compensation/method_settings.hpp"
+#include "firmware/description/compensation_setup.hpp"
 #include "host_sim/stability/roots/eigenvalues.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "model/rig_model.hpp"
@@ -36,7 +36,11 @@ Settings arrived(Settings settings, const model::RigParameters<double>& rig) {
     settings.gain = 1.0;
     model::MachinePath<double> path;
     rig.effects.act_on(path);
-    settings.given = inverse_at(path, wheel_mode(rig));
+    settings.given = settings.order <= 2 ? firmware::compensation::inverse_at(path, 1.0, firmware::wheel_mode(rig))
+                                         : firmware::compensation::inverse_series(path, 1.0);
+    for (std::size_t i = 0; i < settings.given.size(); ++i) {
+      settings.given[i] = std::clamp(settings.given[i], settings.lowest[i], settings.highest[i]);
+    }
   }
   return settings;
 }
@@ -50,11 +54,12 @@ struct State {
 
 class Loop {
  public:
-  Loop(const model::RigParameters<double>& rig, double period, const Settings* settings)
+  Loop(const model::RigParameters<double>& rig, double period, const Settings* settings, double force_factor)
       : car_(rig, period, model::ModelledPart::virtual_car),
         hardware_(std::make_unique<Hardware>(rig, period, model::ModelledPart::test_machine)),
         origin_(std::make_unique<State>(State{car_.start(), hardware_->start(), std::nullopt})),
         open_ducts_(rig.has_fdva ? rig.fdva.open_ducts : 0),
+        force_factor_(force_factor),
         sensor_delay_(rig.effects.sensor_paths()[model::index(Channel::F)].delay) {
     model::MachinePath<double> path;
     rig.effects.act_on(path);
@@ -99,7 +104,7 @@ class Loop {
 
   void step(State& x, const model::Motion<double>& road) const {
     const auto shown = hardware_->measured(x.hardware);
-    double force = shown[model::index(Channel::F)];
+    double force = force_factor_ * shown[model::index(Channel::F)];
     firmware::Compensation* compensation = x.compensator ? &*x.compensator : nullptr;
     if (compensation != nullptr) force = compensation->force(force);
     car_.receive_force(x.car, force);
@@ -139,6 +144,7 @@ class Loop {
   std::unique_ptr<Hardware> hardware_;
   std::unique_ptr<State> origin_;
   int open_ducts_;
+  double force_factor_;
   double sensor_delay_;
   std::size_t line_ = 0;  ///< samples of the machine's line that are read
 };
@@ -162,8 +168,9 @@ std::vector<Eigen::Index> kept_states(const CompensatedLoop& loop) {
 
 }  // namespace
 
-CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double period, const Settings* settings) {
-  const Loop loop(rig, period, settings);
+CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double period, const Settings* settings,
+                                 double force_factor) {
+  const Loop loop(rig, period, settings, force_factor);
   const auto work = std::make_unique<State>(loop.origin());
   Eigen::Index size = 0;
   loop.for_each(*work, [&](double&) { ++size; });

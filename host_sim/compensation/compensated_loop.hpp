@@ -17,8 +17,8 @@ using Complex = std::complex<double>;
 ///
 /// The columns are steps of model::VirtualCar, firmware::compensation::Compensator and model::RigModel from unit
 /// vectors: no second implementation. The rig must be linear (stability::linear_part). Start-up, rate and limits do not
-/// act. adaptive_time_series has the coefficients that it converges to, those of the machine it runs on;
-/// adaptive_virtual_damping has its whole damping.
+/// act. adaptive_time_series has the coefficients that it converges to, those of the machine it runs on, within its
+/// bounds; adaptive_virtual_damping has its whole damping.
 struct CompensatedLoop {
   Eigen::MatrixXd a, b_before, b_now, c, d;
   double period{};
@@ -31,8 +31,10 @@ struct CompensatedLoop {
   [[nodiscard]] Eigen::Vector3cd response(double omega) const;
 };
 
-/// \param settings  nullptr: no compensation
+/// \param settings      nullptr: no compensation
+/// \param force_factor  of the measured force, before the compensator: for gain margins
 [[nodiscard]] CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double period,
-                                               const firmware::compensation::Settings* settings);
+                                               const firmware::compensation::Settings* settings,
+                                               double force_factor = 1.0);
 
 }  // namespace host_sim::compensation

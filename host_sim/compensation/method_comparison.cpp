@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/compensation/compensated_loop.hpp"
-#include "host_sim/compensation/method_settings.hpp"
+#include "host_sim/compensation/delay_mismatch.hpp"
+#include "host_sim/compensation/ideal_machine.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/margins/frequency_response.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
@@ -13,16 +15,10 @@
 namespace host_sim::compensation {
 namespace {
 
-using firmware::compensation::Settings;
-using Rig = model::RigParameters<double>;
-
 constexpr double lowest_hz = 0.1, highest_hz = 50.0;  ///< of road and response
 constexpr std::size_t frequency_count = 240;
-constexpr double share_off = 0.2;     ///< of the delay, for the robustness table
-constexpr double stiffer = 1.03;      ///< of the component
-constexpr double widest_error = 1.5;  ///< of the delay, for the map of the mismatch
-constexpr int steps_of_error = 12;    ///< of the map, to each side
-constexpr int bisections = 12;        ///< of a border: its step / 4096
+constexpr double share_off = 0.2;  ///< of the delay, for the robustness table
+constexpr double stiffer = 1.03;   ///< of the component
 
 std::string_view assumptions(std::optional<Kind> kind) {
   if (!kind) return "nothing";
@@ -43,20 +39,6 @@ std::string_view assumptions(std::optional<Kind> kind) {
       return "the machine; x_act is measured";
   }
   return "";
-}
-
-double machine_delay(const Rig& rig) {
-  model::MachinePath<double> path;
-  rig.effects.act_on(path);
-  return firmware::compensation::inverse_series(path, 1.0)[1];
-}
-
-/// The machine's delay is `change` longer; a machine without a delay of its own gets one.
-Rig with_delay_change(Rig rig, double change) {
-  model::MachinePath<double> path;
-  rig.effects.act_on(path);
-  rig.effects.add(model::ActuatorDelay<double>{std::max(0.0, path.delay + change)});
-  return rig;
 }
 
 Rig changed(const Rig& rig, Change change) {
@@ -137,37 +119,6 @@ CompensatedLoop loop_of(const Rig& rig, double period, const std::optional<Setti
   return compensated_loop(rig, period, settings ? &*settings : nullptr);
 }
 
-/// Border between a stable and an unstable error of the delay.
-double border(const Rig& rig, double period, const std::optional<Settings>& settings, double stable, double unstable) {
-  for (int i = 0; i < bisections; ++i) {
-    const double middle = 0.5 * (stable + unstable);
-    (loop_of(with_delay_change(rig, middle), period, settings).spectral_radius() < 1.0 ? stable : unstable) = middle;
-  }
-  return 0.5 * (stable + unstable);
-}
-
-void find_margin(MethodResult& result, const Rig& rig, double period, const std::optional<Settings>& settings,
-                 const std::vector<double>& errors) {
-  const auto zero = static_cast<std::size_t>(std::find(errors.begin(), errors.end(), 0.0) - errors.begin());
-  for (const double error : errors) {
-    result.radius_over_error.push_back(loop_of(with_delay_change(rig, error), period, settings).spectral_radius());
-  }
-  const auto& radius = result.radius_over_error;
-  if (radius[zero] >= 1.0) {
-    result.critical_error = 0.0;
-    return;
-  }
-  for (std::size_t i = zero + 1; i < errors.size() && !result.critical_later; ++i) {
-    if (radius[i] >= 1.0) result.critical_later = border(rig, period, settings, errors[i - 1], errors[i]);
-  }
-  for (std::size_t i = zero; i-- > 0 && !result.critical_earlier;) {
-    if (radius[i] >= 1.0) result.critical_earlier = border(rig, period, settings, errors[i + 1], errors[i]);
-  }
-  for (const auto& found : {result.critical_later, result.critical_earlier}) {
-    if (found) result.critical_error = std::min(result.critical_error.value_or(1e300), std::abs(*found));
-  }
-}
-
 }  // namespace
 
 MethodComparison compare_methods(const firmware::RigDescription& description) {
@@ -177,7 +128,8 @@ MethodComparison compare_methods(const firmware::RigDescription& description) {
         "compensation needs the loop of a hil rig, this is a " + std::string(model::name(description.rig.kind)),
         "kind = \"hil\"");
   }
-  const Rig rig = stability::linear_part(description.rig);
+  // Delays that no effect models stand at the machine, as those of the sensors are assumed there.
+  const Rig rig = with_delay_change(stability::linear_part(description.rig), description.delay_budget.sum());
   const double period = description.period();
   MethodComparison result;
   result.delay = machine_delay(rig);
@@ -186,7 +138,7 @@ MethodComparison compare_methods(const firmware::RigDescription& description) {
                                "[effects.actuator_delay], actuator_lag or actuator_resonance, as diagnose names them");
   }
   result.frequency_hz = spread_frequencies();
-  const double wheel_hz = wheel_mode(rig) / full_turn;
+  const double wheel_hz = firmware::wheel_mode(rig) / full_turn;
   std::array<double, 5> true_peaks{};
   for (std::size_t change = 0; change < true_peaks.size(); ++change) {
     const Truth truth(changed(rig, static_cast<Change>(change)));
@@ -200,17 +152,10 @@ MethodComparison compare_methods(const firmware::RigDescription& description) {
       result.truth_phase.push_back(std::arg(truth(f)));
     }
   }
-  model::MachinePath<double> path;
-  rig.effects.act_on(path);
-  for (int i = -steps_of_error; i <= steps_of_error; ++i) {
-    const double error = widest_error * result.delay * i / steps_of_error;
-    if (path.delay + error >= 0.0) result.delay_error.push_back(i == 0 ? 0.0 : error);
-  }
-
   for (int k = -1; k < static_cast<int>(firmware::compensation::kind_names.size()); ++k) {
     const auto kind = k < 0 ? std::nullopt : std::optional(static_cast<Kind>(k));
     std::optional<Settings> settings;
-    if (kind) settings = method_settings(description, *kind);
+    if (kind) settings = firmware::compensation_settings(description, *kind);
     MethodResult method;
     method.name = kind ? std::string(name(*kind)) : "none";
     method.needs_component_model = kind && needs_component_model(*kind);
@@ -225,7 +170,12 @@ MethodComparison compare_methods(const firmware::RigDescription& description) {
         method.phase.push_back(std::arg(y));
       }
     }
-    find_margin(method, rig, period, settings, result.delay_error);
+    const DelayMismatch mismatch = delay_mismatch(rig, period, settings ? &*settings : nullptr);
+    method.critical_later = mismatch.later;
+    method.critical_earlier = mismatch.earlier;
+    method.critical_error = method.over_changes[0].stable ? mismatch.smallest() : 0.0;
+    method.radius_over_error = mismatch.radius;
+    result.delay_error = mismatch.error;
     result.methods.push_back(std::move(method));
   }
   return result;

@@ -52,7 +52,7 @@ struct MethodComparison {
   std::vector<MethodResult> methods;       ///< "none" first, then by Kind
 };
 
-/// For a hil rig, each method with method_settings().
+/// For a hil rig, each method with firmware::compensation_settings().
 /// InputError for another kind of rig, or a machine without any delay.
 [[nodiscard]] MethodComparison compare_methods(const firmware::RigDescription& description);
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/loop/control_loop.hpp"
@@ -56,7 +57,11 @@ struct SteppedRun::Parts {
         rig(plant, firmware::simulated_construction(description)),
         journal(storage),
         loop(firmware::control_settings(description), description.rig, rig.roles(), excitation,
-             firmware::valve_plan(description), journal) {}
+             firmware::valve_plan(description), journal) {
+    if (const auto settings = firmware::compensation_settings(description)) {
+      loop.attach(compensator.emplace(*settings, description.period()));
+    }
+  }
 
   Excitation excitation;
   firmware::SimulatedRig plant;
@@ -64,6 +69,7 @@ struct SteppedRun::Parts {
   firmware::JournalStorage<2> storage{};
   firmware::Journal journal;
   firmware::ControlLoop loop;
+  std::optional<firmware::compensation::Compensator> compensator{};  ///< in place: its state is among the bytes
 };
 
 SteppedRun::SteppedRun(const firmware::RigDescription& description, const Options& options,

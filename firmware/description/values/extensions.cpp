@@ -68,6 +68,10 @@ void read_air_spring(DescriptionTable& top, Rig& rig) {
   rig.air_spring.area = table->number("area");
   rig.air_spring.volume = table->number("volume");
   for (const AirSpringKey& key : air_spring_keys()) table->optional_number(key.key, rig.air_spring.*key.value);
+  if (rig.kind == model::RigKind::component_bench && rig.air_spring.skyhook != 0.0) {
+    table->fail("skyhook", "air_spring.skyhook = " + shortest(rig.air_spring.skyhook) + " does not fit",
+                "0: a component_bench has no body");
+  }
   table->finish();
 }
 

@@ -26,6 +26,7 @@ class Compensation {
   struct Excess {
     double value = 0.0;  ///< [m] or [N]
     double limit = 0.0;
+    bool of_force = false;  ///< [N], added to the measured force; else added to the command
   };
   struct Answer {
     hal::Command command{};          ///< for t_{k+1}
@@ -44,6 +45,26 @@ class Compensation {
   virtual void do_start(double deflection) = 0;
   virtual double do_force(double measured) = 0;
   virtual Answer do_command(const Instant& instant) = 0;
+};
+
+/// Place of a compensation in the loop, and what it added last. A microcontroller's loop has none unless its program
+/// asks for it: RIGTWIN_ALONE.
+class CompensationPlace {
+ public:
+#ifdef RIGTWIN_ALONE
+  static constexpr Compensation* get() { return nullptr; }
+  static constexpr double added_force() { return 0.0; }
+  static constexpr void note_force(double /*added*/) {}
+#else
+  void set(Compensation* compensation) { compensation_ = compensation; }
+  [[nodiscard]] Compensation* get() const { return compensation_; }
+  [[nodiscard]] double added_force() const { return added_force_; }  ///< [N]
+  void note_force(double added) { added_force_ = added; }
+
+ private:
+  Compensation* compensation_ = nullptr;
+  double added_force_ = 0.0;
+#endif
 };
 
 }  // namespace firmware

@@ -116,7 +116,7 @@ Compensation::Answer Compensator::do_command(const Instant& instant) {
   if (!(magnitude(state_.added) <= settings_.limit)) {
     answer.excess = Excess{state_.added, settings_.limit};
   } else if (!(magnitude(state_.added_force) <= settings_.force_limit)) {
-    answer.excess = Excess{state_.added_force, settings_.force_limit};
+    answer.excess = Excess{state_.added_force, settings_.force_limit, true};
   }
   return answer;
 }

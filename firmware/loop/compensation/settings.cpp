@@ -23,6 +23,23 @@ Coefficients inverse_series(const model::MachinePath<double>& machine, double ga
   return a;
 }
 
+Coefficients inverse_at(const model::MachinePath<double>& machine, double gain, double omega) {
+  const auto lead = model::turned(omega * machine.delay / turn);
+  double re = 1.0 + lead.cosine_less_one, im = lead.sine;
+  const auto times = [&](double other_re, double other_im) {
+    const double product = re * other_re - im * other_im;
+    im = re * other_im + im * other_re;
+    re = product;
+  };
+  times(1.0, machine.lag * omega);
+  if (machine.resonance_frequency > 0.0) {
+    const double x = omega / (turn * machine.resonance_frequency);
+    times(1.0 - x * x, 2.0 * machine.resonance_damping * x);
+  }
+  const double first = im / omega, second = (1.0 - re) / (omega * omega);
+  return {1.0 / gain, first > 0.0 ? first / gain : 0.0, second > 0.0 ? second / gain : 0.0, 0.0};
+}
+
 Coefficients Settings::assumed() const {
   Coefficients a = given[0] > 0.0 ? given : inverse_series(machine, gain);
   for (std::size_t i = static_cast<std::size_t>(order) + 1; i < coefficients; ++i) a[i] = 0.0;

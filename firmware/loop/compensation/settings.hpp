@@ -91,6 +91,13 @@ struct Settings {
 ///   (1)  1/M(s) = e^{sτ} (1 + T s) (1 + 2ζ s/ω + s²/ω²)/g = a₀ + a₁ s + a₂ s² + a₃ s³ + …
 [[nodiscard]] Coefficients inverse_series(const model::MachinePath<double>& machine, double gain);
 
+/// Coefficients up to ẍ that are exact at rest and at ω [rad/s], where the series is cut:
+///
+///   (2)  a₀ + j a₁ ω − a₂ ω² = 1/M(jω),   a₀ = 1/g,   a₁, a₂ ≥ 0
+///
+/// The time series arrives at them where one mode dominates the motion.
+[[nodiscard]] Coefficients inverse_at(const model::MachinePath<double>& machine, double gain, double omega);
+
 /// The damping that takes out of the car what a delay τ feeds into it at ω (Osaki et al. 2010):  b = k/ω sin ωτ,
 /// [N s/m], with the stiffness k of the component [N/m], its wheel mode ω [rad/s].
 [[nodiscard]] double damping_against_delay(double stiffness, double omega, double delay);

@@ -32,10 +32,11 @@ SpecimenPredictor::SpecimenPredictor(const Settings& settings, double period)
 }
 
 void SpecimenPredictor::start(State& x, const Stroke& at) const {
-  x = {};
-  x.line.start(at, delay_);
+  x.line.start(at, delay_);  // in place: a whole state on the stack takes 4 KiB of it
   x.machine = machine_.start(at);
   x.delayed = x.reached = at;
+  x.difference = {};
+  x.piston.setZero();
 }
 
 void SpecimenPredictor::step(State& x, const Stroke& wanted, int open_ducts) const {

@@ -82,7 +82,8 @@ struct PreparedRecording {
 };
 
 /// The part of a rig that recordings of its kind are explained with: a hil rig without its virtual car, which is the
-/// component_bench that its test machine makes.
+/// component_bench that its test machine makes. An air spring keeps its skyhook: the recorded body velocity commands
+/// its area (SimulationInput::area).
 [[nodiscard]] model::RigParameters<double> explained_part(const model::RigParameters<double>& rig);
 
 /// `held_out`: the whole recording is held out; `shared`: its last quarter is; `fitted`: nothing is.

@@ -28,9 +28,11 @@ DelayBalance balance_of(const StabilityAnalysis& analysis, const firmware::RigDe
   add("computation", budget.computation, true);
   add("force sensor", analysis.rig.sensor_delay, true);
   balance.parts.push_back({"actuator", analysis.rig.machine_delay, true});
+  const double varies = description.rig.delay_variation.farthest();
+  add("swing and jitter of the actuator, worst case", varies, false);
   const double hold = 0.5 * description.period();
   balance.parts.push_back({"half a step of hold", hold, false});
-  balance.total = analysis.delay + hold;
+  balance.total = analysis.delay + varies + hold;
   if (analysis.margins.critical_delay) balance.left = *analysis.margins.critical_delay - balance.total;
 
   const double omega =

@@ -29,12 +29,13 @@ struct DelayPart {
 ///
 /// The loop delay τ of roots, verdict and margins is the sum of the delays among the effects of the rig description and
 /// of the entries of [delay_budget]. A description without that table gives τ = effects.actuator_delay alone.
-/// The hold of the sampled loop adds about half a step. `total` includes it and is to be compared with the critical
-/// delay; the sampled loop treats the hold exactly. Lags are part of P and Q. Their delay at the critical frequency is
-/// shown but not added, because the critical delay already includes it.
+/// The hold of the sampled loop adds about half a step, a machine whose delay varies its swing and jitter. `total`
+/// includes both and is to be compared with the critical delay; the sampled loop treats the hold exactly. Lags are part
+/// of P and Q. Their delay at the critical frequency is shown but not added, because the critical delay already
+/// includes it.
 struct DelayBalance {
   std::vector<DelayPart> parts;
-  double total{};              ///< τ and half a step [s]
+  double total{};              ///< τ, swing, jitter and half a step [s]
   std::optional<double> left;  ///< critical delay − total [s]
 };
 
