@@ -96,7 +96,7 @@ void Feed::note_setup(const json& setup) {
 void Feed::note_changes(const Datagram& next, std::int64_t wall) {
   if (next.ended) {
     events_.push_back({wall, next.timestamp, "ended", *next.ended});
-  } else if (!last_ || last_->state != next.state || last_->trip != next.trip) {
+  } else if (!last_ || last_->state != next.state || (next.state == "safe" && last_->trip != next.trip)) {
     events_.push_back({wall, next.timestamp, next.state, next.state == "safe" ? next.trip : ""});
   } else if (last_->second_reason != next.second_reason && next.second_reason != "none") {
     events_.push_back({wall, next.timestamp, next.state, "then " + next.second_reason});

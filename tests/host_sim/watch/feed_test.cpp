@@ -101,7 +101,7 @@ TEST_F(Fed, FollowsOnePublisherAtATime) {
 
 TEST_F(Fed, ListsChangesOfStateWithTheirReason) {
   take(datagram(0, "running"));
-  take(datagram(1, "running"));
+  take(datagram(1, "running", R"(,"trip":"energy 0.31, limit 0.3")"));  // the period that trips belongs to the run
   take(datagram(2, "safe", R"(,"trip":"energy 0.31, limit 0.3")"));
   take(datagram(3, "idle", R"(,"trip":"energy 0.31, limit 0.3")"));
   Feed::Cursor cursor;
