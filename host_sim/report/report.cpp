@@ -273,8 +273,9 @@ std::string Report::html() const {
     page += "<details><summary>Licence of Plotly.js, which draws the figures</summary>\n<pre>" +
             escaped(embedded_file("plotly-LICENSE")) + "</pre></details>\n";
   }
-  page += std::string(origin_mark) + "<p>Made by " + name +
-          ". Drag over a figure to zoom, double-click to reset, point at a curve to read values.</p>\n</footer>\n";
+  page += std::string(origin_mark) + "<p>Made by " + name + "." +
+          (figures_ > 0 ? " Drag over a figure to zoom, double-click to reset, point at a curve to read values." : "") +
+          "</p>\n</footer>\n";
   if (figures_ > 0) {
     page += "<script>" + in_script(embedded_file("plotly-cartesian.min.js")) + "</script>\n<script>" +
             std::string(drawing) + "</script>\n";
