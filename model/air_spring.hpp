@@ -18,7 +18,8 @@ inline constexpr double smallest = 0.25, largest = 4.0;  ///< v is kept within: 
 ///
 ///   ln v = n ln 2 + 2 artanh z,  z = (x − 1)/(x + 1),  x = v/2ⁿ in 0.75 … 1.5;   v^a = Σ (a ln v)^k/k!
 ///
-/// |z| ≤ 0.2: eleven terms leave 4e-18; |a ln v| ≤ 1.39: powers up to the twentieth leave 8e-17. Rounding: 2e-15 relative.
+/// |z| ≤ 0.2: eleven terms leave 4e-18; |a ln v| ≤ 1.39: powers up to the twentieth leave 8e-17. Rounding: 2e-15
+/// relative.
 template <class S>
 [[nodiscard]] constexpr S power(S v, S a) {
   constexpr double ln2 = 0.6931471805599453;

@@ -11,7 +11,8 @@ namespace firmware {
 /// Covariances of a filter that has run for long with n open ducts, and what it multiplies samples with.
 ///
 ///   (1)  Q  = ∫₀ʰ e^{As} ½ B Bᵀ e^{Aᵀs} ds + drift of the biases      by halving h 2¹² times, then Q ← Q + Φ Q Φᵀ
-///  (1′)  Q  = b bᵀ/(2h),  b = ∫₀ʰ e^{As} B ds                             on a road with a bandwidth (model::RoadFilter)
+///  (1′)  Q  = b bᵀ/(2h),  b = ∫₀ʰ e^{As} B ds                             on a road with a bandwidth
+///  (model::RoadFilter)
 ///   (2)  P  = Φ P (I + G P)⁻¹ Φᵀ + Q,   G = Σ c_i c_iᵀ/r_i²           Riccati equation, P before the samples
 ///   (3)  A ← A (I + G H)⁻¹ A,  G ← G + A (I + G H)⁻¹ G Aᵀ,  H ← H + Aᵀ H (I + G H)⁻¹ A     doubling, H → P
 ///   (4)  k_i = P c_i/s_i,  s_i = c_iᵀ P c_i + r_i²,  P ← (I − k_i c_iᵀ) P (I − k_i c_iᵀ)ᵀ + k_i r_i² k_iᵀ
