@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::compensation {
 namespace {
 
-/// Beyond this growth all is of one colour [1/s]: a loop doubles every 14 ms.
-constexpr double strongest_growth = 50.0;
+/// Beyond this growth all is of one colour [1/s]: a loop doubles every 0.23 s.
+constexpr double strongest_growth = 3.0;
 
 nlohmann::ordered_json or_null(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
@@ -18,6 +19,23 @@ nlohmann::ordered_json or_null(const std::optional<double>& value) {
 std::vector<double> in_milliseconds(std::vector<double> values) {
   for (double& value : values) value *= 1e3;
   return values;
+}
+
+/// Where the growth changes its sign along a column of one assumed delay, straight between the points.
+report::Curve border_of_map(const MismatchMap& map) {
+  report::Curve border{
+      .name = "border", .x = {}, .y = {}, .colour = 6, .dash = report::Dash::none, .marker = report::Marker::circle};
+  const std::size_t columns = map.assumed.size();
+  for (std::size_t i = 0; i < columns; ++i) {
+    for (std::size_t j = 1; j < map.actual.size(); ++j) {
+      const double below = map.growth[(j - 1) * columns + i], above = map.growth[j * columns + i];
+      if ((below < 0.0) == (above < 0.0)) continue;
+      const double share = below / (below - above);
+      border.x.push_back(1e3 * map.assumed[i]);
+      border.y.push_back(1e3 * (map.actual[j - 1] + share * (map.actual[j] - map.actual[j - 1])));
+    }
+  }
+  return border;
 }
 
 report::Figure map_of_delays(const CompensatedStability& stability, const MismatchMap& map) {
@@ -30,6 +48,7 @@ report::Figure map_of_delays(const CompensatedStability& stability, const Mismat
   for (double& value : colours.values) value = std::clamp(value, -strongest_growth, strongest_growth);
   report::Panel panel{.y = {.quantity = "true delay of the machine", .unit = "ms"}};
   panel.heat_map.push_back(std::move(colours));
+  if (report::Curve border = border_of_map(map); !border.x.empty()) panel.curves.push_back(std::move(border));
   panel.curves.push_back({.name = "assumed = true",
                           .x = {1e3 * map.assumed.front(), 1e3 * map.assumed.back()},
                           .y = {1e3 * map.assumed.front(), 1e3 * map.assumed.back()},
