@@ -246,13 +246,14 @@ double largest_magnitude(const std::vector<double>& samples) {
 }  // namespace
 
 std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period, bool is_position,
-                                                   const std::optional<NoiseColour>& expected) {
+                                                   const std::optional<NoiseColour>& expected, bool is_foot_point) {
   std::vector<BandLevel> levels = band_levels(samples, period, is_position);
   constexpr std::size_t fewest = 6;
   if (levels.size() < fewest) return std::nullopt;
   // A floor that rounding cannot make is judged in all bands; where there is none, a filter ends in rounding.
   const ColourFit floor = best_floor(levels, period);
-  const bool is_noise = std::sqrt(floor.level.square) > thresholds::least_floor * largest_magnitude(samples);
+  const bool is_noise =
+      is_foot_point && std::sqrt(floor.level.square) > thresholds::least_floor * largest_magnitude(samples);
   ColourFit best;
   if (is_noise && floor.price < best_colour(levels, period, expected).price + thresholds::other_corner_price) {
     best = floor;

@@ -80,7 +80,8 @@ ChannelNoise noise_in(const std::vector<double>& samples, double period, model::
   if (std::abs(std::log(octave_below.rms / whole.rms)) <= thresholds::white_noise) {
     return white(whole, whole.relative_error);
   }
-  const auto fit = fit_noise_spectrum(samples, period, is_position(channel), expected);
+  const bool is_foot_point = channel == model::Channel::z_r || channel == model::Channel::zdd_r;
+  const auto fit = fit_noise_spectrum(samples, period, is_position(channel), expected, is_foot_point);
   return fit && fit->noise.level > 0.0 ? fit->noise : white(whole, unknown);
 }
 
