@@ -1,10 +1,10 @@
 // What a period of the Kalman filter and of the rollout costs.
 //
-//   estimator/kalman       11 states (car, absorber, road), 7 channels, fresh samples: anchor and present, two passes a
-//   period estimator/kalman_late  the same with a channel 5 ms late: seven passes estimator/rollout      the choice
-//   among 0 … 6 ducts, valves 20 ms late estimator/covariance   for comparison: one pass of a filter that carries its
-//   covariance along, P ← Φ P Φᵀ + Q and a Joseph
-//                          update for each channel, by Eigen with vectors; kalman takes at most 0.5 of it
+//   estimator/kalman       11 states (car, absorber, road), 7 channels, fresh samples: two passes a period
+//   estimator/kalman_late  the same with a channel 5 ms late: seven passes
+//   estimator/rollout      the choice among 0 … 6 ducts, valves 20 ms late
+//   estimator/covariance   for comparison: one pass of a filter that carries its covariance along, P ← Φ P Φᵀ + Q and a
+//                          Joseph update for each channel, by Eigen with vectors; kalman takes at most 0.5 of it
 //
 //   rigtwin_bench --benchmark_filter=estimator/ --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
@@ -20,10 +20,10 @@ namespace {
 
 using model::Channel;
 
-constexpr double period = 1e-3;
-constexpr std::array channels{Channel::z_r, Channel::zdd_r, Channel::zdd_w, Channel::zdd_b,
-                              Channel::F_w, Channel::dz_w,  Channel::dz_b};
-constexpr std::array noise{2e-5, 0.05, 0.05, 0.05, 10.0, 5e-5, 5e-5};
+constexpr double filter_period = 1e-3;
+constexpr std::array filter_channels{Channel::z_r, Channel::zdd_r, Channel::zdd_w, Channel::zdd_b,
+                                     Channel::F_w, Channel::dz_w,  Channel::dz_b};
+constexpr std::array filter_noise{2e-5, 0.05, 0.05, 0.05, 10.0, 5e-5, 5e-5};
 
 model::RigParameters<double> rig() {
   model::RigParameters<double> rig;
@@ -38,22 +38,23 @@ model::RigParameters<double> rig() {
 
 firmware::KalmanSettings settings(double age) {
   firmware::KalmanSettings settings;
-  for (std::size_t i = 0; i < channels.size(); ++i) settings.noise[model::index(channels[i])] = noise[i];
+  for (std::size_t i = 0; i < filter_channels.size(); ++i)
+    settings.noise[model::index(filter_channels[i])] = filter_noise[i];
   settings.age[model::index(Channel::dz_b)] = age;
   return settings;
 }
 
 void filter(benchmark::State& state, double age) {
   const firmware::EstimatorEquations equations(settings(age), rig());
-  const auto gains = std::make_unique<firmware::SteadyGains>(equations, period);
-  const auto filter = std::make_unique<firmware::KalmanFilter>(equations, *gains, period);
+  const auto gains = std::make_unique<firmware::SteadyGains>(equations, filter_period);
+  const auto filter = std::make_unique<firmware::KalmanFilter>(equations, *gains, filter_period);
   filter->switch_to(hal::Openings::first(2));
   hal::Frame frame;
   hal::Time now{};
   double value = 1e-3;
   for (auto _ : state) {
     now += hal::milliseconds(1);
-    for (const Channel c : channels) {
+    for (const Channel c : filter_channels) {
       const bool late = c == Channel::dz_b && age > 0.0;
       frame.channels[model::index(c)] = {value, late ? now - hal::seconds(age) : now, hal::Quality::good};
     }
@@ -67,11 +68,11 @@ void kalman_late(benchmark::State& state) { filter(state, 5e-3); }
 
 void rollout(benchmark::State& state) {
   const firmware::EstimatorEquations equations(settings(0.0), rig());
-  const auto gains = std::make_unique<firmware::SteadyGains>(equations, period);
+  const auto gains = std::make_unique<firmware::SteadyGains>(equations, filter_period);
   firmware::DuctPolicySettings policy;
   policy.policy = firmware::DuctPolicyKind::rollout;
   policy.delay = 0.020;
-  const auto ducts = std::make_unique<firmware::DuctPolicy>(equations, *gains, policy, period);
+  const auto ducts = std::make_unique<firmware::DuctPolicy>(equations, *gains, policy, filter_period);
   firmware::EstimatorVector x = firmware::EstimatorVector::Constant(1e-3);
   for (auto _ : state) {
     x = -x;
@@ -85,12 +86,12 @@ void covariance(benchmark::State& state) {
   using Matrix = Eigen::Matrix<double, n, n>;
   using Vector = Eigen::Matrix<double, n, 1>;
   const firmware::EstimatorEquations equations(settings(0.0), rig());
-  const auto gains = std::make_unique<firmware::SteadyGains>(equations, period);
+  const auto gains = std::make_unique<firmware::SteadyGains>(equations, filter_period);
   gains->compute(2);
   const Matrix phi = gains->transition().topLeftCorner<n, n>(), q = gains->noise().topLeftCorner<n, n>();
   Matrix p = gains->posterior().topLeftCorner<n, n>();
   Vector x = Vector::Constant(1e-3);
-  std::array<Vector, channels.size()> rows;
+  std::array<Vector, filter_channels.size()> rows;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i] = equations.row(equations.channel(static_cast<int>(i)), 2, true).head<n>();
   }
@@ -98,7 +99,7 @@ void covariance(benchmark::State& state) {
     x = (phi * x).eval();
     p = (phi * p * phi.transpose() + q).eval();
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const double variance = noise[i] * noise[i];
+      const double variance = filter_noise[i] * filter_noise[i];
       const Vector k = p * rows[i] / (rows[i].dot(p * rows[i]) + variance);
       x += k * (1e-3 - rows[i].dot(x));
       const Matrix left = Matrix::Identity() - k * rows[i].transpose();
