@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/loop/duct_control/rollout.hpp"
+
 namespace firmware {
 
 namespace {
@@ -31,7 +33,8 @@ SimulatedRig::SimulatedRig(const RigDescription& description, std::uint64_t seed
       state_(description.rig.kind == RigKind::quarter_car ? model_.start(start) : model_.start(0.0, start)),
       gaussian_(seed, noise_stream),
       range_(description.range),
-      on_their_way_(static_cast<std::size_t>(description.controller.ducts.delay / description.period() + 0.5)) {
+      on_their_way_(
+          static_cast<std::size_t>(nearest_periods(description.controller.ducts.delay, description.period()))) {
   if (noise == Noise::none) return;
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     if (is_hardware_channel(description.rig.kind, model::channel_at(i)))
