@@ -1,6 +1,7 @@
 // All roles of a rig, in one hand.
 #pragma once
 
+#include "hal/area_output.hpp"
 #include "hal/clock.hpp"
 #include "hal/command_output.hpp"
 #include "hal/drive_enable.hpp"
@@ -22,6 +23,7 @@ struct Rig {
   Heartbeat& heartbeat;
   DriveEnable& drive_enable;
   Interlocks& interlocks;
+  AreaOutput* area = nullptr;  ///< of an active air spring, where there is one
 };
 
 }  // namespace hal

@@ -67,6 +67,14 @@ class DelayLine {
     sliding_ = delay_ != target_;
   }
 
+  /// From now on `delay` samples, at once: the time that is read may jump.
+  void jump(S delay) {
+    require(delay >= S(0) && delay <= S(longest), "delay within the capacity of the line");
+    target_ = delay_ = delay;
+    sliding_ = false;
+    split();
+  }
+
   /// Takes the value of this instant; then read() is the value one delay before it. `h`: sample period [s].
   void push(const Value& newest) {
     newest_ = (newest_ + 1) & mask;

@@ -46,7 +46,7 @@ std::optional<RigFault> find_long_delay(const RigParameters<S, laws>& rig, S per
     if constexpr (requires { slot.effect.act_on(machine); }) {
       if (!slot.active || fault) return;
       slot.effect.act_on(machine);
-      if (machine.delay > S(longest_delay) * period) {
+      if (machine.delay + rig.delay_variation.farthest() > S(longest_delay) * period) {
         fault = RigFault{slot.effect.card.name, name_of_value(slot.effect, machine.delay), expected};
       }
     }
@@ -144,6 +144,85 @@ std::optional<RigFault> find_law_fault(const RigParameters<S, capacity>& rig) {
   return fault;
 }
 
+/// The first number of an air spring, a lever or a delay that varies which is none.
+template <class S, LawCapacity capacity>
+std::optional<RigFault> find_extension_fault(const RigParameters<S, capacity>& rig, S period,
+                                             std::size_t longest_delay) {
+  std::optional<RigFault> fault;
+  if constexpr (capacity.extensions) {
+    const auto demand = [&fault](bool holds, std::string_view table, std::string_view key, std::string_view expected) {
+      if (!holds && !fault) fault = RigFault{table, key, expected};
+    };
+    const auto& a = rig.air_spring;
+    const auto within = [&](S value, double lower, double upper, std::string_view key, std::string_view expected) {
+      demand(value >= S(lower) && value <= S(upper), "air_spring", key, expected);
+    };
+    if (a.fitted) {
+      within(a.pressure, 1e4, 5e6, "pressure", "the gauge pressure at rest, 1e4 to 5e6 Pa");
+      within(a.ambient_pressure, 0.0, 2e5, "ambient_pressure", "0 to 2e5 Pa");
+      within(a.area, 1e-5, 1.0, "area", "1e-5 to 1 m^2");
+      within(a.volume, 1e-6, 1.0, "volume", "1e-6 to 1 m^3");
+      within(a.area_per_stroke, -1.0, 1.0, "area_per_stroke", "-1 to 1 m");
+      within(a.volume_per_area, -1.0, 1.0, "volume_per_area", "-1 to 1 m^3");
+      within(a.polytropic_exponent, 1.0, 1.67, "polytropic_exponent", "1 (isothermal) to 1.67 (monatomic gas)");
+      within(a.heat_time, 1e-3, 1e6, "heat_time", "1e-3 to 1e6 s");
+      within(a.counter_pressure, 0.0, 5e6, "counter_pressure", "0 to 5e6 Pa");
+      within(a.counter_area, 0.0, 1.0, "counter_area", "0 (single bellows) to 1 m^2");
+      demand(!(a.counter_area > S(0)) || (a.counter_volume >= S(1e-6) && a.counter_volume <= S(1)), "air_spring",
+             "counter_volume", "1e-6 to 1 m^3, where there is a second bellows");
+      within(a.actuator_frequency, 0.01, 1e3, "actuator_frequency", "0.01 to 1000 Hz");
+      within(a.actuator_damping, 0.0, 20.0, "actuator_damping", "0 (first order) to 20");
+      within(a.actuator_rate, 0.0, 1e3, "actuator_rate", "0 (none) to 1000 1/s");
+      within(a.actuator_stroke, 0.0, 0.5, "actuator_stroke", "a relative change of the area, 0 to 0.5");
+      within(a.skyhook, 0.0, 1e6, "skyhook", "0 to 1e6 N s/m");
+      within(a.levelling_rate, 0.0, 1.0, "levelling_rate", "0 (none) to 1 1/s");
+      within(a.levelling_band, 1e-5, 1.0, "levelling_band", "1e-5 to 1 m");
+      within(a.levelling_time, 1e-3, 1e4, "levelling_time", "1e-3 to 1e4 s");
+      const AirSpringCondition<S> condition = condition_of_air_spring(rig);
+      demand(AirSpring<S>::stiffness(a, S(1)) > S(0), "air_spring", "area_per_stroke",
+             "a spring whose stiffness at rest is above 0");
+      demand(!(a.skyhook > S(0)) || AirSpring<S>::force_per_area(a, condition.polytropic_exponent) > S(0), "air_spring",
+             "volume_per_area", "a force that grows with the area: at rest its volume takes more than its area gives");
+    }
+    const auto& lever = rig.lever;
+    if (lever.any()) {
+      demand(rig.kind != RigKind::component_bench, "lever", "", "absent: a component_bench has no axle");
+      demand(lever.count >= 2 && lever.count <= lever_points && ascends(lever.at, lever.count), "lever", "at",
+             "2 to 9 ascending numbers");
+      for (std::size_t i = 0; i < lever.count && !fault; ++i) {
+        demand(lever.ratio[i] >= S(0.1) && lever.ratio[i] <= S(10), "lever", "ratio", "0.1 to 10");
+      }
+      if (rig.kind == RigKind::quarter_car) {
+        SuspensionComponent<S> component{};
+        rig.effects.act_on(component);
+        bool law_at_suspension = false;
+        for (std::size_t i = 0; i < rig.laws.curve_count; ++i) {
+          law_at_suspension = law_at_suspension || rig.laws.curves[i].place == LawPlace::suspension;
+        }
+        for (std::size_t i = 0; i < rig.laws.surface_count; ++i) {
+          law_at_suspension = law_at_suspension || rig.laws.surfaces[i].place == LawPlace::suspension;
+        }
+        for (std::size_t i = 0; i < rig.laws.branch_count; ++i) {
+          law_at_suspension = law_at_suspension || rig.laws.branches[i].place == LawPlace::suspension;
+        }
+        demand(!law_at_suspension && !(component.dry_friction > S(0)) && !(component.mount_stiffness > S(0)) &&
+                   !(component.free_play > S(0)),
+               "lever", "", "absent, beside dry friction, a top mount, backlash or a law of the suspension");
+      }
+    }
+    const auto& v = rig.delay_variation;
+    if (v.any() || v.swing != S(0) || v.jitter != S(0)) {
+      demand(rig.kind != RigKind::quarter_car, "machine", "delay_swing", "absent: a quarter_car has no test machine");
+      demand(v.swing >= S(0) && v.swing <= S(0.1), "machine", "delay_swing", "0 to 0.1 s");
+      demand(v.time >= S(0.01) && v.time <= S(1e6), "machine", "delay_swing_time", "0.01 to 1e6 s");
+      demand(v.jitter >= S(0) && v.jitter <= S(0.1), "machine", "delay_jitter", "0 to 0.1 s");
+      demand(v.farthest() <= S(longest_delay) * period, "machine", "delay_swing",
+             "a delay within the capacity of the delay line at this sample rate");
+    }
+  }
+  return fault;
+}
+
 template <class S, LawCapacity laws>
 std::optional<RigFault> find_fault(const RigParameters<S, laws>& rig, S period, std::size_t longest_delay) {
   std::optional<RigFault> fault;
@@ -188,6 +267,8 @@ std::optional<RigFault> find_fault(const RigParameters<S, laws>& rig, S period, 
     const bool sound = !fault;
     demand(Effect::card.rigs.contains(rig.kind), Effect::card.name, "", "absent: this kind of rig has no such place");
     demand(!Effect::card.needs_fdva || rig.has_fdva, Effect::card.name, "", "absent: the rig has no FDVA");
+    demand(!Effect::card.needs_air_spring || rig.air_spring.fitted, Effect::card.name, "",
+           "absent: the rig has no air spring");
     for (std::size_t i = 0; i < Effect::values.size(); ++i) {
       const ParameterBounds& bounds = parameter_bounds<Effect>[i];
       const S value = effect.*Effect::values[i];
@@ -210,6 +291,7 @@ std::optional<RigFault> find_fault(const RigParameters<S, laws>& rig, S period, 
   });
 
   if (!fault) fault = find_law_fault(rig);
+  if (!fault) fault = find_extension_fault(rig, period, longest_delay);
   if (!fault) fault = find_long_delay(rig, period, longest_delay);
   return fault;
 }

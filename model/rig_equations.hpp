@@ -1,6 +1,7 @@
 // The equations of a whole rig as one right-hand side.
 #pragma once
 
+#include "model/air_spring.hpp"
 #include "model/exact_discretisation.hpp"
 #include "model/fdva.hpp"
 #include "model/inline.hpp"
@@ -11,6 +12,29 @@
 #include "model/subsystems.hpp"
 
 namespace model {
+
+/// What the effects of a rig make of its air spring.
+template <class S, LawCapacity capacity>
+[[nodiscard]] AirSpringCondition<S> condition_of_air_spring(const RigParameters<S, capacity>& rig) {
+  AirSpringCondition<S> condition{};
+  if constexpr (capacity.extensions) {
+    condition.polytropic_exponent = rig.air_spring.polytropic_exponent;
+    rig.effects.act_on(condition);
+  }
+  return condition;
+}
+
+/// Stiffness of the component's springs at rest, all but the FDVA's: of gas that moves fast (`slow`: as slowly as
+/// heat).
+template <class S, LawCapacity capacity>
+[[nodiscard]] S spring_stiffness(const RigParameters<S, capacity>& rig, bool slow = false) {
+  S stiffness = rig.suspension.stiffness;
+  if constexpr (capacity.extensions) {
+    const S exponent = slow ? S(1) : condition_of_air_spring(rig).polytropic_exponent;
+    if (rig.air_spring.fitted) stiffness += AirSpring<S>::stiffness(rig.air_spring, exponent);
+  }
+  return stiffness;
+}
 
 /// Right-hand side of car, component, and both joined, linear in state and input. Nonlinear forces enter as inputs
 /// (`…Input`). The matrices of a step are this right-hand side evaluated at unit vectors: no equation is written twice.
@@ -27,7 +51,8 @@ namespace model {
 /// of the component's force, 1e-5 at 16 Hz.
 ///
 /// Car state 4×1 [z_w, ż_w, z_b, ż_b]; component state 4×1 [y m, ẏ m/s, r m, e m]; joined 8×1 in this order
-/// (state_index.hpp). A plain component, without relaxation and top mount, has y and ẏ only.
+/// (state_index.hpp). An air spring's k (AirSpring (9)) is part of k_b; the rest of its force is a law. A plain
+/// component, without relaxation and top mount, has y and ẏ only.
 template <class S>
 class RigEquations {
  public:
@@ -67,7 +92,7 @@ class RigEquations {
              .tyre_stiffness = rig.tyre.stiffness,
              .tyre_damping = rig.tyre.damping,
              .virtual_damping = rig.machine.virtual_damping},
-        suspension_{.stiffness = rig.suspension.stiffness, .damping = rig.suspension.damping},
+        suspension_{.stiffness = spring_stiffness(rig), .damping = rig.suspension.damping},
         fdva_(rig.fdva),
         has_fdva_(rig.has_fdva) {
     if (has_fdva_) duct_ = Fdva<S>::duct(fdva_);

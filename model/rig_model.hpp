@@ -8,6 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "model/air_spring.hpp"
 #include "model/channel.hpp"
 #include "model/delay_line.hpp"
 #include "model/duct_flows.hpp"
@@ -74,6 +75,9 @@ template <class S, LawCapacity laws>
 ///   linear force; at a kink of a law ∝ h².
 /// * Dry friction: implicit, sharp (FrictionContacts).
 /// * Laws from tables: implicit, second order (PlacedLaws).
+/// * Air spring: its k is part of the linear part, the rest an explicit law, third order; a lever's offset and force
+/// are
+///   such laws, too.
 ///
 /// Kinds of rig and their parts:
 ///   quarter_car, whole_rig      foot_point, actuator_force → z_r … dz_b, F_w
@@ -94,6 +98,11 @@ class RigModel {
   static constexpr bool car_alone = variant == ModelVariant::virtual_car;
   template <class Part>
   using UnlessCarAlone = std::conditional_t<car_alone, Without<Part>, Part>;
+  static constexpr bool has_extensions = capacity.extensions;
+  template <class Part>
+  using IfExtensions = std::conditional_t<has_extensions, Part, Without<Part>>;
+  template <class Part>
+  using IfAirSpring = std::conditional_t<has_extensions && !car_alone, Part, Without<Part>>;
   static constexpr bool has_sensors = !car_alone && lane_count<S> == 1;
   /// Rigs side by side are simulated without the effects of sensors: these act on a channel afterwards.
   template <class Part>
@@ -127,6 +136,7 @@ class RigModel {
     Recent<S> tyre_load{}, suspension_load{};  ///< of laws, added to (3) and (5) [N]
     typename FrictionContacts<S>::Forces friction{};
     [[no_unique_address]] typename LawsInSteps::State laws{};
+    [[no_unique_address]] IfAirSpring<typename AirSpring<S>::State> air_spring{};
     [[no_unique_address]] UnlessCarAlone<Line> line{};
     Stroke<S> delayed{};  ///< x_cmd behind the delay
     typename Machine<S>::State machine = Machine<S>::State::Zero();
@@ -163,14 +173,36 @@ class RigModel {
     if constexpr (!car_alone) x.line.set(delay / period_);
   }
 
+  /// From now on the area of the air spring goes to `area` (relative change). A rig that has its body and a skyhook
+  /// commands it itself.
+  void command_area(State& x, S area) const {
+    if constexpr (has_extensions && !car_alone) x.air_spring.command = area;
+  }
+
   /// True values at this instant.
   [[nodiscard]] Signals<S> signals(const State& x) const;
   /// The readings of the rig's sensors at this instant; `noise`: as in the Input of the step that led here.
   [[nodiscard]] Signals<S> measured(const State& x, const Signals<S>* noise = nullptr) const;
-  /// z_w − z_b and its rate: the deflection a hil rig commands.
+  /// z_w − z_b and its rate.
   [[nodiscard]] Stroke<S> deflection(const State& x) const {
     return {x.core(CoreIndex::wheel_position) - x.core(CoreIndex::body_position),
             x.core(CoreIndex::wheel_velocity) - x.core(CoreIndex::body_velocity)};
+  }
+  /// The travel of a component at this suspension deflection: behind the lever, if there is one.
+  [[nodiscard]] Stroke<S> component_stroke(const Stroke<S>& d) const {
+    if constexpr (has_extensions) {
+      if (rig_.lever.any()) return lever_.over(d);
+    }
+    return d;
+  }
+  /// The acceleration of that travel, where the suspension deflection has this acceleration.
+  [[nodiscard]] S component_acceleration(const Stroke<S>& d, S acceleration) const {
+    if constexpr (has_extensions) {
+      if (rig_.lever.any()) {
+        return lever_.ratio(d.position) * acceleration + lever_.slope(d.position) * d.velocity * d.velocity;
+      }
+    }
+    return acceleration;
   }
   /// Force of the component on the body, true value [N].
   [[nodiscard]] S suspension_force(const State& x) const;
@@ -232,6 +264,17 @@ class RigModel {
   [[nodiscard]] bool joined() const { return !car_alone && rig_.kind == RigKind::quarter_car; }
   [[nodiscard]] bool has_car() const {
     return car_alone || (rig_.kind == RigKind::hil && part_ != ModelledPart::test_machine);
+  }
+  [[nodiscard]] bool has_air_spring() const { return !car_alone && rig_.air_spring.fitted; }
+  [[nodiscard]] bool has_lever() const { return rig_.lever.any(); }
+  /// The lever is part of the equations of motion, and not between two programs.
+  [[nodiscard]] bool lever_joined() const { return joined() && has_lever(); }
+  /// Force at the wheel of a measured force of the component.
+  [[nodiscard]] RIGTWIN_INLINE S received_at_wheel(const State& x) const {
+    if constexpr (has_extensions) {
+      if (has_lever()) return lever_.force(deflection(x).position, x.received_force);
+    }
+    return x.received_force;
   }
   [[nodiscard]] bool any_sensor() const {
     if constexpr (has_sensors) {
@@ -300,6 +343,9 @@ class RigModel {
     }
   }
   void refresh_laws(State& x) const;
+  [[nodiscard]] S air_spring_law(State& x, S deflection) const;
+  [[nodiscard]] S lever_law(const State& x, S parallel) const;
+  void vary_delay(State& x) const;
   void start_machine(State& x, const Stroke<S>& reached) const;
   void start_laws(State& x) const;
   void flush(State& x) const;
@@ -360,6 +406,8 @@ class RigModel {
   [[no_unique_address]] UnlessCarAlone<std::array<JoinedStep<core_states>, counts>> elaborate_joined_{};
   std::array<LawPlace, force_places> law_places_{};  ///< that exist in this rig and have laws
   [[no_unique_address]] LawsInSteps laws_{};
+  [[no_unique_address]] IfAirSpring<AirSpring<S>> air_spring_{};
+  [[no_unique_address]] IfExtensions<Lever<S>> lever_{};
 };
 
 /// The computed car of a hil rig, for the controller: RigModel's own code without the other parts.

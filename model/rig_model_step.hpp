@@ -25,7 +25,7 @@ RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPa
   rig.effects.act_on(wheel_load);
   rig.effects.act_on(load_cell);
   delay_ = machine.delay / period;
-  has_delay_ = same(delay_ > S(0));
+  has_delay_ = same(delay_ > S(0)) || (!car_alone && rig.delay_variation.any());
   mass_beyond_sensor_ = wheel_load.mass_beyond;
   moving_mass_ = load_cell.moving_mass;
   if constexpr (!car_alone) {
@@ -45,6 +45,13 @@ RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPa
       has_suspension_law_ = has_suspension_law_ || slot.active;
     }
   });
+  if constexpr (has_extensions) {
+    if (rig.lever.any()) lever_ = Lever<S>(rig.lever, rig.body.mass);
+    if constexpr (!car_alone) {
+      if (rig.air_spring.fitted) air_spring_ = AirSpring<S>(rig.air_spring, condition_of_air_spring(rig), period);
+    }
+  }
+  has_suspension_law_ = has_suspension_law_ || has_air_spring() || lever_joined();
   const auto& guides = equations_.guides();
   contacts_ = Friction({equations_.suspension().dry_friction, equations_.piston().dry_friction,
                         guides.wheel_dry_friction, guides.body_dry_friction});
@@ -55,11 +62,11 @@ RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPa
   }
   if (has_car()) car_ = car_step();
   if constexpr (car_alone) {
-    needs_general_step_ = has_tyre_law_ || laws_.any();
+    needs_general_step_ = has_tyre_law_ || laws_.any() || has_lever();
   } else {
     needs_general_step_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
                           any_sensor() || !equations_.plain() || has_moving_mass_ || laws_.any() ||
-                          laws_.at(LawPlace::sensor);
+                          laws_.at(LawPlace::sensor) || has_lever() || rig.delay_variation.any();
     if (equations_.has_fdva()) {
       duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
     }
@@ -250,6 +257,11 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance(State& x, const I
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General>
 RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_rig(State& x, const Input& in) const {
+  if constexpr (General && has_extensions && !car_alone) {
+    if (has_air_spring() && air_spring_.has_skyhook() && (joined() || has_car())) {
+      x.air_spring.command = air_spring_.skyhook(x.core(CoreIndex::body_velocity));
+    }
+  }
   if (joined()) {
     if (General && !equations_.plain()) {
       advance_joined<General>(elaborate_joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
@@ -260,7 +272,7 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_rig(State& x, con
     Stroke<S> command = in.command;
     if (has_car()) {
       advance_car<General>(x, in);
-      command = deflection(x);
+      command = General ? component_stroke(deflection(x)) : deflection(x);
     }
     if (has_machine()) {
       advance_machine<General>(x, command);
@@ -292,7 +304,7 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_joined(const Join
   m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
   if (General && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load));
   if (General && has_tyre_law_) m.tyre.add_to(next, newest_three(x.tyre_load));
-  if (General && has_free_play_) {
+  if (General && (has_free_play_ || lever_joined())) {
     m.free_play[0].add_to(next, newest_three(x.free_play));
     m.free_play[1].add_to(next, newest_three(x.free_play_rate));
   }
@@ -479,7 +491,7 @@ template <bool General>
 RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_car(State& x, const Input& in) const {
   Packed<S, 4> next = car_.foot_point.times(driven_by(x.foot_point, in.foot_point));
   if (General && has_tyre_law_) car_.tyre.add_to(next, newest_three(x.tyre_load));
-  car_.force.add_to(next, {x.received_force});
+  car_.force.add_to(next, {General ? received_at_wheel(x) : x.received_force});
   next = next + car_.state.times(entries<car_states>(x.core, CoreIndex::wheel_position));
   next.store(x.core.template head<car_states>());
   if constexpr (General && LawsInSteps::possible) {
@@ -496,6 +508,9 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_machine(State& x,
   if (!has_car()) x.command = command;
   Stroke<S> reached = command;
   if (has_delay_) {
+    if constexpr (General && has_extensions && !car_alone) {
+      if (rig_.delay_variation.any()) vary_delay(x);
+    }
     x.line.push(command);
     reached = x.line.read(period_);
   }
@@ -644,15 +659,61 @@ void RigModel<S, D, variant, capacity>::refresh_laws(State& x) const {
   if (has_tyre_law_ && joined()) x.tyre_load.push(tyre_law(x));
   if (has_suspension_law_ || has_free_play_) {
     Stroke<S> seen = inner_stroke(x);
-    if (has_free_play_) {
+    if (lever_joined()) {
+      const Stroke<S> travel = component_stroke(seen);
+      x.free_play.push(travel.position - seen.position);
+      x.free_play_rate.push(travel.velocity - seen.velocity);
+      seen = travel;
+    } else if (has_free_play_) {
       const Stroke<S> taken = offset(seen);
       x.free_play.push(taken.position);
       x.free_play_rate.push(taken.velocity);
       seen = {seen.position + taken.position, seen.velocity + taken.velocity};
     }
-    if (has_suspension_law_) x.suspension_load.push(suspension_law(seen) + history_law(x, seen.position));
+    if (has_suspension_law_) {
+      S load = suspension_law(seen) + history_law(x, seen.position);
+      if (has_air_spring()) load += air_spring_law(x, seen.position);
+      if (lever_joined()) load += lever_law(x, load);
+      x.suspension_load.push(load);
+    }
   }
   if (law_forces()) finish_laws(x, false);
+}
+
+/// The force of the air spring at the end of a step, less its linear part.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+S RigModel<S, D, variant, capacity>::air_spring_law(State& x, S deflection) const {
+  if constexpr (has_extensions && !car_alone) {
+    air_spring_.step(x.air_spring, deflection);
+    return x.air_spring.force;
+  } else {
+    return S(0);
+  }
+}
+
+/// What a lever adds to the force of the component behind it. `parallel`: laws of the component.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+S RigModel<S, D, variant, capacity>::lever_law(const State& x, S parallel) const {
+  if constexpr (has_extensions && !car_alone) {
+    const Stroke<S> d = deflection(x);
+    const S force =
+        equations_.component_force(x.core.template tail<component_states>(), {.deflection = d.position,
+                                                                              .velocity = d.velocity,
+                                                                              .parallel_force = parallel,
+                                                                              .free_play = x.free_play.now,
+                                                                              .free_play_rate = x.free_play_rate.now});
+    return lever_.force(d.position, force) - force;
+  } else {
+    return S(0);
+  }
+}
+
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+void RigModel<S, D, variant, capacity>::vary_delay(State& x) const {
+  if constexpr (has_extensions && !car_alone) {
+    const S delay = delay_ + rig_.delay_variation.deviation(x.steps, period_) / period_;
+    x.line.jump(select(delay > S(0), delay, S(0)));
+  }
 }
 
 /// Laws with memory begin without a force.
@@ -661,6 +722,14 @@ void RigModel<S, D, variant, capacity>::start_history(State& x) const {
   if constexpr (!car_alone) {
     const S inner = equations_.has_mount() ? x.core(CoreIndex::inner_deflection) : outer_stroke(x).position;
     x.history = {.force = {}, .at = has_free_play_ ? S(inner + offset(Stroke<S>{inner, S(0)}).position) : inner};
+    if constexpr (has_extensions) {
+      if (lever_joined()) x.history.at = component_stroke({inner, S(0)}).position;
+      if (has_air_spring()) {
+        const S velocity = outer_stroke(x).velocity;
+        const bool settled = !(velocity < S(0)) && !(velocity > S(0));
+        x.air_spring = air_spring_.start(x.history.at, settled);
+      }
+    }
   }
 }
 
@@ -748,8 +817,8 @@ RIGTWIN_INLINE Signals<S> RigModel<S, D, variant, capacity>::channels(const Stat
     return s;
   }
   if (has_car()) {
-    fill_car(s, x, x.received_force, mass_beyond);
-    s[index(Channel::x_cmd)] = s[index(Channel::dz_b)];
+    fill_car(s, x, received_at_wheel(x), mass_beyond);
+    s[index(Channel::x_cmd)] = component_stroke({s[index(Channel::dz_b)], S(0)}).position;
   } else {
     s.fill(S(0));
     s[index(Channel::x_cmd)] = x.command.position;
@@ -812,6 +881,9 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::flush(State& x) const {
   for (int i = 0; i < Machine<S>::states; ++i) flush_one(x.machine(i));
   flush_one(x.received_force);
   if constexpr (LawsInSteps::possible) laws_.flush(x.laws, least);
+  if constexpr (has_extensions && !car_alone) {
+    if (has_air_spring()) air_spring_.flush(x.air_spring, least);
+  }
   for (Stroke<S>* stroke : {&x.command, &x.reached, &x.delayed}) {
     flush_one(stroke->position);
     flush_one(stroke->velocity);

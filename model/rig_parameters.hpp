@@ -3,10 +3,13 @@
 
 #include <type_traits>
 
+#include "model/air_spring_parameters.hpp"
 #include "model/channel.hpp"
+#include "model/delay_variation.hpp"
 #include "model/effects/catalogue.hpp"
 #include "model/fdva.hpp"
 #include "model/laws/law_tables.hpp"
+#include "model/lever.hpp"
 
 namespace model {
 
@@ -33,11 +36,20 @@ struct RigParameters {
   } machine;
   bool has_fdva = false;
   typename Fdva<S>::Parameters fdva{};
+  [[no_unique_address]] AirSpringParameters<S, capacity.extensions> air_spring{};
+  [[no_unique_address]] LeverTable<S, capacity.extensions> lever{};
+  [[no_unique_address]] DelayVariation<S, capacity.extensions> delay_variation{};
   Effects<S> effects;
   [[no_unique_address]] Laws<S, capacity> laws{};
+
+  /// An air spring, a lever or a delay that varies.
+  [[nodiscard]] constexpr bool has_extensions() const {
+    return air_spring.fitted || lever.any() || delay_variation.any();
+  }
 };
 
-/// visit(number) for every number of a rig but those of sensor effects and laws, of effects that are not active, too.
+/// visit(number) for every number of a rig but those of sensor effects, laws and extensions, of effects that are not
+/// active, too.
 template <class Rig, class Visit>
 constexpr void for_each_number(Rig& rig, const Visit& visit) {
   visit(rig.body.mass);

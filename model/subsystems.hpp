@@ -54,6 +54,15 @@ struct WheelLoadSensor {
   S mass_beyond{};  ///< mass between force sensor and wheel spring [kg]
 };
 
+/// The air spring: what is not as its parameters say. `AirSpring` has the equations.
+template <class S>
+struct AirSpringCondition {
+  S polytropic_exponent{};  ///< κ
+  S leak{};                 ///< ṁ/m₀ out of the first bellows at p₀ [1/s]
+  bool stuck = false;       ///< the area does not follow its command
+  S stuck_at{};             ///< u [1], where it stays then
+};
+
 /// A channel's sensor: gain and offset, then, on signal plus noise, lag → delay → limit → hold.
 template <class S>
 struct SensorPath {

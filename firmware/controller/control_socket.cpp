@@ -15,6 +15,7 @@
 #include <cstring>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/json_text.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/loop/reference_player.hpp"
 
@@ -41,16 +42,6 @@ const Command* find_command(std::string_view word) {
   const auto* const found =
       std::find_if(commands.begin(), commands.end(), [&](const Command& c) { return c.word == word; });
   return found == commands.end() ? nullptr : found;
-}
-
-/// As a JSON string.
-std::string json_text(std::string_view text) {
-  std::string json = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') json += '\\';
-    json += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return json + "\"";
 }
 
 bool fits_address(const std::string& path) { return path.size() < sizeof(sockaddr_un::sun_path); }
@@ -207,8 +198,12 @@ std::string ControlSocket::answer(const Client& client) const {
           ", \"second_reason\": " + json_text(name(progress_.second.load())) +
           ", \"enabled\": " + truth(progress_.enabled.load()) + ", \"at_rest\": " + truth(progress_.at_rest.load()) +
           ", \"held\": " + truth(progress_.held.load()) + ", \"command_m\": " + position.data() +
-          ", \"periods\": " + std::to_string(progress_.periods.load()) + "}";
-  return json;
+          ", \"periods\": " + std::to_string(progress_.periods.load());
+  if (publisher_ != nullptr) {
+    json += ", \"published\": " + std::to_string(publisher_->sent()) +
+            ", \"publish_lost\": " + std::to_string(publisher_->lost());
+  }
+  return json + "}";
 }
 
 std::string socket_path(const std::string& asked, const std::string& described) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/controller/publishing/publisher.hpp"
 #include "firmware/controller/recording/recording_thread.hpp"
 #include "firmware/loop/control_loop.hpp"
 
@@ -33,9 +34,11 @@ inline constexpr std::string_view usual_socket = "/run/rigtwin/control.sock";
 /// answer comes two periods later, or after half a second without a period.
 class ControlSocket {
  public:
-  /// `highest_level`: of the command `level`, so that the run stays within the limits.
-  ControlSocket(ControlLoop& loop, RecordingThread& recording, const LoopProgress& progress, double highest_level)
-      : loop_(loop), recording_(recording), progress_(progress), highest_level_(highest_level) {}
+  /// `highest_level`: of the command `level`, so that the run stays within the limits. `publisher`: none: nothing is
+  /// published.
+  ControlSocket(ControlLoop& loop, RecordingThread& recording, const LoopProgress& progress, double highest_level,
+                const Publisher* publisher)
+      : loop_(loop), recording_(recording), progress_(progress), highest_level_(highest_level), publisher_(publisher) {}
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
   ~ControlSocket();
@@ -64,6 +67,7 @@ class ControlSocket {
   RecordingThread& recording_;
   const LoopProgress& progress_;
   double highest_level_;
+  const Publisher* publisher_;
   int socket_ = -1;
   std::string path_;
   std::vector<Client> clients_;

@@ -133,11 +133,13 @@ void print_unit_times(const RigDescription& rig) {
       whole_seconds(std::max(2.0, 20.0 * rig.period())), stop, stop);
 }
 
-/// The objection to motion that follows from the description alone, before any device is opened. A description without
+/// The objection to motion that follows from the description alone, before any device is opened. A compensation must be
+/// proven for a simulated rig too: its run would end by a trip. A description without
 /// lines is no one for devices: open_devices() says so.
 void refuse_unfit(const RigDescription& rig, bool devices) {
   MotionObjection objection = limits_objection(rig);
-  if (objection.empty() && devices) objection = stability_objection(rig);
+  const bool may_be_unstable = devices || rig.compensation.has_value();
+  if (objection.empty() && may_be_unstable) objection = stability_objection(rig);
   if (objection.empty() && devices) objection = following_objection(rig);
   if (objection.empty()) return;
   throw InputError(rig.source, rig.line_of(objection.key), objection.text, "a description that a rig may run by");

@@ -11,9 +11,12 @@
 
 #include "firmware/controller/real_time/delay_check.hpp"
 #include "firmware/controller/real_time/heap_seal.hpp"
+#include "firmware/controller/recording/trip_text.hpp"
 #include "firmware/controller/safety/systemd_notify.hpp"
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/loop_proof.hpp"
+#include "firmware/description/semi_active_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
@@ -26,24 +29,10 @@ constexpr std::size_t journal_records = 8192;  // eight seconds at 1 kHz: a disk
 // After the run the disk gets this long for the last rows. systemd waits 60 s (TimeoutStopSec).
 constexpr hal::Time disk_patience = hal::milliseconds(5000);
 
-std::string words(const Trip& trip, const RigDescription& rig) {
-  std::string text(name(trip.reason));
-  if (trip.interlock >= 0) {
-    const auto i = static_cast<std::size_t>(static_cast<unsigned char>(trip.interlock));
-    const bool named = rig.hardware.gpio && i < rig.hardware.gpio->interlocks.size();
-    return text + " " + (named ? one_line(rig.hardware.gpio->interlocks[i].name) : std::to_string(i + 1));
-  }
-  if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
-  if (!is_fault(trip.reason)) return text;
-  char numbers[96];
-  std::snprintf(numbers, sizeof numbers, " (%.4g, limit %.4g)", trip.value, trip.limit);
-  return text + numbers;
-}
-
 /// The roles with a command output that remembers.
 hal::Rig remembering(const hal::Rig& opened, RememberedCommand& command) {
-  return {opened.clock,       opened.sensors,   opened.valves,       command,
-          opened.stop_button, opened.heartbeat, opened.drive_enable, opened.interlocks};
+  return {opened.clock,     opened.sensors,      opened.valves,     command,    opened.stop_button,
+          opened.heartbeat, opened.drive_enable, opened.interlocks, opened.area};
 }
 
 Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles, bool devices) {
@@ -83,13 +72,19 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       road_(options, rig, devices.replayed(), operated_ || !options.socket.empty()),
       storage_(journal_records),
       journal_(storage_),
+      companion_(companion(rig)),
+      compensation_(compensation_of(rig)),
+      compensation_of_warmup_(compensation_of(rig)),
       loop_(settings_, rig.rig, roles_, road_.reference(), valves_, journal_),
       spans_(std::make_unique<Spans>()),
       wake_(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period()))),
       emergency_return_(roles_, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke, rig.period()),
       longest_return_(longest_return(rig)) {
+  if (companion_) loop_.attach(*companion_);
+  if (compensation_) loop_.attach(*compensation_);
   if (realtime_ && wake_.early() > hal::Time{}) {
     warmup_ = std::make_unique<CacheWarmup>(loop_, journal_, settings_, rig.rig, roles_.sensors.setup());
+    if (compensation_of_warmup_) warmup_->attach(*compensation_of_warmup_);
   }
 }
 
@@ -106,9 +101,10 @@ Status Session::run() {
     if (!keeps_allowed_delay()) return Status::unfit_input;
   }
   if (!open_recording()) return Status::cannot_write;
-  recording_ =
-      std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay);
-  socket_ = std::make_unique<ControlSocket>(loop_, *recording_, progress_, road_.highest_level());
+  if (!open_publisher(others)) return Status::refused;
+  recording_ = std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_,
+                                                 rig_.hardware.schedule.allowed_delay, tap_.get());
+  socket_ = std::make_unique<ControlSocket>(loop_, *recording_, progress_, road_.highest_level(), publisher_.get());
   if (!open_socket()) {
     static_cast<void>(recording_->finish(disk_patience));
     return Status::refused;
@@ -193,6 +189,22 @@ bool Session::open_recording() {
   if (trouble.empty()) return true;
   std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
   return false;
+}
+
+bool Session::open_publisher(const cpu_set_t& cpus) {
+  if (options_.publish.empty()) return true;
+  std::string trouble;
+  datagrams_ = std::make_unique<DatagramSocket>(parse_publish_address(options_.publish).value(), trouble);
+  if (!trouble.empty()) {
+    std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+    return false;
+  }
+  tap_ = std::make_unique<LiveTap>(options_.publish_every);
+  writer_ = std::make_unique<DatagramWriter>(rig_, roles_.sensors.setup(), options_.simulated, tap_->every(), *spans_);
+  publisher_ = std::make_unique<Publisher>(cpus, *tap_, *writer_, *datagrams_, rig_.sample_rate);
+  std::printf("publishing to %s, one period of %llu\n", options_.publish.c_str(),
+              static_cast<unsigned long long>(tap_->every()));
+  return true;
 }
 
 bool Session::open_socket() {
@@ -309,6 +321,7 @@ Status Session::finish() {
   extend_timeout(disk_patience.seconds() + 2.0);
   const bool written = recording_->finish(disk_patience);
   supervisor_->finish();
+  if (publisher_) publisher_->finish();
   print(*spans_, rig_.hardware.schedule.allowed_delay);
   print_counters();
 
@@ -327,6 +340,7 @@ Status Session::finish() {
     }
   }
   if (written) recorder_->end(why);
+  if (publisher_) publisher_->say_end(why);
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
               devices_.replayed() != nullptr ? "as recorded"
               : !loop_.at_rest()             ? "NOT AT REST"
@@ -347,12 +361,16 @@ void Session::print_counters() const {
       static_cast<unsigned long long>(c.late_periods), static_cast<unsigned long long>(c.bridged_samples),
       static_cast<unsigned long long>(c.missed_frames), static_cast<unsigned long long>(c.limited_commands),
       static_cast<unsigned long long>(recorder_->rows()), static_cast<unsigned long long>(lost()));
+  if (publisher_) {
+    std::printf("  published %llu, lost to publishing %llu\n", static_cast<unsigned long long>(publisher_->sent()),
+                static_cast<unsigned long long>(publisher_->lost()));
+  }
   std::fputs(devices_.warnings().c_str(), stdout);
   std::fflush(stdout);
 }
 
 Status Session::verdict_of_run(std::string& why) const {
-  why = words(loop_.trip(), rig_);
+  why = trip_text(loop_.trip(), rig_);
   if (is_fault(loop_.trip().reason)) return Status::safe_stop;
   if (loop_.trip().reason == Reason::stop_requested && supervisor_->cause() == Cause::heap) {
     why = "heap taken in the loop, " + std::to_string(broken_seals()) + " times";

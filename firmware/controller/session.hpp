@@ -11,6 +11,7 @@
 #include "firmware/controller/control_socket.hpp"
 #include "firmware/controller/devices/devices.hpp"
 #include "firmware/controller/devices/options.hpp"
+#include "firmware/controller/publishing/publisher.hpp"
 #include "firmware/controller/real_time/auxiliary_thread.hpp"
 #include "firmware/controller/real_time/cache_warmup.hpp"
 #include "firmware/controller/real_time/real_time.hpp"
@@ -38,10 +39,11 @@ void drain(const hal::Rig& roles, hal::Time period);
 /// From a request to stop to the end of the process at most [s]: that way, and the disk's patience, twice.
 [[nodiscard]] double longest_stop(const RigDescription& rig);
 
-/// One session with opened devices. Three threads:
+/// One session with opened devices. Three or four threads:
 ///
 ///   loop          the caller's; real-time priority, the loop's CPU: steps the control loop, nothing else
 ///   recording     ordinary priority, other CPUs: journal → file; the only one that waits for the disk
+///   publishing    if asked for. Ordinary priority, other CPUs: what the recording has taken → datagrams; never waits
 ///   supervision   ordinary priority, other CPUs: signals, systemd's watchdog, the operator's socket, lost records
 class Session {
  public:
@@ -58,6 +60,7 @@ class Session {
   void find_phase();
   [[nodiscard]] bool keeps_allowed_delay();
   [[nodiscard]] bool open_recording();
+  [[nodiscard]] bool open_publisher(const cpu_set_t& cpus);
   void drive();
   [[nodiscard]] bool open_socket();
   [[nodiscard]] bool is_over(hal::Time seen);
@@ -84,6 +87,8 @@ class Session {
   RunRoad road_;
   std::vector<Record> storage_;
   Journal journal_;
+  const std::unique_ptr<Companion> companion_;                                 ///< none: observers, and ducts by plan
+  const std::unique_ptr<Compensation> compensation_, compensation_of_warmup_;  ///< none: the car's deflection alone
   ControlLoop loop_;
   const std::unique_ptr<Spans> spans_;
   WakeLead wake_;
@@ -99,6 +104,10 @@ class Session {
   hal::Time safe_since_ = hal::never;
   hal::Time woken_{};  ///< of this period
   std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<LiveTap> tap_;  ///< none: nothing is published, as for the next three
+  std::unique_ptr<DatagramWriter> writer_;
+  std::unique_ptr<DatagramSocket> datagrams_;
+  std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<RecordingThread> recording_;
   std::unique_ptr<ControlSocket> socket_;
   std::unique_ptr<Supervisor> supervisor_;

@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <vector>
 
+#include "firmware/description/compensation_reader.hpp"
 #include "firmware/description/rig_writer.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/sha256.hpp"
 #include "firmware/description/values/effects_by_name.hpp"
+#include "firmware/description/values/extensions.hpp"
 
 namespace firmware {
 namespace {
@@ -82,6 +84,9 @@ std::string loop_text(const RigDescription& description) {
     line("fdva.ducts", std::to_string(copy.rig.fdva.ducts));
     line("fdva.open_ducts", std::to_string(copy.rig.fdva.open_ducts));
   }
+  for (const TableLine& extension : extension_lines(copy.rig)) {
+    line(extension.table + "." + extension.key, extension.value);
+  }
   for (const PlacedEffect& effect : effects_of(copy.rig)) {
     if (effect.values.empty()) line("effects", std::string(effect.entry->name));
     for (std::size_t i = 0; i < effect.values.size(); ++i) line(effect_path(effect, i), shortest(effect.values[i]));
@@ -92,6 +97,9 @@ std::string loop_text(const RigDescription& description) {
   line("delay_budget.sensor_age", shortest(copy.delay_budget.sensor_age));
   line("delay_budget.transport", shortest(copy.delay_budget.transport));
   line("delay_budget.computation", shortest(copy.delay_budget.computation));
+  if (copy.compensation) {
+    for (const auto& [key, value] : compensation_lines(*copy.compensation)) line("compensation." + key, value);
+  }
   for (const auto& entry : copy.controller.valve_plan)
     line("valves.plan", shortest(entry.time) + " " + std::to_string(entry.open));
   return text;
@@ -134,7 +142,10 @@ MotionObjection stability_objection(const RigDescription& description) {
   const ScheduleDescription& schedule = description.hardware.schedule;
   const std::string how = std::string(write_limits) + description.source;
   if (schedule.proven.empty()) {
-    return {"nothing says that this loop is stable ([controller] proven): " + how, "controller.proven"};
+    return {"nothing says that this loop is stable" +
+                std::string(description.compensation ? " with its compensation" : "") +
+                " ([controller] proven): " + how,
+            "controller.proven"};
   }
   if (schedule.proven != loop_fingerprint(description)) {
     return {"the loop has changed since it was found stable ([controller] proven): " + how, "controller.proven"};

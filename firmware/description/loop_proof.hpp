@@ -9,7 +9,8 @@
 namespace firmware {
 
 /// Every number that enters the loop analysis, one "key = value" a line in a fixed order: rate, car, component,
-/// effects, laws, delay budget, valve plan. Devices, limits, noise, ranges, tolerances and comments do not enter.
+/// effects, laws, delay budget, compensation, valve plan. Devices, limits, noise, ranges, tolerances and comments do
+/// not enter.
 [[nodiscard]] std::string loop_text(const RigDescription& description);
 
 /// "sha256:" and the SHA-256 of loop_text().
@@ -20,8 +21,8 @@ namespace firmware {
 [[nodiscard]] std::string with_loop_proof(std::string_view text, std::string_view source, double allowed_delay,
                                           std::string_view fingerprint);
 
-/// Why the loop of a hil rig must not be closed on devices: no proof, or one of another loop. Empty: it may, or it is
-/// no hil rig, or [waivers] says unproven_stability.
+/// Why the loop of a hil rig must not be closed on devices, nor with [compensation] on a simulated rig: no proof, or
+/// one of another loop. Empty: it may, or it is no hil rig, or [waivers] says unproven_stability.
 [[nodiscard]] MotionObjection stability_objection(const RigDescription& description);
 
 /// The same for the measured delay of samples and computation [s] against allowed_delay.

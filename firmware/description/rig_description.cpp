@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "firmware/description/compensation_reader.hpp"
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/laws/law_reader.hpp"
 #include "firmware/description/rig_description_controller.hpp"
 #include "firmware/description/table/rig_description_table.hpp"
@@ -9,6 +11,7 @@
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/description/text/small_text.hpp"
+#include "firmware/description/values/extensions.hpp"
 
 namespace firmware {
 namespace {
@@ -55,6 +58,7 @@ void read_parameters(DescriptionTable& top, Rig& rig) {
         p.value(rig) = table->number(p.key);
       }
     }
+    if (part.table == "machine") read_delay_variation(*table, rig);
     if (part.table == "fdva") {
       rig.has_fdva = true;
       rig.fdva.ducts = table->whole("ducts");
@@ -262,6 +266,8 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
              "the rate of the loop in Hz, from 1 to 100000");
   }
   read_parameters(top, description.rig);
+  read_air_spring(top, description.rig);
+  read_lever(top, description.rig);
   read_effects(top, description.rig);
   description.laws = read_laws(top, description.rig);
   read_sensors(top, description);
@@ -269,10 +275,14 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_controller(top, description.rig, description.controller);
   read_arming(top, description.rig.kind, description.waivers, description.controller);
   read_delay_budget(top, description.rig.kind, description.delay_budget);
+  description.compensation = read_compensation(top, description.rig);
   read_hardware(top, description.rig, description.period(), description.waivers, description.hardware);
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);
+  if (description.compensation) static_cast<void>(compensation_settings(description));  // that its numbers fit
+  check_load(top, description.rig);
+  check_lever_tolerances(top, description.rig, description.tolerance);
   return description;
 }
 

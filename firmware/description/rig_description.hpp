@@ -13,7 +13,10 @@
 
 #include "firmware/description/laws/law_description.hpp"
 #include "firmware/description/values/channel_map.hpp"
+#include "firmware/description/values/compensation_description.hpp"
 #include "firmware/description/values/hardware_description.hpp"
+#include "firmware/loop/duct_control/duct_settings.hpp"
+#include "firmware/loop/kalman/kalman_settings.hpp"
 #include "firmware/loop/settings.hpp"
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
@@ -41,6 +44,10 @@ struct ControllerDescription {
   double energy_gain = 1.0;  ///< hil: energy that the interface may feed, in terms of what the dampers take
   double ramp = 0.05;  ///< speed at which the command goes to the start of a run, and to rest in the safe state [m/s]
   Settings loop{};  ///< every other setting of the control loop that the description has; not its period and the above
+  KalmanSettings kalman{};                        ///< as [estimator] has it; kalman_settings() adds noise and road
+  std::vector<model::Channel> estimator_sensors;  ///< that the filter uses; empty: all with a [noise] above 0
+  bool estimator_bandwidth_given = false;         ///< else the road's default for the rig
+  DuctPolicySettings ducts{};
   double cross_over = 0.0;          ///< of the velocity estimate [Hz]; 0: the firmware's own default
   model::OpenDucts safe_ducts = 0;  ///< open in the safe state
   struct Switching {
@@ -72,7 +79,8 @@ struct RigDescription {
   ChannelMap channels;
   ControllerDescription controller;
   DelayBudget delay_budget;
-  HardwareDescription hardware;                ///< used by rig_controller only
+  std::optional<CompensationDescription> compensation;  ///< hil only: of the machine's delay
+  HardwareDescription hardware;                         ///< used by rig_controller only
   std::map<std::string, std::string> waivers;  ///< [waivers]: what the rig goes without, and the sentence that says so
   std::string source;                          ///< file name as given by the user
   std::string text;                            ///< its contents, for reports

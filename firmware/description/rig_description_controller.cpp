@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "firmware/description/semi_active_reader.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/spelling.hpp"
@@ -236,14 +237,12 @@ void read_controller(DescriptionTable& top, const model::RigParameters<double>& 
                      ControllerDescription& controller) {
   read_limits(top, controller);
   read_supervision(top, controller.loop);
-  if (auto estimator = top.table("estimator")) {
-    if (estimator->has("cross_over")) controller.cross_over = estimator->positive("cross_over");
-    estimator->finish();
-  }
+  read_estimator(top, rig.kind, controller);
   auto valves = top.table("valves");
   if (!valves) return;
   const int installed = rig.has_fdva ? rig.fdva.ducts : 0;
   if (valves->has("safe")) controller.safe_ducts = read_ducts(*valves, "safe", installed);
+  read_duct_policy(*valves, rig, controller);
   if (valves->has("plan")) {
     const toml::node& node = valves->need("plan", "");
     const std::string expected = "a list of { t = seconds, open = ducts } with t >= 0 growing";

@@ -8,7 +8,7 @@ namespace {
 
 using Rig = model::RigParameters<double>;
 
-constexpr std::array<ParameterPath, 14> paths{{
+constexpr std::array<ParameterPath, 25> paths{{
     {"body", "mass", "kg", [](Rig& r) -> double& { return r.body.mass; }},
     {"wheel", "mass", "kg", [](Rig& r) -> double& { return r.wheel.mass; }},
     {"tyre", "stiffness", "N/m", [](Rig& r) -> double& { return r.tyre.stiffness; }},
@@ -16,6 +16,17 @@ constexpr std::array<ParameterPath, 14> paths{{
     {"suspension", "stiffness", "N/m", [](Rig& r) -> double& { return r.suspension.stiffness; }},
     {"suspension", "damping", "N s/m", [](Rig& r) -> double& { return r.suspension.damping; }},
     {"machine", "virtual_damping", "N s/m", [](Rig& r) -> double& { return r.machine.virtual_damping; }},
+    {"air_spring", "pressure", "Pa", [](Rig& r) -> double& { return r.air_spring.pressure; }},
+    {"air_spring", "area", "m²", [](Rig& r) -> double& { return r.air_spring.area; }},
+    {"air_spring", "volume", "m³", [](Rig& r) -> double& { return r.air_spring.volume; }},
+    {"air_spring", "area_per_stroke", "m", [](Rig& r) -> double& { return r.air_spring.area_per_stroke; }},
+    {"air_spring", "volume_per_area", "m³", [](Rig& r) -> double& { return r.air_spring.volume_per_area; }},
+    {"air_spring", "polytropic_exponent", "1", [](Rig& r) -> double& { return r.air_spring.polytropic_exponent; }},
+    {"air_spring", "heat_time", "s", [](Rig& r) -> double& { return r.air_spring.heat_time; }},
+    {"air_spring", "counter_pressure", "Pa", [](Rig& r) -> double& { return r.air_spring.counter_pressure; }},
+    {"air_spring", "counter_area", "m²", [](Rig& r) -> double& { return r.air_spring.counter_area; }},
+    {"air_spring", "counter_volume", "m³", [](Rig& r) -> double& { return r.air_spring.counter_volume; }},
+    {"air_spring", "actuator_frequency", "Hz", [](Rig& r) -> double& { return r.air_spring.actuator_frequency; }},
     {"fdva", "piston_area", "m²", [](Rig& r) -> double& { return r.fdva.piston_area; }},
     {"fdva", "duct_diameter", "m", [](Rig& r) -> double& { return r.fdva.duct_diameter; }},
     {"fdva", "duct_length", "m", [](Rig& r) -> double& { return r.fdva.duct_length; }},
@@ -31,6 +42,7 @@ std::span<const ParameterPath> parameter_paths() { return paths; }
 
 bool has_part(const Rig& rig, std::string_view table) {
   if (table == "fdva") return rig.has_fdva;
+  if (table == "air_spring") return rig.air_spring.fitted;
   if (table == "machine") return rig.kind == model::RigKind::hil;
   return table == "suspension" || rig.kind != model::RigKind::component_bench;
 }
@@ -111,6 +123,7 @@ model::RigParameters<double> on_its_car(const model::RigParameters<double>& comp
   }
   car.suspension.damping += 1140.0;
   car.effects = {};
+  car.delay_variation = {};
   return car;
 }
 

@@ -2,9 +2,12 @@
 
 #include <cstdio>
 
+#include "firmware/description/compensation_reader.hpp"
+#include "firmware/description/semi_active_reader.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/description/values/effects_by_name.hpp"
+#include "firmware/description/values/extensions.hpp"
 #include "firmware/description/values/loop_settings.hpp"
 
 namespace firmware {
@@ -68,6 +71,12 @@ class Text {
 void write_parameters(Text& out, const RigDescription& description) {
   model::RigParameters<double> rig = description.rig;
   std::string_view table;
+  const std::vector<TableLine> extensions = extension_lines(rig);
+  const auto write_extensions = [&](std::string_view of) {
+    for (const TableLine& line : extensions) {
+      if (line.table == of) out.line(line.key, line.value);
+    }
+  };
   for (const ParameterPath& p : parameter_paths()) {
     if (rig.kind == RigKind::component_bench) {  // the car on which it drives may be absent
       if (p.table == "body" && rig.body.mass == 0.0) continue;
@@ -76,13 +85,25 @@ void write_parameters(Text& out, const RigDescription& description) {
     }
     if (p.table == "machine" && rig.kind != RigKind::hil) continue;
     if (p.table == "fdva" && !rig.has_fdva) continue;
-    if (p.table != table) out.table(std::string(table = p.table));
+    if (p.table == "air_spring" && !rig.air_spring.fitted) continue;
+    if (p.table != table) {
+      write_extensions(table);
+      out.table(std::string(table = p.table));
+    }
     out.line(std::string(p.key), real(p.value(rig)));
   }
-  if (!rig.has_fdva) return;
-  if (table != "fdva") out.table("fdva");
-  out.line("ducts", std::to_string(rig.fdva.ducts));
-  out.line("open_ducts", std::to_string(rig.fdva.open_ducts));
+  write_extensions(table);
+  if (rig.has_fdva) {
+    if (table != "fdva") out.table("fdva");
+    out.line("ducts", std::to_string(rig.fdva.ducts));
+    out.line("open_ducts", std::to_string(rig.fdva.open_ducts));
+  }
+  if (rig.kind == RigKind::component_bench) {
+    out.table("machine");
+    write_extensions("machine");
+  }
+  out.table("lever");
+  write_extensions("lever");
 }
 
 void write_effects(Text& out, const model::RigParameters<double>& rig) {
@@ -142,8 +163,11 @@ void write_controller(Text& out, const RigDescription& description) {
   }
   out.table("estimator");
   if (controller.cross_over > 0.0) out.line("cross_over", real(controller.cross_over));
+  write_estimator(controller, [&out](const std::string& key, const std::string& value) { out.line(key, value); });
   out.table("valves");
   if (description.rig.has_fdva) out.line("safe", ducts(controller.safe_ducts));
+  write_duct_policy(controller.ducts,
+                    [&out](const std::string& key, const std::string& value) { out.line(key, value); });
   if (!controller.valve_plan.empty()) {
     std::string plan;
     for (const auto& entry : controller.valve_plan) {
@@ -165,6 +189,10 @@ void write_controller(Text& out, const RigDescription& description) {
   if (budget.sensor_age > 0.0) out.line("sensor_age", real(budget.sensor_age));
   if (budget.transport > 0.0) out.line("transport", real(budget.transport));
   if (budget.computation > 0.0) out.line("computation", real(budget.computation));
+  if (description.compensation) {
+    out.table("compensation");
+    for (const auto& [key, value] : compensation_lines(*description.compensation)) out.line(key, value);
+  }
 }
 
 void write_hardware(Text& out, const HardwareDescription& hardware) {

@@ -72,7 +72,7 @@ double CommandGuard::braking_towards(double wanted_acceleration) const {
 
 hal::Command CommandGuard::catch_up(const hal::Command& wanted) const {
   const double way = wanted.position - last_.position;
-  double velocity = way > 0.0 ? speed_ : -speed_;
+  double velocity = way > 0.0 ? speed_ : -speed_, acceleration = 0.0;
   if (acceleration_ < never_reached) {
     const double forward = within(wanted.velocity, speed_);
     const double beyond_it = way - forward * period_, distance = beyond_it < 0.0 ? -beyond_it : beyond_it;
@@ -82,8 +82,9 @@ hal::Command CommandGuard::catch_up(const hal::Command& wanted) const {
     const double closing = std::sqrt(short_way * short_way + 2.0 * braking * distance) - short_way;
     velocity = forward + (beyond_it < 0.0 ? -closing : closing);                // (1)
     velocity = within(velocity_ + within(velocity - velocity_, step), speed_);  // (2)
+    acceleration = (velocity - velocity_) / period_;
   }
-  return {last_.position + velocity * period_, velocity, 0.0};
+  return {last_.position + velocity * period_, velocity, acceleration};
 }
 
 void CommandGuard::passed(const hal::Command& command) {

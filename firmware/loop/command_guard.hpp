@@ -26,7 +26,8 @@ namespace firmware {
 /// three times as long.
 ///
 /// Speed and acceleration are those of the positions. A feed-forward velocity beyond the limit is cut to it and counted
-/// in the same way; a feed-forward acceleration is cut.
+/// in the same way; a feed-forward acceleration is cut. A slower command's acceleration is that of its positions, as
+/// the acceleration sensor of a foot point that follows will show it.
 class CommandGuard {
  public:
   CommandGuard(const Limits& limits, double period, double rest);

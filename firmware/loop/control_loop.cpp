@@ -1,6 +1,7 @@
 #include "firmware/loop/control_loop.hpp"
 
 #include <array>
+#include <bit>
 #include <limits>
 
 #include "model/require.hpp"
@@ -19,9 +20,9 @@ ArmingChecks::Expected expected_of(const model::RigParameters<double>& parameter
   ArmingChecks::Expected expected;
   expected.force_answers = parameters.kind == model::RigKind::hil;
   expected.returns = parameters.kind != model::RigKind::quarter_car;
-  expected.lowest_stiffness = parameters.suspension.stiffness;
+  expected.lowest_stiffness = model::spring_stiffness(parameters, true);
   expected.highest_stiffness =
-      parameters.suspension.stiffness + (parameters.has_fdva ? parameters.fdva.coupling_stiffness : 0.0);
+      model::spring_stiffness(parameters) + (parameters.has_fdva ? parameters.fdva.coupling_stiffness : 0.0);
   if (parameters.kind == model::RigKind::quarter_car) expected.position = Channel::z_r;
   return expected;
 }
@@ -36,6 +37,9 @@ std::string_view ControlLoop::check(const Settings& settings, const model::RigPa
   }
   if (parameters.kind == model::RigKind::hil && !rig.sensors.fitted(model::index(Channel::F))) {
     return "sensors: expected channel F, the measured force that moves the virtual car of a hil rig";
+  }
+  if (AreaControl<has_area>(parameters).wanted() && rig.area == nullptr) {
+    return "area: expected an output for the area of the air spring, which the skyhook commands";
   }
   if (!valves.within(rig.valves.installed())) return "valve plan: expected only ducts that are installed";
   return {};
@@ -57,6 +61,7 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
       motion_guard_(settings.limits, settings.supervision, parameters, period_),
       frozen_guard_(settings.supervision, parameters),
       lateness_guard_(settings.limits, settings.supervision, settings.period),
+      area_control_(parameters),
       arming_(settings, expected_of(parameters)),
       player_(reference, period_) {
   model::require(check(settings, parameters, rig, valves).empty(), "a control loop of parts that fit");
@@ -68,6 +73,7 @@ void ControlLoop::step() {
   keep_time(now);
   samples_.take(rig_.sensors.read(), now);
   estimator_.step(samples_);
+  if (Companion* companion = companion_.get()) companion->follow(samples_, now);
   watch_motion();
 
   const unsigned requests = requests_.exchange(0);
@@ -104,8 +110,10 @@ void ControlLoop::step() {
 
   const bool runs = in_run(mode_);
   if (hazard && matters(*hazard)) trip(*hazard);
+  command_area(now);
   compute(now);
   act(now);
+  if (Companion* companion = companion_.get()) companion->opened(openings_);
   if (runs && in_run(mode_)) ++sample_;
 
   counters_.missed_frames = samples_.missed_frames();
@@ -116,8 +124,11 @@ void ControlLoop::step() {
   record.enabled = enabled_;
   record.level = player_.level();
   record.tare = tare();
+  record.energy_fed = energy_guard_.fed();
+  record.energy_taken = energy_guard_.taken();
   record.command = command_;
   record.openings = openings_;
+  if (const Companion* companion = companion_.get()) record.openings = companion->standing();
   record.counters = counters_;
   journal_.push(record);
 }
@@ -264,6 +275,8 @@ void ControlLoop::get_ready() {
     car_alive_ = true;
     energy_guard_.start(0.0);
   }
+  if (Compensation* compensation = compensation_.get(); compensation != nullptr && hil()) compensation->start(0.0);
+  compensation_.note_force(0.0);
   move_ = SmoothMove(command_guard_.last().position, hil() ? 0.0 : begin->position, settings_.ramps.rate, period_);
   settling_left_ = (hal::seconds(settings_.ramps.settling).ns + settings_.period.ns - 1) / settings_.period.ns;
 }
@@ -315,18 +328,41 @@ void ControlLoop::follow_rig() {
   command_.position = followed_ > half_stroke ? half_stroke : followed_ < -half_stroke ? -half_stroke : followed_;
 }
 
-/// hil: the measured force enters the car by a smoothstep over force_ramp from the beginning of a run.
-double ControlLoop::entering_force() const {
-  const double force = samples_.value(Channel::F);
+/// hil: the measured force, with what the compensation adds in a run, enters the car by a smoothstep over force_ramp
+/// from the beginning of a run.
+double ControlLoop::entering_force() {
+  const double measured = samples_.value(Channel::F);
+  double force = measured;
+  if (Compensation* compensation = compensation_.get(); compensation != nullptr && in_run(mode_)) {
+    force = compensation->force(measured);
+  }
   const double elapsed = in_run(mode_) ? static_cast<double>(sample_) * period_ : 0.0;
-  if (elapsed >= settings_.arming.force_ramp) return force;
+  if (elapsed >= settings_.arming.force_ramp) {
+    compensation_.note_force(force - measured);
+    return force;
+  }
   const double s = elapsed / settings_.arming.force_ramp;
-  return force * (s * s * (3.0 - 2.0 * s));
+  const double share = s * s * (3.0 - 2.0 * s);
+  compensation_.note_force((force - measured) * share);
+  return force * share;
+}
+
+/// The area of an air spring for the period that begins: by the skyhook in a run, else as it is at rest.
+void ControlLoop::command_area(hal::Time now) {
+  if constexpr (has_area) {
+    if (!area_control_.wanted()) return;
+    const double velocity = car_alive_ ? car_state_.core(CoreIndex::body_velocity) : estimator_.velocities().body;
+    const double area = in_run(mode_) ? area_control_.command(velocity) : 0.0;
+    if (rig_.area->write(area) || !leads_drive(mode_)) return;
+    trip({.reason = Reason::command_failed, .time = now});
+  } else {
+    static_cast<void>(now);
+  }
 }
 
 void ControlLoop::compute(hal::Time now) {
   std::optional<hal::Command> wanted;
-  energy_hazard_.reset();
+  loop_hazard_.reset();
   if (mode_ == Mode::arming) {
     wanted = arming_.next();
   } else if (mode_ == Mode::armed) {
@@ -337,15 +373,16 @@ void ControlLoop::compute(hal::Time now) {
     openings_ = valves_.at(hal::Time{});
   } else if (in_run(mode_)) {
     const std::uint64_t sample = player_.sample();
-    wanted = follow_reference();
     openings_ = valves_.at(settings_.period * static_cast<std::int64_t>(sample));
+    wanted = follow_reference();
+    if (Companion* companion = companion_.get()) openings_ = companion->choose(openings_);
   }
   if (leads_drive(mode_)) {
     if (!wanted) {
       trip({.reason = Reason::reference_ended, .time = now});
-    } else if (energy_hazard_) {
-      energy_hazard_->time = now;
-      trip(*energy_hazard_);
+    } else if (loop_hazard_) {
+      loop_hazard_->time = now;
+      trip(*loop_hazard_);
     } else {
       CommandGuard::Verdict verdict = command_guard_.judge(*wanted);
       command_ = verdict.command;
@@ -379,15 +416,37 @@ hal::Command ControlLoop::step_car(const Motion& foot_point) {
   input.foot_point = foot_point;
   const double wheel = car_state_.core(CoreIndex::wheel_position);
   car_->step(car_state_, input);
-  const auto deflection = car_->deflection(car_state_);
+  const auto suspension = car_->deflection(car_state_);
+  const auto deflection = car_->component_stroke(suspension);
   if (static_cast<double>(sample_) * period_ < settings_.arming.force_ramp) {
     energy_guard_.start(deflection.position);  // a force that is faded in feeds energy by itself
   }
-  energy_hazard_ = energy_guard_.follow(car_state_.received_force, deflection.position,
-                                        car_state_.core(CoreIndex::wheel_position) - wheel);
+  loop_hazard_ = energy_guard_.follow(car_state_.received_force, deflection.position,
+                                      car_state_.core(CoreIndex::wheel_position) - wheel);
   const auto signals = car_->signals(car_state_);
-  return {deflection.position, deflection.velocity,
-          signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)]};
+  const model::Motion<double> wanted{
+      deflection.position, deflection.velocity,
+      car_->component_acceleration(suspension,
+                                   signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)])};
+  if (Compensation* compensation = compensation_.get()) return compensated(*compensation, wanted);
+  return {wanted.position, wanted.velocity, wanted.acceleration};
+}
+
+/// A command that leads the wanted deflection, so that the machine is there in time.
+hal::Command ControlLoop::compensated(Compensation& compensation, const model::Motion<double>& wanted) {
+  Compensation::Instant instant;
+  instant.wanted = wanted;
+  instant.commanded = command_guard_.last().position;
+  instant.measured = samples_.fitted(Channel::x_act) && samples_.seen(Channel::x_act) &&
+                     (samples_.bridged() >> model::index(Channel::x_act) & 1U) == 0;
+  if (instant.measured) instant.reached = samples_.value(Channel::x_act);
+  instant.open_ducts = std::popcount(openings_.bits());
+  const Compensation::Answer answer = compensation.command(instant);
+  if (answer.excess && !loop_hazard_) {
+    loop_hazard_ = Trip{Reason::compensation, answer.excess->of_force ? Channel::F : Channel::x_cmd,
+                        answer.excess->value, answer.excess->limit, hal::never};
+  }
+  return answer.command;
 }
 
 void ControlLoop::act(hal::Time now) {
@@ -469,12 +528,20 @@ void ControlLoop::note_values(Record& record) const {
   record.bridged = samples_.bridged();
   record.wheel_load = estimator_.wheel_load();
   record.velocities = estimator_.velocities();
+  if (const Companion* companion = companion_.get()) {
+    record.wheel_load = companion->wheel_load();
+    record.velocities = companion->velocities();
+  }
   if (car_alive_) {
     record.values = car_->signals(car_state_);
     record.values[model::index(Channel::x_act)] = unknown;
     record.values[model::index(Channel::F_act)] = unknown;
     const double wheel = car_state_.core(CoreIndex::wheel_velocity), body = car_state_.core(CoreIndex::body_velocity);
     record.velocities = {car_state_.foot_point.velocity, wheel, body, wheel - body};
+  }
+  if (compensation_.get() != nullptr && car_alive_ && in_run(mode_)) {
+    record.added.set(command_guard_.last().position - car_->component_stroke(car_->deflection(car_state_)).position,
+                     compensation_.added_force());
   }
   record.values[model::index(Channel::x_cmd)] =
       kind_ == model::RigKind::quarter_car ? unknown : command_guard_.last().position;

@@ -6,8 +6,11 @@
 #include <optional>
 #include <string_view>
 
+#include "firmware/loop/area_control.hpp"
 #include "firmware/loop/arming_checks.hpp"
 #include "firmware/loop/command_guard.hpp"
+#include "firmware/loop/companion.hpp"
+#include "firmware/loop/compensation/compensation.hpp"
 #include "firmware/loop/energy_guard.hpp"
 #include "firmware/loop/frozen_guard.hpp"
 #include "firmware/loop/journal.hpp"
@@ -32,7 +35,8 @@ namespace firmware {
 /// Timing: at t_k the samples of t_k are read, row k of the journal is the rig at t_k, and the command put out is for
 /// t_{k+1}; the drive moves to it during the period.
 ///
-///   hil              F(t_k) enters the virtual car, which is stepped to t_{k+1} with F held; command z_w − z_b there
+///   hil              F(t_k) enters the virtual car, which is stepped to t_{k+1} with F held; command z_w − z_b there.
+///                    A Compensation stands between both: it may change F before and the command behind the car
 ///   quarter_car      command is the foot point of the reference at t_{k+1}; velocities and wheel load are estimated
 ///   component_bench  command is the deflection of the reference at t_{k+1}
 ///
@@ -44,6 +48,7 @@ namespace firmware {
 class ControlLoop {
  public:
   using VirtualCar = model::VirtualCar<double>;
+  static constexpr bool has_area = model::usual_laws.extensions;  ///< room for the control of an air spring
 
   /// What makes the parts unfit for each other (what, and what is expected), or an empty text.
   [[nodiscard]] static std::string_view check(const Settings& settings, const model::RigParameters<double>& parameters,
@@ -69,6 +74,13 @@ class ControlLoop {
   /// Scales the reference about its beginning, 0 … ReferencePlayer::highest_level; at once before a run, within a
   /// second or so during it. False: outside, nothing is asked for.
   bool level(double wanted);
+
+  /// Takes a companion along, which must outlive the loop. Before the first period.
+#ifndef RIGTWIN_ALONE
+  void attach(Companion& companion) { companion_.set(&companion); }
+  /// The same for a compensation of the machine's delay; a rig that is no hil never calls it.
+  void attach(Compensation& compensation) { compensation_.set(&compensation); }
+#endif
 
   /// The first period is due then, and not when step() is called first.
   void begin_at(hal::Time first) { due_ = first; }
@@ -133,10 +145,12 @@ class ControlLoop {
   void lose_power(const Trip& cause);
   void brake_and_hold(double velocity);
   void follow_rig();
-  [[nodiscard]] double entering_force() const;
+  [[nodiscard]] double entering_force();
+  void command_area(hal::Time now);
   void compute(hal::Time now);
   [[nodiscard]] std::optional<hal::Command> follow_reference();
   [[nodiscard]] hal::Command step_car(const Motion& foot_point);
+  [[nodiscard]] hal::Command compensated(Compensation& compensation, const model::Motion<double>& wanted);
   void act(hal::Time now);
   [[nodiscard]] bool write_valves();
   void write_enable(hal::Time now);
@@ -148,6 +162,8 @@ class ControlLoop {
   hal::Rig rig_;
   ValvePlan valves_;
   Journal& journal_;
+  [[no_unique_address]] CompanionPlace companion_{};
+  [[no_unique_address]] CompensationPlace compensation_{};
   std::optional<VirtualCar> car_{};  ///< hil only
 
   SampleGuard samples_;
@@ -158,9 +174,10 @@ class ControlLoop {
   FrozenGuard frozen_guard_;
   LatenessGuard lateness_guard_;
   std::optional<Trip> motion_hazard_{};  ///< of this period, by motion and frozen guard
+  [[no_unique_address]] AreaControl<has_area> area_control_;
   ArmingChecks arming_;
   ReferencePlayer player_;
-  std::optional<Trip> energy_hazard_{};  ///< of this period
+  std::optional<Trip> loop_hazard_{};  ///< of this period, by energy guard or compensation
   SmoothMove move_{};
   ReturnToRest return_{};
 

@@ -33,6 +33,20 @@ struct Counters {
   friend bool operator==(const Counters&, const Counters&) = default;
 };
 
+/// What a compensation of the machine's delay added to this instant. A program without room for one records none.
+struct AddedRecord {
+#ifdef RIGTWIN_ALONE
+  static constexpr void set(double /*command*/, double /*force*/) {}
+#else
+  double command = 0.0;  ///< x_cmd less the deflection of the car [m]
+  double force = 0.0;    ///< force that enters the car less the measured one, both as far as they are faded in [N]
+  void set(double added_command, double added_force) {
+    command = added_command;
+    force = added_force;
+  }
+#endif
+};
+
 /// One period.
 struct Record {
   std::uint64_t period = 0;      ///< since construction; a gap in this count is what the journal lost
@@ -51,13 +65,16 @@ struct Record {
   std::array<double, model::channel_count> values{};
   std::array<hal::Time, model::channel_count> taken{};  ///< stamps of the measured channels, else `never`
 
-  double level = 1.0;        ///< factor on the reference
-  double tare = 0.0;         ///< taken from F as it was read, for the car and the limits [N]
-  double wheel_load = 0.0;   ///< soft sensor F_w,c [N]
-  Velocities velocities{};   ///< estimated; in `hil` the virtual car's
-  hal::Command command{};    ///< put out in this period, for t_{k+1}
-  hal::Openings openings{};  ///< put out in this period, in force from t_k to t_{k+1}
+  double level = 1.0;         ///< factor on the reference
+  double tare = 0.0;          ///< taken from F as it was read, for the car and the limits [N]
+  double wheel_load = 0.0;    ///< soft sensor F_w,c [N]
+  double energy_fed = 0.0;    ///< hil: W of the energy guard [J]
+  double energy_taken = 0.0;  ///< hil: D of the energy guard [J]
+  Velocities velocities{};    ///< estimated; in `hil` the virtual car's
+  hal::Command command{};     ///< put out in this period, for t_{k+1}
+  hal::Openings openings{};   ///< put out in this period, in force from t_k to t_{k+1}
   Counters counters{};
+  [[no_unique_address]] AddedRecord added{};
 };
 
 /// A ring of records between the loop and one reader in another thread: neither ever waits for the other.

@@ -51,9 +51,10 @@ enum class Reason : unsigned char {
   acceleration,           ///< a command that accelerates more than the limit for too long
   growth,                 ///< a hil interface that drives the car outwards: the loop diverges
   gap,                    ///< one period began far too late
+  compensation,           ///< the compensation of the machine's delay adds more than it may
 };
 
-inline constexpr Reason last_reason = Reason::gap;
+inline constexpr Reason last_reason = Reason::compensation;
 
 [[nodiscard]] constexpr std::string_view name(Reason reason) {
   constexpr auto names = std::to_array<std::string_view>({"none",
@@ -92,7 +93,8 @@ inline constexpr Reason last_reason = Reason::gap;
                                                           "sensor_frozen",
                                                           "acceleration",
                                                           "growth",
-                                                          "gap"});
+                                                          "gap",
+                                                          "compensation"});
   return names[static_cast<std::size_t>(reason)];
 }
 
@@ -137,7 +139,7 @@ inline constexpr Reason last_reason = Reason::gap;
 /// The end of a run: what, where, by how much, when. Kept from the first reason on until the next start.
 struct Trip {
   Reason reason = Reason::none;
-  std::optional<model::Channel> channel{};  ///< of a sample or force
+  std::optional<model::Channel> channel{};  ///< of a sample or force; compensation: x_cmd or F
   double value = 0.0;                       ///< what was seen, in the unit of the limit (of a sample: last value read)
   double limit = 0.0;                       ///< what it was held against
   hal::Time time = hal::never;              ///< of the period that tripped

@@ -41,6 +41,10 @@ RunColumns::RunColumns(const RigDescription& description, const hal::SensorSetup
     columns_.push_back({"v_w", "m/s", Source::velocity, 1});
     columns_.push_back({"v_b", "m/s", Source::velocity, 2});
   }
+  if (description.compensation) {
+    columns_.push_back({"x_added", "m", Source::added_command, 0});
+    columns_.push_back({"F_added", "N", Source::added_force, 0});
+  }
   columns_.push_back({"mode", "", Source::mode, 0});
   columns_.push_back({"reason", "", Source::reason, 0});
   columns_.push_back({"level", "", Source::level, 0});
@@ -62,6 +66,10 @@ double RunColumns::value(const Column& column, const Record& record) {
       return record.wheel_load;
     case Source::velocity:
       return std::array{record.velocities.foot_point, record.velocities.wheel, record.velocities.body}[column.index];
+    case Source::added_command:
+      return record.added.command;
+    case Source::added_force:
+      return record.added.force;
     case Source::mode:
       return static_cast<double>(record.mode);
     case Source::reason:
@@ -97,13 +105,23 @@ std::string reason_legend() {
   return text;
 }
 
+namespace {
+
+bool is_extra(RunColumns::Source source) {
+  using Source = RunColumns::Source;
+  return source == Source::wheel_load || source == Source::velocity || source == Source::added_command ||
+         source == Source::added_force;
+}
+
+}  // namespace
+
 RunRecording::RunRecording(const RigDescription& description, const hal::SensorSetup& sensors,
                            std::size_t expected_rows)
     : columns_(description, sensors), sample_rate_(description.sample_rate) {
   using Source = RunColumns::Source;
   recording_.sample_period = description.period();
   for (const RunColumns::Column& column : columns_.columns()) {
-    if (column.source == Source::wheel_load || column.source == Source::velocity) {
+    if (is_extra(column.source)) {
       recording_.extra.push_back({column.name, column.unit, {}});
     }
   }
@@ -112,7 +130,7 @@ RunRecording::RunRecording(const RigDescription& description, const hal::SensorS
     std::vector<double>* values = nullptr;
     if (column.source == Source::channel) values = &recording_.channels[column.index];
     if (column.source == Source::duct) values = &recording_.ducts[column.index];
-    if (column.source == Source::wheel_load || column.source == Source::velocity) {
+    if (is_extra(column.source)) {
       values = &recording_.extra[extra++].values;
     }
     if (values != nullptr) values->reserve(expected_rows);

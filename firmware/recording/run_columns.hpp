@@ -24,6 +24,8 @@ namespace firmware {
 ///   channels   those with a sensor and those that the program computes
 ///   ducts      1 open, 0 closed, one column per duct of the rig
 ///   estimates  quarter_car only: soft sensor F_w_c of the wheel load, velocities v_r, v_w, v_b
+///   compensation  hil with [compensation] only: x_added [m], x_cmd less the deflection of the car; F_added [N], force
+///              that enters the car less the measured one, both as far as they are faded in
 ///   mode       number of the state (firmware::Mode); rows of running and holding are the run
 ///   reason     number of the reason for the safe state (firmware::Reason), 0 before
 ///   level      factor on the reference
@@ -38,6 +40,8 @@ class RunColumns {
     duct,
     wheel_load,
     velocity,
+    added_command,
+    added_force,
     mode,
     reason,
     level,

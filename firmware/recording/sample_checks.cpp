@@ -13,6 +13,11 @@
 namespace firmware {
 namespace {
 
+/// [places] of the stamps in a period, at least, from which the grid is recovered. Derivation: a stamp is off by half a
+/// place, the offset of the last ones is known to a fifth of one; 0.7 places must stay below half a period. Half: rows
+/// are taken for each other. Twice: 512 Hz in whole milliseconds is refused.
+constexpr double fewest_places = 1.75;
+
 bool all_are_single_precision(const std::vector<double>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(),
                      [](double x) { return static_cast<double>(static_cast<float>(x)) == x; });
@@ -75,11 +80,20 @@ bool recover_grid(Recording& recording, const StampRounding& rounding, std::opti
   const double middle = median_step(time), place = printed_place(time, rounding, is_single(time, rounding));
   // Exact stamps repeat their step.
   const auto other = [&](double a, double b) { return std::abs(a - b) > 1e-3 * place + 1e-3 * middle; };
+  // Rounded steps of one period are two neighbouring multiples of the place; of stamps as coarse as a third of the
+  // period, the more frequent neighbour of the median is the other, and what is longer has lost rows.
+  const auto steps_near = [&](double step) {
+    std::size_t count = 0;
+    for (std::size_t k = 1; k < time.size(); ++k) count += other(time[k] - time[k - 1], step) ? 0 : 1;
+    return count;
+  };
+  const bool coarse = place > middle / 4.0;
+  const double longer = coarse && steps_near(middle - place) > steps_near(middle + place) ? 0.5 : 1.5;
   std::size_t single = 0, odd = 0;
   double sum = 0.0;
   for (std::size_t k = 1; k < time.size(); ++k) {
     const double step = time[k] - time[k - 1];
-    if (step > middle + 1.5 * place) continue;  // rows are missing here
+    if (step > middle + longer * place) continue;  // rows are missing here
     sum += step;
     ++single;
     if (other(step, middle)) ++odd;
@@ -87,11 +101,17 @@ bool recover_grid(Recording& recording, const StampRounding& rounding, std::opti
   if (odd == 0 || single == 0) return false;
   double period = sum / static_cast<double>(single);
   if (usual_rate && std::abs(period * *usual_rate - 1.0) < 1e-4) period = 1.0 / *usual_rate;
-  if (place > period / 3.0) return false;
+  if (place > period / fewest_places) return false;
+  // A stamp is up to half a place off its row; what the last ones were off on average (over ten) is taken away before
+  // rows are counted.
   std::vector<double> number(time.size(), 0.0);
-  double mean_n = 0.0, mean_t = 0.0;
+  double mean_n = 0.0, mean_t = 0.0, usual_offset = 0.0;
   for (std::size_t k = 0; k < time.size(); ++k) {
-    if (k > 0) number[k] = number[k - 1] + std::max(1.0, std::round((time[k] - time[k - 1]) / period));
+    if (k > 0) {
+      const double step = time[k] - time.front() - usual_offset - number[k - 1] * period;
+      number[k] = number[k - 1] + std::max(1.0, std::round(step / period));
+    }
+    usual_offset += 0.1 * (time[k] - time.front() - number[k] * period - usual_offset);
     mean_n += number[k] / static_cast<double>(time.size());
     mean_t += (time[k] - time.front()) / static_cast<double>(time.size());
   }

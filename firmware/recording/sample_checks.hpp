@@ -48,7 +48,7 @@ struct StampRounding {
 /// Replaces stamps that are too coarse for their steps (whole milliseconds at 97 Hz) by the grid that all of them
 /// together show, t₀ + n T by regression on the row numbers n, and says so in the remark:
 ///
-///   (1)  |t_k − t₀ − n_k T| ≤ q  for every k,   q: rounding of the stamps, at most T/3
+///   (1)  |t_k − t₀ − n_k T| ≤ q  for every k,   q: rounding of the stamps, at most T/1.75
 ///
 /// false: nothing changed, since the stamps are exact, do not rise, or (1) does not hold.
 bool recover_grid(Recording& recording, const StampRounding& rounding, std::optional<double> usual_rate);

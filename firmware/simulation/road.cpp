@@ -5,17 +5,11 @@
 #include <string>
 #include <utility>
 
-#include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
-#include "firmware/simulation/gaussian.hpp"
-#include "model/rig_model.hpp"
+#include "firmware/simulation/road_stream.hpp"
 #include "model/road_filter.hpp"
 
 namespace firmware {
-
-namespace {
-constexpr std::uint32_t road_stream = 1;  // of a run's seed; sensor noise has its own
-}
 
 double road_density(double roughness, double speed, double frequency, double cut_off) {
   constexpr double n0 = model::RoadFilter<double>::reference_wave_number;
@@ -34,30 +28,16 @@ double default_bandwidth(model::RigKind kind, double sample_rate) {
 }
 
 FootPointMotion drive_over(const IsoRoad& road, double sample_rate, std::size_t samples) {
-  const double period = 1.0 / sample_rate;
-  const model::RoadFilter<double> filter({road.roughness, road.speed, road.cut_off, road.bandwidth}, period);
-  Gaussian noise(road.seed, road_stream);
-  const double deviation = std::sqrt(0.5 * sample_rate);  // variance 1/(2h): one-sided density 1
+  RoadStream stream(road, sample_rate);
   FootPointMotion motion(samples);
-  auto state = model::RoadFilter<double>::State::Zero().eval();
-  for (auto& m : motion) {
-    m = filter.motion(state);
-    state = filter.step(state, deviation * noise());
-  }
+  for (auto& m : motion) m = stream.next();
   return motion;
 }
 
 FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMotion road, double sample_rate) {
   if (rig.kind != model::RigKind::component_bench || road.empty()) return road;
-  const model::RigModel<> model(on_its_car(rig), 1.0 / sample_rate);
-  auto x = model.start(road.front().position);
-  for (auto& m : road) {
-    model.step(x, {.foot_point = m});
-    const auto signals = model.signals(x);
-    const auto deflection = model.deflection(x);
-    m = {deflection.position, deflection.velocity,
-         signals[index(model::Channel::zdd_w)] - signals[index(model::Channel::zdd_b)]};
-  }
+  DeflectionStream deflection(rig, sample_rate);
+  for (auto& m : road) m = deflection.next(m);
   return road;
 }
 

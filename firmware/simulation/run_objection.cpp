@@ -1,10 +1,12 @@
 #include "firmware/simulation/run_objection.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/loop/command_guard.hpp"
@@ -96,28 +98,105 @@ MotionObjection objection_to_commands(const Settings& settings, const FootPointM
   return {};
 }
 
-/// Simulates the loop of a hil rig: the whole rig stepped at once has the bits of car and machine joined by the loop.
+/// What a period of the loop gives: the command for its end, the component's force there.
+struct LoopPeriod {
+  model::Motion<double> command{};
+  double force = 0.0;        ///< [N]
+  MotionObjection excess{};  ///< more than a compensation may add
+};
+
+/// The loop of a hil rig: the whole rig stepped at once has the bits of car and machine joined by the loop.
+class WholeRig {
+ public:
+  WholeRig(const RigDescription& description, double start)
+      : model_(std::make_unique<Model>(description.rig, description.period())),
+        state_(std::make_unique<Model::State>(model_->start(start))) {}
+
+  LoopPeriod step(const model::Motion<double>& foot_point, model::OpenDucts open) {
+    if (model_->parameters().has_fdva && open != state_->ducts.open()) model_->open_ducts(*state_, open);
+    model_->step(*state_, {.foot_point = foot_point});
+    const auto deflection = model_->deflection(*state_);
+    const auto stroke = model_->component_stroke(deflection);
+    const auto signals = model_->signals(*state_);
+    const double acceleration =
+        signals[model::index(model::Channel::zdd_w)] - signals[model::index(model::Channel::zdd_b)];
+    return {{stroke.position, stroke.velocity, model_->component_acceleration(deflection, acceleration)},
+            model_->suspension_force(*state_)};
+  }
+
+ private:
+  using Model = model::RigModel<>;
+  std::unique_ptr<Model> model_;
+  std::unique_ptr<Model::State> state_;
+};
+
+/// The same with a compensation between car and machine, in the order of ControlLoop.
+class CompensatedRig {
+ public:
+  CompensatedRig(const RigDescription& description, double start)
+      : car_(description.rig, description.period(), model::ModelledPart::virtual_car),
+        hardware_(std::make_unique<Model>(description.rig, description.period(), model::ModelledPart::test_machine)),
+        state_(std::make_unique<Model::State>(hardware_->start(0.0))),
+        compensation_(compensation_of(description)) {
+    model::Column<double, 6> core;
+    core << start, 0.0, start, 0.0, 0.0, 0.0;
+    car_state_ = car_.start(core, {start, 0.0, 0.0}, {});
+    compensation_->start(0.0);
+  }
+
+  LoopPeriod step(const model::Motion<double>& foot_point, model::OpenDucts open) {
+    if (hardware_->parameters().has_fdva && open != state_->ducts.open()) hardware_->open_ducts(*state_, open);
+    const auto shown = hardware_->measured(*state_);
+    const double measured = shown[model::index(model::Channel::F)];
+    car_.receive_force(car_state_, compensation_->force(measured));
+    car_.step(car_state_, {.foot_point = foot_point});
+    const auto wanted = car_.deflection(car_state_);
+    const auto signals = car_.signals(car_state_);
+    const double acceleration =
+        signals[model::index(model::Channel::zdd_w)] - signals[model::index(model::Channel::zdd_b)];
+    Compensation::Instant instant;
+    instant.wanted = {wanted.position, wanted.velocity, acceleration};
+    instant.commanded = state_->command.position;
+    instant.reached = shown[model::index(model::Channel::x_act)];
+    instant.measured = true;
+    instant.open_ducts = std::popcount(static_cast<unsigned>(open));
+    const Compensation::Answer answer = compensation_->command(instant);
+    hardware_->step(*state_, {.command = {answer.command.position, answer.command.velocity}});
+    LoopPeriod period{{answer.command.position, answer.command.velocity, answer.command.acceleration}, measured};
+    if (answer.excess) {
+      const bool of_force = answer.excess->of_force;
+      period.excess = {"the compensation adds " + rounded(answer.excess->value) + (of_force ? " N" : " m"),
+                       of_force ? "compensation.force_limit" : "compensation.limit"};
+    }
+    return period;
+  }
+
+ private:
+  using Model = model::RigModel<>;
+  model::VirtualCar<double> car_;
+  model::VirtualCar<double>::State car_state_{};
+  std::unique_ptr<Model> hardware_;
+  std::unique_ptr<Model::State> state_;
+  std::unique_ptr<Compensation> compensation_;
+};
+
+template <class Rig>
 MotionObjection objection_to_loop(const RigDescription& description, const Settings& settings,
                                   const FootPointMotion& motion) {
-  const auto model = std::make_unique<model::RigModel<>>(description.rig, description.period());
-  auto state = std::make_unique<model::RigModel<>::State>(model->start(motion.front().position));
+  Rig rig(description, motion.front().position);
   const ValvePlan valves = valve_plan(description);
   LimitCheck check(settings, 0.0);
   for (std::size_t k = 1; k < motion.size(); ++k) {
     const auto open = valves.at(settings.period * static_cast<std::int64_t>(k - 1)).bits();
-    if (description.rig.has_fdva && static_cast<model::OpenDucts>(open) != state->ducts.open()) {
-      model->open_ducts(*state, static_cast<model::OpenDucts>(open));
+    const LoopPeriod period = rig.step(motion[k], static_cast<model::OpenDucts>(open));
+    const std::string at = " at " + rounded(static_cast<double>(k) * description.period()) + " s";
+    MotionObjection wrong =
+        check.judge(k, {period.command.position, period.command.velocity, period.command.acceleration});
+    if (wrong.empty() && !period.excess.empty()) {
+      wrong = {period.excess.text + at + ", more than [compensation] lets it", period.excess.key};
     }
-    model->step(*state, {.foot_point = motion[k]});
-    const auto deflection = model->deflection(*state);
-    const auto signals = model->signals(*state);
-    const double acceleration =
-        signals[model::index(model::Channel::zdd_w)] - signals[model::index(model::Channel::zdd_b)];
-    MotionObjection wrong = check.judge(k, {deflection.position, deflection.velocity, acceleration});
-    const double force = model->suspension_force(*state);
-    if (wrong.empty() && std::abs(force) > settings.limits.force) {
-      wrong = {"the described component has " + rounded(force) + " N at " +
-                   rounded(static_cast<double>(k) * description.period()) + " s, limits.force is " +
+    if (wrong.empty() && std::abs(period.force) > settings.limits.force) {
+      wrong = {"the described component has " + rounded(period.force) + " N" + at + ", limits.force is " +
                    rounded(settings.limits.force) + " N",
                "limits.force"};
     }
@@ -139,8 +218,9 @@ MotionObjection run_objection(const RigDescription& description, const FootPoint
       return {"the reference is no number at " + rounded(static_cast<double>(k) * description.period()) + " s", ""};
     }
   }
-  return description.rig.kind == model::RigKind::hil ? objection_to_loop(description, settings, excitation)
-                                                     : objection_to_commands(settings, excitation);
+  if (description.rig.kind != model::RigKind::hil) return objection_to_commands(settings, excitation);
+  return description.compensation ? objection_to_loop<CompensatedRig>(description, settings, excitation)
+                                  : objection_to_loop<WholeRig>(description, settings, excitation);
 }
 
 MotionObjection limits_objection(const RigDescription& description) {

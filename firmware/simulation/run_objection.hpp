@@ -17,7 +17,7 @@ namespace firmware {
 ///   a command that CommandGuard would trip at: limited for longer than speed_time;
 ///   a step: a speed above twice limits.speed, or an acceleration above twice limits.acceleration, the first period
 ///   from rest included. Less than that the loop slows down for a moment and counts it; hil: a force of the described
-///   component beyond limits.force.
+///   component beyond limits.force; a compensation that adds more than it may.
 /// Empty: the run is allowed. A run takes about 1 µs a sample on a PC.
 [[nodiscard]] MotionObjection run_objection(const RigDescription& description, const FootPointMotion& excitation);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/loop/duct_control/rollout.hpp"
+
 namespace firmware {
 
 namespace {
@@ -30,7 +32,9 @@ SimulatedRig::SimulatedRig(const RigDescription& description, std::uint64_t seed
     : model_(description.rig, description.period(), hardware_of(description.rig.kind)),
       state_(description.rig.kind == RigKind::quarter_car ? model_.start(start) : model_.start(0.0, start)),
       gaussian_(seed, noise_stream),
-      range_(description.range) {
+      range_(description.range),
+      on_their_way_(
+          static_cast<std::size_t>(nearest_periods(description.controller.ducts.delay, description.period()))) {
   if (noise == Noise::none) return;
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     if (is_hardware_channel(description.rig.kind, model::channel_at(i)))
@@ -52,8 +56,19 @@ void SimulatedRig::do_measure(std::span<double, hal::channel_capacity> values) {
   }
 }
 
+/// Where valves stand that were told so long ago; the first openings stand at once.
+hal::Openings SimulatedRig::late(hal::Openings openings) {
+  if (on_their_way_.empty()) return openings;
+  if (!valves_told_) std::fill(on_their_way_.begin(), on_their_way_.end(), openings);
+  valves_told_ = true;
+  const hal::Openings standing = on_their_way_[oldest_];
+  on_their_way_[oldest_] = openings;
+  oldest_ = (oldest_ + 1) % on_their_way_.size();
+  return standing;
+}
+
 void SimulatedRig::do_advance(const hal::Command& command, hal::Openings openings) {
-  const auto open = static_cast<model::OpenDucts>(openings.bits());
+  const auto open = static_cast<model::OpenDucts>(late(openings).bits());
   if (open != state_.ducts.open()) model_.open_ducts(state_, open);
   draw_noise();
   model_.step(state_, {.foot_point = {command.position, command.velocity, command.acceleration},

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/simulation/gaussian.hpp"
@@ -29,6 +30,9 @@ class SimulatedRig final : public hal::simulated::Plant {
   void draw_noise();
   void do_measure(std::span<double, hal::channel_capacity> values) override;
   void do_advance(const hal::Command& command, hal::Openings openings) override;
+  void do_command_area(double area) override { model_.command_area(state_, area); }
+
+  [[nodiscard]] hal::Openings late(hal::Openings openings);
 
   model::RigModel<> model_;
   model::RigModel<>::State state_;
@@ -36,6 +40,9 @@ class SimulatedRig final : public hal::simulated::Plant {
   std::array<double, model::channel_count> deviation_{};
   model::Signals<double> noise_{};  ///< of this instant
   std::array<std::optional<MeasuringRange>, model::channel_count> range_;
+  std::vector<hal::Openings> on_their_way_;  ///< openings of valves.delay, a ring; empty: valves without delay
+  std::size_t oldest_ = 0;
+  bool valves_told_ = false;
 };
 
 /// The part of a rig that is hardware: everything but the virtual car of a hil rig.

@@ -27,8 +27,8 @@ Rig::Rig(const Recording& recording, const SensorSetup& setup, std::size_t ducts
 }
 
 hal::Rig Rig::roles() {
-  return {clock_role_,  sensor_role_,    valve_role_,  command_role_,
-          button_role_, heartbeat_role_, enable_role_, interlock_role_};
+  return {clock_role_,     sensor_role_, valve_role_,     command_role_, button_role_,
+          heartbeat_role_, enable_role_, interlock_role_, &area_role_};
 }
 
 Time Rig::now() const {

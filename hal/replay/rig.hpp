@@ -54,6 +54,9 @@ class Rig {
     Result<Frame> do_read() override;
     Rig& rig;
   };
+  struct AreaRole final : AreaOutput {
+    Result<void> do_write(double /*area*/) override { return {}; }
+  };
   struct ValveRole final : ValveBank {
     ValveRole(Rig& r, std::size_t ducts, Openings safe) : ValveBank(ducts, safe), rig(r) {}
     Result<void> do_write(Openings openings) override;
@@ -110,6 +113,7 @@ class Rig {
   HeartbeatRole heartbeat_role_{*this};
   EnableRole enable_role_;
   InterlockRole interlock_role_;
+  AreaRole area_role_{};
 };
 
 }  // namespace hal::replay

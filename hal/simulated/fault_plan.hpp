@@ -45,7 +45,16 @@ struct ChannelFault {
 
 /// A device that answers with a fault while the window lasts. A faulty output keeps what it was told before.
 struct DeviceFault {
-  enum class Device : unsigned char { sensors, valves, command, stop_button, heartbeat, drive_enable, interlocks };
+  enum class Device : unsigned char {
+    sensors,
+    valves,
+    command,
+    stop_button,
+    heartbeat,
+    drive_enable,
+    interlocks,
+    area
+  };
 
   Device device = Device::sensors;
   Fault fault = Fault::timeout;

@@ -20,12 +20,16 @@ class Plant {
   /// What its sensors show at this instant, by channel index; a channel that is not fitted need not be filled.
   void measure(std::span<double, channel_capacity> values) { do_measure(values); }
 
+  /// The area of an air spring is told to go to `area`, from now on.
+  void command_area(double area) { do_command_area(area); }
+
   /// One period on: the command is where the drive is told to be at its end, the openings hold during it.
   void advance(const Command& command, Openings openings) { do_advance(command, openings); }
 
  private:
   virtual void do_measure(std::span<double, channel_capacity> values) = 0;
   virtual void do_advance(const Command& command, Openings openings) = 0;
+  virtual void do_command_area(double /*area*/) {}
 };
 
 }  // namespace hal::simulated

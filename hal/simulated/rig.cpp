@@ -26,8 +26,8 @@ Rig::Rig(Plant& plant, const Construction& construction, const FaultPlan& plan)
 }
 
 hal::Rig Rig::roles() {
-  return {clock_role_,  sensor_role_,    valve_role_,  command_role_,
-          button_role_, heartbeat_role_, enable_role_, interlock_role_};
+  return {clock_role_,     sensor_role_, valve_role_,     command_role_, button_role_,
+          heartbeat_role_, enable_role_, interlock_role_, &area_role_};
 }
 
 bool Rig::watchdog_has_acted() const {
@@ -100,6 +100,12 @@ Result<void> Rig::ValveRole::do_write(Openings openings) {
 Result<void> Rig::CommandRole::do_write(const Command& command) {
   if (const auto fault = rig.fault_of(DeviceFault::Device::command)) return *fault;
   rig.held_command_ = command;
+  return {};
+}
+
+Result<void> Rig::AreaRole::do_write(double area) {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::area)) return *fault;
+  rig.plant_.command_area(area);
   return {};
 }
 

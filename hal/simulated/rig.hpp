@@ -75,6 +75,11 @@ class Rig {
     Result<double> do_read_back() override;
     Rig& rig;
   };
+  struct AreaRole final : AreaOutput {
+    explicit AreaRole(Rig& r) : rig(r) {}
+    Result<void> do_write(double area) override;
+    Rig& rig;
+  };
   struct ButtonRole final : StopButton {
     explicit ButtonRole(Rig& r) : rig(r) {}
     Result<Level> do_read() override;
@@ -129,6 +134,7 @@ class Rig {
   HeartbeatRole heartbeat_role_{*this};
   EnableRole enable_role_{*this};
   InterlockRole interlock_role_;
+  AreaRole area_role_{*this};
 };
 
 }  // namespace hal::simulated

@@ -1,9 +1,12 @@
 #include "host_sim/closed_loop/closed_loop.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/control_settings.hpp"
+#include "firmware/description/semi_active_setup.hpp"
 #include "firmware/recording/run_columns.hpp"
 #include "firmware/simulation/simulated_setup.hpp"
 #include "hal/simulated/rig.hpp"
@@ -22,6 +25,10 @@ Run run_closed_loop(const firmware::RigDescription& description, const firmware:
   firmware::TableReference reference(excitation);
   firmware::ControlLoop loop(settings, description.rig, rig.roles(), reference, firmware::valve_plan(description),
                              journal);
+  const std::unique_ptr<firmware::Companion> companion = firmware::companion(description);
+  if (companion) loop.attach(*companion);
+  const std::unique_ptr<firmware::Compensation> compensation = firmware::compensation_of(description);
+  if (compensation) loop.attach(*compensation);
 
   firmware::RunRecording recording(description, construction.sensors, excitation.size());
   loop.arm();

@@ -9,13 +9,23 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/compare_command.hpp"
+#include "host_sim/commands/compensation_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
+#include "host_sim/commands/estimate_command.hpp"
+#include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
+#include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/import_command.hpp"
+#include "host_sim/commands/init_command.hpp"
+#include "host_sim/commands/new_effect_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
+#include "host_sim/commands/shell_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
+#include "host_sim/commands/transfer_command.hpp"
+#include "host_sim/commands/watch_command.hpp"
 
 namespace host_sim {
 namespace {
@@ -41,6 +51,7 @@ void demand_command(const CLI::App& app, const std::string& word) {
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
+  remember_command_line(argc, argv);
   CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC", "rigtwin");
   app.set_version_flag("--version", "rigtwin " + std::string(firmware::version));
   app.require_subcommand(1);
@@ -50,6 +61,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_compare(app, compare_options);
   StabilityOptions stability_options;
   add_stability(app, stability_options);
+  CompensationOptions compensation_options;
+  add_compensation(app, compensation_options);
   FrfOptions frf_options;
   add_frf(app, frf_options);
   DiagnoseOptions diagnose_options;
@@ -58,8 +71,24 @@ int run_command_line(int argc, const char* const* argv) {
   add_plan(app, plan_options);
   SweepOptions sweep_options;
   add_sweep(app, sweep_options);
+  ImportOptions import_options;
+  add_import(app, import_options);
+  FmuOptions fmu_options;
+  add_fmu(app, fmu_options);
+  InitOptions init_options;
+  add_init(app, init_options);
+  NewEffectOptions new_effect_options;
+  add_new_effect(app, new_effect_options);
+  ShellOptions shell_options;
+  add_shell(app, shell_options);
   PaperOptions paper_options;
   add_paper(app, paper_options);
+  EstimateOptions estimate_options;
+  add_estimate(app, estimate_options);
+  TransferOptions transfer_options;
+  add_transfer(app, transfer_options);
+  WatchOptions watch_options;
+  add_watch(app, watch_options);
   try {
     if (argc > 1) demand_command(app, argv[1]);
     app.parse(argc, argv);

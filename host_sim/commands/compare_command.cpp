@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/progress.hpp"
@@ -138,9 +139,11 @@ StartChoice start_choice(const std::string& word) {
 
 void compare(const CompareOptions& options) {
   const firmware::RigDescription description = firmware::read_rig(options.rig);
+  firmware::refuse_compensation(description, "compare");
   std::vector<ComparedRecording> recordings;
   for (const auto& file : options.data) {
-    for (firmware::Recording& part : read_parts(file, description.channels, description.sample_rate)) {
+    for (firmware::Recording& part :
+         read_parts(file, description.channels, description.sample_rate, description.rig.kind)) {
       recordings.emplace_back(description, std::move(part), options.start);
     }
   }

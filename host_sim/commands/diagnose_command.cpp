@@ -9,14 +9,18 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/spelling.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
+#include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
+#include "host_sim/identification/report/shape_words.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 
@@ -58,6 +62,8 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                   named.parameters[p].upper);
     }
     std::printf("   confidence %.3f\n", named.confidence);
+    const std::string shape = identification::shape_words(named.effect, diagnosis.rig.rig);
+    if (!shape.empty()) std::printf("    %s\n", shape.c_str());
     for (std::size_t a = 0; a < std::min<std::size_t>(2, named.alternatives.size()); ++a) {
       const auto& other = named.alternatives[a];
       std::printf("    rather than %s: odds %s%s%s\n", identification::words(other.effect).c_str(),
@@ -132,6 +138,8 @@ void keep_laws(const std::string& name, identification::Diagnosis& diagnosis) {
     if (identification::has_memory(learned.family)) {
       law.first_branch = learned.slot;
       law.branches = diagnosis.rig.rig.laws.branch_count - learned.slot;
+    } else if (identification::is_surface(learned.family)) {
+      law.surface = learned.slot;
     } else {
       law.curve = learned.slot;
     }
@@ -140,6 +148,25 @@ void keep_laws(const std::string& name, identification::Diagnosis& diagnosis) {
     diagnosis.rig.laws.push_back(std::move(law));
   }
   if (diagnosis.laws.empty()) diagnosis.remarks.push_back("no law was learned: nothing is kept as " + name);
+}
+
+/// The card of an effect.
+nlohmann::ordered_json card_json(const firmware::CatalogueEntry& entry) {
+  nlohmann::ordered_json json{{"name", entry.name},
+                              {"subsystem", model::name(entry.subsystem)},
+                              {"equation", entry.equation},
+                              {"shows", entry.shows},
+                              {"parameters", nlohmann::ordered_json::array()},
+                              {"rigs", nlohmann::ordered_json::array()},
+                              {"needs_fdva", entry.needs_fdva},
+                              {"needs_air_spring", entry.needs_air_spring}};
+  for (const model::EffectParameter& p : entry.parameters) {
+    json["parameters"].push_back({{"name", p.name}, {"unit", p.unit}, {"lower", p.lower}, {"upper", p.upper}});
+  }
+  for (std::size_t kind = 0; kind < model::rig_kind_names.size(); ++kind) {
+    if (entry.rigs.contains(static_cast<model::RigKind>(kind))) json["rigs"].push_back(model::rig_kind_names[kind]);
+  }
+  return json;
 }
 
 }  // namespace
@@ -154,19 +181,23 @@ void run_diagnosis(const DiagnoseOptions& options) {
                                  " (did you mean " + firmware::in_quotes(firmware::nearest(options.explain, names)) +
                                  "?)");
     }
-    std::printf("%s", identification::explanation(*entry).c_str());
+    if (!write_json(options.json, options.json.empty() ? nlohmann::ordered_json() : card_json(*entry))) {
+      std::printf("%s", identification::explanation(*entry).c_str());
+    }
     return;
   }
   if (options.rig.empty() || options.data.empty() || options.out.empty()) {
     throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --explain EFFECT");
   }
   const firmware::RigDescription description = firmware::read_rig(options.rig);
+  firmware::refuse_compensation(description, "diagnose");
   check_name(options.keep_law, description);
   std::vector<identification::Record> records;
   const identification::Use use = options.holdout.empty() ? identification::Use::shared : identification::Use::fitted;
   const auto read = [&](const std::vector<fs::path>& files, identification::Use as) {
     for (const fs::path& file : files) {
-      for (firmware::Recording& part : read_parts(file, description.channels, description.sample_rate)) {
+      for (firmware::Recording& part :
+           read_parts(file, description.channels, description.sample_rate, description.rig.kind)) {
         records.push_back({std::move(part), as});
       }
     }
@@ -192,11 +223,12 @@ void run_diagnosis(const DiagnoseOptions& options) {
   firmware::OutputFile verdict(options.out / "verdict.json"), report(options.out / "report.html"),
       rig(options.out / "rig.toml");
   verdict.write(identification::to_json(diagnosis).dump(2) + "\n");
-  report.write(identification::report_html(diagnosis, description));
+  report.write(with_how_made(identification::report_html(diagnosis, description)));
   rig.write(identification::result_rig(diagnosis.rig, options.rig.filename().string()));
   verdict.commit();
   report.commit();
   rig.commit();
+  if (write_json(options.json, identification::to_json(diagnosis))) return;
   print(diagnosis, options.out);
 }
 
@@ -208,6 +240,7 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
   command->add_option("--holdout", options.holdout,
                       "Recording for validation, not used for fitting (default: the last quarter of each --data)");
   command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
+  add_json_option(*command, options.json, "the verdict, or the card of --explain,");
   command->add_option("--keep-law", options.keep_law, "Name of a learned law in rig.toml, as [laws.NAME]");
   command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
   command->callback([&options] { run_diagnosis(options); });

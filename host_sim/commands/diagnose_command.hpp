@@ -15,6 +15,7 @@ struct DiagnoseOptions {
   std::filesystem::path rig, out;
   std::vector<std::filesystem::path> data, holdout;
   std::string keep_law;  ///< name under which a learned law stands in rig.toml; empty: law_1
+  std::string json;      ///< file for the verdict, - for standard output
   std::string explain;   ///< name of an effect; the other options are then unused
 };
 void run_diagnosis(const DiagnoseOptions& options);

@@ -215,7 +215,8 @@ void measure_responses(const FrfOptions& options) {
   if (options.rig) rig = firmware::read_rig(*options.rig);
   std::vector<firmware::Recording> recordings;
   for (const auto& file : options.data) {
-    for (firmware::Recording& part : rig ? read_parts(file, rig->channels, rig->sample_rate) : read_parts(file)) {
+    for (firmware::Recording& part :
+         rig ? read_parts(file, rig->channels, rig->sample_rate, rig->rig.kind) : read_parts(file)) {
       recordings.push_back(std::move(part));
     }
   }

@@ -10,6 +10,8 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/paper/paper_report.hpp"
 
@@ -45,8 +47,10 @@ void reproduce_paper(const PaperOptions& options) {
     experiments = paper::experiment([&progress](double share) { progress.show(share); });
   }
   const std::vector<paper::Statement> statements = paper::statements(experiments);
-  firmware::write_file(options.out / "report.html", paper::paper_report(experiments, statements).html());
-  firmware::write_file(options.out / "paper.json", paper::paper_json(experiments, statements));
+  const std::string json = paper::paper_json(experiments, statements);
+  firmware::write_file(options.out / "report.html", with_how_made(paper::paper_report(experiments, statements).html()));
+  firmware::write_file(options.out / "paper.json", json);
+  if (write_json(options.json, nlohmann::ordered_json::parse(json))) return;
 
   for (const paper::Statement& s : statements) {
     std::printf("%-14s %s\n%14s %s\n", s.agrees ? "agrees" : "does not agree", s.paper.c_str(), "", s.finding.c_str());
@@ -61,6 +65,7 @@ void reproduce_paper(const PaperOptions& options) {
 void add_paper(CLI::App& app, PaperOptions& options) {
   CLI::App* command = app.add_subcommand("paper", "Reproduce the paper's figures from the shipped rigs");
   command->add_option("--out", options.out, "Folder for report.html and paper.json")->required();
+  add_json_option(*command, options.json, "paper.json here, too,");
   command->callback([&options] { reproduce_paper(options); });
 }
 

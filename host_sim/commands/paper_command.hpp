@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): not ours
 class App;
@@ -11,6 +12,7 @@ namespace host_sim {
 
 struct PaperOptions {
   std::filesystem::path out;
+  std::string json;  ///< paper.json here, too; "-": standard output
 };
 
 /// Writes report.html and paper.json into the folder `out`, which is created if it does not exist; other files in it

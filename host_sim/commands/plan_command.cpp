@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <optional>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/road_choice.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/identification/common/multisine.hpp"
@@ -93,6 +95,7 @@ void run_plan(const PlanOptions& options) {
     throw firmware::UsageError("--json and --report name the same file, expected two files");
   }
   const firmware::RigDescription rig = firmware::read_rig(options.rig);
+  firmware::refuse_compensation(rig, "plan");
   const firmware::RoadChoice road{options.road, options.speed, options.seed, std::nullopt, std::nullopt};
   plan::Setting setting;
   setting.motion = firmware::excitation(
@@ -116,7 +119,7 @@ void run_plan(const PlanOptions& options) {
     const std::string over = options.road + " at " + firmware::shortest(options.speed) + " m/s" +
                              (options.level == 1.0 ? "" : ", level " + firmware::shortest(options.level));
     report.emplace(options.report);
-    report->write(plan::report_html(made, rig, over));
+    report->write(with_how_made(plan::report_html(made, rig, over)));
   }
   if (json) json->commit();
   if (report) report->commit();

@@ -2,11 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/version.hpp"
+#include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/road_choice.hpp"
 #include "firmware/simulation/simulated_rig.hpp"
@@ -14,6 +16,7 @@
 #include "host_sim/closed_loop/trace.hpp"
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
+#include "host_sim/compensation/compensated_stability.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "host_sim/signal/summary.hpp"
 
@@ -52,10 +55,36 @@ void print_channels(const firmware::Recording& recording) {
   }
 }
 
+std::string json_of(const SimulateOptions& options, const Run& run, const firmware::RigDescription& rig) {
+  nlohmann::ordered_json json{{"recording", options.out.string()},
+                              {"kind", model::name(rig.rig.kind)},
+                              {"samples", run.recording.size()},
+                              {"sample_rate", rig.sample_rate},
+                              {"road", options.road},
+                              {"speed", options.speed},
+                              {"seed", options.seed},
+                              {"trace", hexadecimal(trace_hash(run.recording))},
+                              {"trip", nullptr},
+                              {"limited_commands", run.counters.limited_commands}};
+  if (firmware::is_fault(run.trip.reason)) {
+    json["trip"] = {
+        {"reason", firmware::name(run.trip.reason)}, {"time", run.trip.time.seconds()}, {"text", describe(run.trip)}};
+  }
+  for (std::size_t i = 0; i < model::channel_count; ++i) {
+    const auto& column = run.recording.channels[i];
+    if (column.empty()) continue;
+    const auto [rms, lowest, highest] = summarise(column);
+    json["channels"][std::string(model::channel_names[i].name)] = {
+        {"unit", model::channel_names[i].unit}, {"rms", rms}, {"lowest", lowest}, {"highest", highest}};
+  }
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 void simulate(const SimulateOptions& options) {
   const firmware::RigDescription rig = firmware::read_rig(options.rig);
+  compensation::refuse_unstable_compensation(rig);
   const std::size_t samples = firmware::samples_of(options.duration, rig.sample_rate);
   const firmware::RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
   const firmware::FootPointMotion motion =
@@ -77,15 +106,25 @@ void simulate(const SimulateOptions& options) {
                                    " simulate: " + std::string(model::name(rig.rig.kind)) + ", " + options.road + ", " +
                                    firmware::shortest(options.speed) + " m/s, seed " + std::to_string(options.seed));
   write_recording(options.out, run.recording);
+  const bool only_json = options.json == "-";
+  if (!options.json.empty()) {
+    const std::string json = json_of(options, run, rig);
+    if (only_json) {
+      std::fputs(json.c_str(), stdout);
+    } else {
+      firmware::write_file(options.json, json);
+    }
+  }
+  if (firmware::is_fault(run.trip.reason)) {
+    std::fprintf(stderr, "rigtwin: the firmware stopped the run: %s\n", describe(run.trip).c_str());
+  }
+  if (only_json) return;
 
   std::printf("%s: %s, %.6g s at %.6g Hz over %s at %.4g m/s, seed %llu\n", options.rig.c_str(),
               std::string(model::name(rig.rig.kind)).c_str(),
               static_cast<double>(run.recording.size()) / rig.sample_rate, rig.sample_rate, options.road.c_str(),
               options.speed, static_cast<unsigned long long>(options.seed));
   print_channels(run.recording);
-  if (firmware::is_fault(run.trip.reason)) {
-    std::fprintf(stderr, "rigtwin: the firmware stopped the run: %s\n", describe(run.trip).c_str());
-  }
   if (run.counters.limited_commands > 0) {
     std::printf("  %llu commands were slowed down to the speed limit of %.3g m/s\n",
                 static_cast<unsigned long long>(run.counters.limited_commands), rig.controller.speed);
@@ -97,7 +136,10 @@ void simulate(const SimulateOptions& options) {
 void add_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::App* command = app.add_subcommand("simulate", "Drive a simulated rig over a road through the firmware");
   command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
-  command->add_option("--out", options.out, "Recording to write: CSV, or MATLAB if the name ends in .mat")->required();
+  command
+      ->add_option("--out", options.out,
+                   "Recording to write; the ending decides: .csv, .mat, .mcap, .tsv and .de.csv (spreadsheets)")
+      ->required();
   command->add_option("--road", options.road, "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m]")
       ->capture_default_str();
   command->add_option("--speed", options.speed, "Speed over the road [m/s]")
@@ -118,6 +160,7 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
                    "Frequency below which the spectrum of an ISO 8608 road is flat [Hz] (default: 0.05)")
       ->check(number_within(0.001, 10.0));
   command->add_flag("--no-noise", options.no_noise, "Simulate the sensors without noise");
+  command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
   command->callback([&options] { simulate(options); });
 }
 

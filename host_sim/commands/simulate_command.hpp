@@ -22,6 +22,7 @@ struct SimulateOptions {
   std::optional<double> bandwidth;  ///< of an ISO 8608 road [Hz]
   std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]
   bool no_noise = false;
+  std::string json;  ///< file, - for standard output
 };
 void simulate(const SimulateOptions& options);
 

@@ -2,16 +2,18 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <set>
 
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/loop_limits.hpp"
 #include "host_sim/commands/progress.hpp"
+#include "host_sim/compensation/stability_section.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/report/json.hpp"
 #include "host_sim/stability/report/stability_report.hpp"
@@ -79,7 +81,7 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
 
 void print_sampled(const StabilityAnalysis& a) {
   if (!a.sampled) {
-    std::printf("sampled loop: not analysed, the delay exceeds the model's delay line at this sample rate\n");
+    std::printf("sampled loop: not analysed: a skyhook or a lever, or a delay beyond the model's line at this rate\n");
     return;
   }
   const auto& s = *a.sampled;
@@ -89,6 +91,38 @@ void print_sampled(const StabilityAnalysis& a) {
     std::printf("  sampling and hold add %s of delay (%.2f steps): critical delay %s\n",
                 milliseconds(*s.added_delay).c_str(), *s.added_delay / s.period,
                 text("%.6g ms", 1e3 * *s.critical_delay).c_str());
+  }
+}
+
+void print_varying(const StabilityAnalysis& a) {
+  if (!a.varying) return;
+  const auto& v = *a.varying;
+  std::printf("delay that varies from %s to %s\n", milliseconds(v.lowest).c_str(), milliseconds(v.highest).c_str());
+  std::printf("  slowly: %s; rightmost root %.4g %+.4gj 1/s at %s\n",
+              v.stable ? "stable at every delay of the range" : "unstable within the range", v.worst_root.real(),
+              v.worst_root.imag(), milliseconds(v.worst_delay).c_str());
+  if (v.at_any_speed) {
+    std::printf("  at any speed: proven stable up to %s above the lowest (sufficient), %s\n",
+                milliseconds(*v.at_any_speed).c_str(),
+                v.stable_at_any_speed() ? "the whole range" : "not the whole range: its speed decides");
+  }
+}
+
+std::string border_text(const stability::LocatedBorder& border) {
+  if (!border.stable_undelayed) return "unstable";
+  return border.critical_delay ? milliseconds(*border.critical_delay) : std::string("none");
+}
+
+void print_locations(const StabilityAnalysis& a) {
+  std::printf("interface location: critical delay, and with the component's force times a factor\n  %-20s %12s",
+              "hardware", "as given");
+  for (const double factor : stability::component_factors) std::printf(" %11s", text("× %.4g", factor).c_str());
+  std::printf("\n");
+  for (const auto& map : a.locations) {
+    std::printf("  %-20s %12s", std::string(stability::interface_names[static_cast<std::size_t>(map.location)]).c_str(),
+                border_text(map.given).c_str());
+    for (const auto& border : map.borders) std::printf(" %10s", border_text(border).c_str());
+    std::printf("\n");
   }
 }
 
@@ -167,46 +201,34 @@ void print_amplitudes(const stability::OverAmplitude& over) {
   if (!over.left_out.empty()) std::printf("  not counted: %s\n", joined(over.left_out).c_str());
 }
 
-/// Sample age and computation that the loop may have on top of the delays that the description states [s]: four fifths
-/// of the way to the border of the sampled loop, for every number of ducts that the run opens. The fifth is for what
-/// the description does not know; at half of it (0.9) the slowest decay would halve, at twice (0.6) few rigs would be
-/// left. Throws InputError where a loop is not stable.
-double allowed_delay(const firmware::RigDescription& description) {
-  constexpr double share = 0.8;
-  constexpr double longest = 0.5;  // [s] what a description may say
-  constexpr double step = 1e-6;    // [s] rounded down to
-  std::set<int> counts{description.rig.fdva.open_ducts};
-  for (const auto& entry : description.controller.valve_plan)
-    counts.insert(std::popcount(static_cast<unsigned>(entry.open)));
-  double allowed = longest;
-  for (const int open : counts) {
-    firmware::RigDescription with = description;
-    with.rig.fdva.open_ducts = open;
-    const StabilityAnalysis a = stability::analyse(with);
-    const std::string ducts = with.rig.has_fdva ? " with " + std::to_string(open) + " open ducts" : "";
-    if (!a.stable || (a.sampled && !a.sampled->stable())) {
-      throw firmware::InputError(description.source, 0, "the loop" + ducts + " is " + stability::verdict(a),
-                                 "a stable loop; nothing was written");
-    }
-    const double stated = a.delay - with.delay_budget.sensor_age - with.delay_budget.computation;
-    std::optional<double> border;
-    if (a.sampled) border = a.sampled->critical_delay;
-    if (!border && a.margins.critical_delay) border = *a.margins.critical_delay - 0.5 * with.period();
-    if (border) allowed = std::min(allowed, share * (*border - stated));
+void print_compensated(const compensation::CompensatedStability& s) {
+  std::printf("with compensation %s: spectral radius %.6g, assumed %.4g ms of %.4g ms of delay\n",
+              std::string(name(s.kind)).c_str(), s.spectral_radius, 1e3 * s.assumed_delay, 1e3 * s.delay);
+  std::printf("  %14s %14s %10s\n", "Re [1/s]", "Im [1/s]", "f [Hz]");
+  constexpr std::size_t most = 6;
+  for (std::size_t i = 0; i < std::min(most, s.roots.size()); ++i) {
+    std::printf("  %14.7g %14.7g %10.4f\n", s.roots[i].real(), s.roots[i].imag(), s.roots[i].imag() / full_turn);
   }
-  allowed = std::floor(allowed / step + 1e-9) / 1e6;
-  if (!(allowed > 0.0)) {
-    throw firmware::InputError(description.source, 0, "the described delays leave nothing for samples and computation",
-                               "less delay or more damping; nothing was written");
+  const auto factor = [](const std::optional<double>& gain) {
+    return gain ? text("%.4g", *gain) : std::string("none");
+  };
+  if (s.stable) {
+    std::printf("  force factor at the border: %s above 1, %s below\n", factor(s.upper_gain).c_str(),
+                factor(s.lower_gain).c_str());
   }
-  return allowed;
+  std::printf("  true - described delay [ms], spectral radius:");
+  for (std::size_t i = 0; i < s.mismatch.error.size(); i += 2) {
+    std::printf(" %.3g: %.4f", 1e3 * s.mismatch.error[i], s.mismatch.radius[i]);
+  }
+  std::printf("\n");
 }
 
-void write_limits(const firmware::RigDescription& description) {
+void write_limits(const firmware::RigDescription& description, const std::string& json) {
   const double allowed = allowed_delay(description);
   const std::string fingerprint = firmware::loop_fingerprint(description);
   firmware::write_file(description.source,
                        firmware::with_loop_proof(description.text, description.source, allowed, fingerprint));
+  if (write_json(json, {{"rig", description.source}, {"allowed_delay", allowed}, {"proven", fingerprint}})) return;
   std::printf("%s: stable; [controller] allowed_delay = %.6g s, proven = %.20s…\n", description.source.c_str(), allowed,
               fingerprint.c_str());
 }
@@ -231,7 +253,7 @@ void examine_stability(const StabilityOptions& options) {
         "kind = \"hil\"");
   }
   if (options.write_limits) {
-    write_limits(description);
+    write_limits(description, options.json ? options.json->string() : "");
     return;
   }
   if (options.report && options.json == options.report) {
@@ -244,7 +266,8 @@ void examine_stability(const StabilityOptions& options) {
     sweeps.push_back(stability::parse_axis(sweep, description.rig, description.period()));
   }
 
-  const StabilityAnalysis analysis = stability::analyse(description, options.line);
+  StabilityAnalysis analysis = stability::analyse(description, options.line);
+  analysis.locations = stability::compare_locations(description.rig);
   nlohmann::ordered_json json = stability::to_json(analysis, description);
   const stability::LoopFamily family(description.rig, description.delay_budget.sum());
   std::vector<stability::PoleSweep> swept;
@@ -258,9 +281,30 @@ void examine_stability(const StabilityOptions& options) {
   std::optional<stability::OverAmplitude> over;
   if (options.amplitude) over = stability::over_amplitude(description, *options.amplitude);
 
+  std::optional<compensation::CompensatedStability> compensated;
+  std::optional<compensation::MismatchMap> mismatch;
+  if (description.compensation) {
+    compensated = compensation::compensated_stability(description, description.delay_budget.sum());
+    if (options.report) {
+      Progress progress("map of assumed and true delay");
+      mismatch = compensation::mismatch_map(description, description.delay_budget.sum(),
+                                            [&](double share) { progress.show(share); });
+    }
+    json["stable_without_compensation"] = json["stable"];
+    json["stable"] = compensated->stable;
+    json["compensation"] = compensation::to_json(*compensated, mismatch);
+  }
+
   if (options.report) {
-    const stability::StabilityFindings findings{description, analysis, swept, map, over};
-    firmware::write_file(*options.report, stability::stability_report(findings).html());
+    stability::StabilityFindings findings{description, analysis, swept, map, over};
+    if (compensated) {
+      findings.compensated =
+          "With compensation " + std::string(name(compensated->kind)) + " the loop is " + in_words(*compensated) + ".";
+      findings.compensated_stable = compensated->stable;
+    }
+    report::Report page = stability::stability_report(findings);
+    if (compensated) compensation::add_stability_section(page, *compensated, *mismatch);
+    firmware::write_file(*options.report, with_how_made(page.html()));
   }
   const bool only_json = options.json && *options.json == "-";
   if (options.json) {
@@ -280,10 +324,19 @@ void examine_stability(const StabilityOptions& options) {
     }
     firmware::write_file(*options.json, bytes);
   }
-  std::printf("%s: %s\n", options.rig.c_str(), stability::verdict(analysis).c_str());
+  if (compensated) {
+    std::printf("%s: with compensation %s %s\n", options.rig.c_str(), std::string(name(compensated->kind)).c_str(),
+                in_words(*compensated).c_str());
+    print_compensated(*compensated);
+    std::printf("without it: %s\n", stability::verdict(analysis).c_str());
+  } else {
+    std::printf("%s: %s\n", options.rig.c_str(), stability::verdict(analysis).c_str());
+  }
   print_roots(analysis);
   print_border(analysis, description.rig.machine.virtual_damping);
   print_sampled(analysis);
+  print_varying(analysis);
+  print_locations(analysis);
   print_pade(analysis);
   print_budget(analysis);
   print_sensitivities(analysis);
@@ -300,7 +353,8 @@ void examine_stability(const StabilityOptions& options) {
 }
 
 void add_stability(CLI::App& app, StabilityOptions& options) {
-  CLI::App* command = app.add_subcommand("stability", "Delay stability of a hil rig: poles, critical delay, margins");
+  CLI::App* command = app.add_subcommand(
+      "stability", "Delay stability of a hil rig: poles, critical delay, margins, interface location, varying delay");
   command->add_option("--rig", options.rig, "Rig description (TOML), kind = \"hil\"");
   command->add_option("--write-limits", options.write_limits,
                       "Write into this rig description for which loop it was found stable, and the delay that is left: "

@@ -10,6 +10,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/sweep/merge.hpp"
 #include "host_sim/sweep/rig_case.hpp"
@@ -38,11 +39,7 @@ nlohmann::ordered_json to_json(const sweep::Merged& merged) {
 
 void merge_folder(const std::filesystem::path& folder, const std::string& json) {
   const sweep::Merged merged = sweep::merge_into_files(folder);
-  if (!json.empty() && json != "-") firmware::write_file(json, to_json(merged).dump(1) + "\n");
-  if (json == "-") {
-    std::printf("%s\n", to_json(merged).dump(1).c_str());
-    return;
-  }
+  if (write_json(json, to_json(merged))) return;
   std::printf("%s cases, none missing, none twice; %s failed\n", number(merged.cases.count).c_str(),
               number(merged.failed).c_str());
   if (merged.failed > 0) std::printf("  %s\n", merged.first_failure.c_str());
@@ -99,7 +96,11 @@ void sweep_command(const SweepOptions& options) {
   }
   if (!given) {
     merge_folder(options.out, options.json);
-  } else if (options.json != "-") {
+    return;
+  }
+  const nlohmann::ordered_json json{
+      {"shard", shard.text()}, {"cases", work.cases}, {"computed", work.now}, {"all_cases", plan.cases.count}};
+  if (!write_json(options.json, json)) {
     std::printf("when all shards are done: rigtwin sweep --merge %s\n", options.out.c_str());
   }
 }
@@ -115,7 +116,7 @@ void add_sweep(CLI::App& app, SweepOptions& options) {
   command->add_option("--jobs", options.jobs, "Cases at once (default: all processors, of a shard 1)")
       ->check(CLI::Range(1, 1024));
   command->add_option("--merge", options.merge, "Folder whose results become results.csv and results.jsonl");
-  command->add_option("--json", options.json, "Write the summary as JSON (- for standard output)");
+  add_json_option(*command, options.json, "the summary");
   command->callback([&options] { sweep_command(options); });
 }
 

@@ -107,6 +107,7 @@ bool has_lanes(LaneUse use) {
 
 bool alike(const model::RigParameters<double>& a, const model::RigParameters<double>& b) {
   if (a.laws.any() || b.laws.any()) return false;  // a table is looked up for one rig at a time
+  if (a.has_extensions() || b.has_extensions()) return false;
   if (a.kind != b.kind || a.has_fdva != b.has_fdva || active_effects(a) != active_effects(b)) return false;
   if (a.has_fdva && (a.fdva.ducts != b.fdva.ducts || a.fdva.open_ducts != b.fdva.open_ducts)) return false;
   const std::vector<double> of_a = numbers_of(a), of_b = numbers_of(b);

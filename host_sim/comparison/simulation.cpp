@@ -6,6 +6,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
+#include "firmware/loop/area_control.hpp"
 
 namespace host_sim {
 namespace {
@@ -16,10 +17,24 @@ using Rig = model::RigParameters<double>;
 
 /// Without the machine: what is known to have been reached needs no machine.
 Rig without_machine(Rig rig) {
+  rig.delay_variation = {};
   rig.effects.for_each([](auto& slot) {
     if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::machine) slot.active = false;
   });
   return rig;
+}
+
+/// The area that the skyhook of the control loop has commanded, from the body's displacement.
+std::vector<double> commanded_area(const Rig& rig, const std::vector<double>& body, double period) {
+  const firmware::AreaControl<true> control(rig);
+  if (!control.wanted() || body.size() < 5) return {};
+  std::vector<double> area(body.size());
+  for (std::size_t k = 0; k < body.size(); ++k) {
+    const std::size_t c = std::clamp<std::size_t>(k, 2, body.size() - 3);  // at the ends that of the nearest sample
+    const double velocity = (8.0 * (body[c + 1] - body[c - 1]) - (body[c + 2] - body[c - 2])) / (12.0 * period);
+    area[k] = control.command(velocity);
+  }
+  return area;
 }
 
 /// On a wheel that moves as prescribed: a tyre so stiff that the wheel follows within (ω² m_w/k = 3e-5 at 40 Hz), at
@@ -50,6 +65,7 @@ SimulationInput simulation_input(const Rig& rig, const firmware::Recording& reco
     input.channel = input.deflection_reached ? Channel::x_act : Channel::x_cmd;
     input.motion = firmware::through_samples(
         recording.required(input.channel, "drives the simulation of a component_bench"), rate);
+    input.area = commanded_area(rig, recording[Channel::z_b], input.period);
   } else {
     input.motion = firmware::through_samples(recording.required(Channel::z_r, "drives the simulation"), rate);
     if (recording.has(Channel::zdd_r)) {
@@ -125,7 +141,7 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
   model::MachinePath<double> machine{};
   model->parameters().effects.act_on(machine);
   model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
-  if (bench) reached = {first.position, first.velocity};
+  reached = bench ? model::Stroke<double>{first.position, first.velocity} : model->component_stroke(reached);
   reached.position -= reached.velocity * machine.delay;
   auto x = model->start(start, first, reached);
   if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();
@@ -136,6 +152,7 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
     if (k + 1 == count) return response;
     if (k > 0 && variation.every > 0 && k % variation.every == 0) become(variation.at(k));
     if (!input.ducts.empty() && input.ducts[k] != x.ducts.open()) model->open_ducts(x, input.ducts[k]);
+    if (!input.area.empty()) model->command_area(x, input.area[k]);
     const auto& next = input.motion[k + 1];
     const double actuator_force = input.actuator_force.empty() ? 0.0 : input.actuator_force[k + 1];
     for (int substep = 1; substep < substeps; ++substep) {

@@ -21,10 +21,14 @@ namespace host_sim {
 /// Between samples z_r and x move on cubic Hermite polynomials whose velocities are differences of fourth order. z̈_r,
 /// which only sensors with inertia see, is the recorded zdd_r; without it second differences of z_r, which multiply the
 /// noise of z_r by 2.7/h².
+///
+/// A component_bench with a skyhook is the hardware of a hil rig: the area of its air spring was commanded by the body
+/// velocity of the virtual car, the fourth-order difference of the recorded z_b. Without z_b the area stays at rest.
 struct SimulationInput {
   double period = 0.0;                           ///< [s]
   firmware::FootPointMotion motion;              ///< foot point or command
   std::vector<double> actuator_force;            ///< F_act [N]; empty: none
+  std::vector<double> area;                      ///< u_c of an air spring, held from each sample on; empty: see below
   std::vector<model::OpenDucts> ducts;           ///< in force from each sample on; empty: as in the rig description
   bool deflection_reached = false;               ///< motion is x_act
   bool wheel_prescribed = false;                 ///< motion is the wheel's; what is below it is not simulated

@@ -25,21 +25,25 @@ void require_finite(const firmware::RigDescription& description, const PreparedD
 
 }  // namespace
 
-Diagnosis diagnose(const firmware::RigDescription& description, std::vector<Record> records,
-                   const ProgressCallback& progress) {
+Identified identify(const firmware::RigDescription& description, std::vector<Record> records,
+                    const ProgressCallback& progress) {
   PreparedData data = prepare(description, std::move(records));                 // prepare/
   const Hypothesis given = described_hypothesis(description, data.recordings);  // predict/
   require_finite(description, data, given);
   IdentificationProblem problem(std::move(data.recordings), given);                          // noise/
   std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());  // parity/
-  const SearchSpace space = search_space(description, problem.samples(), given);             // estimate/
+  SearchSpace space = search_space(description, problem.samples(), given);                   // estimate/
   SearchResult found = select_model(problem, space, progress);                               // select/
   leave_out_events(description, problem, space, progress, found);
-  const Learned learned = learn_laws(problem, space, progress, found);  // learn/
-  Diagnosis diagnosis =
-      assess(description, problem, space, std::move(relations), std::move(found), learned);  // assess/
+  Learned learned = learn_laws(problem, space, progress, found);                                    // learn/
+  Diagnosis diagnosis = assess(description, problem, space, std::move(relations), found, learned);  // assess/
   diagnosis.remarks.insert(diagnosis.remarks.begin(), data.remarks.begin(), data.remarks.end());
-  return diagnosis;  // report/ writes it down
+  return {std::move(problem), std::move(space), std::move(found), std::move(learned), std::move(diagnosis)};
+}
+
+Diagnosis diagnose(const firmware::RigDescription& description, std::vector<Record> records,
+                   const ProgressCallback& progress) {
+  return identify(description, std::move(records), progress).diagnosis;  // report/ writes it down
 }
 
 }  // namespace host_sim::identification

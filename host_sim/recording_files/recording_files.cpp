@@ -1,5 +1,8 @@
+#include "host_sim/recording_files/recording_files.hpp"
+
 #include <algorithm>
 #include <cctype>
+#include <functional>
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
@@ -9,17 +12,25 @@
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/recording/recording_file.hpp"
 #include "firmware/recording/recording_gaps.hpp"
+#include "host_sim/recording_files/export/mcap_file.hpp"
+#include "host_sim/recording_files/export/spreadsheet.hpp"
+#include "host_sim/recording_files/measurement_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
+#include "host_sim/recording_files/tables/table_recording.hpp"
+#include "host_sim/recording_files/text/text_encoding.hpp"
+#include "host_sim/recording_files/text/text_table.hpp"
 
 namespace host_sim {
 namespace {
 
-bool is_called_mat(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
+bool is_called(const std::filesystem::path& file, std::string_view ending) {
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".mat";
+  return name.size() > ending.size() && name.ends_with(ending);
 }
+
+bool is_called_mat(const std::filesystem::path& file) { return is_called(file, ".mat"); }
 
 // What a caller hands to be written must be whole: columns of one length, as a reader will expect them.
 void check_columns(const std::filesystem::path& file, const firmware::Recording& recording) {
@@ -34,34 +45,99 @@ void check_columns(const std::filesystem::path& file, const firmware::Recording&
   for (const firmware::ExtraColumn& extra : recording.extra) check(extra.name, extra.values.size());
 }
 
-firmware::Recording read(const std::filesystem::path& file, const firmware::ChannelMap& map,
-                         std::optional<double> expected_rate, firmware::Missing missing) {
+// Text that is no recording of the contract, as a table.
+firmware::Recording read_foreign_text(std::string text, const std::string& source, const RigContext& rig,
+                                      firmware::Missing missing) {
+  RawTable table;
+  try {
+    table = read_text_table(text, source);
+  } catch (const firmware::InputError&) {
+    if (!looks_like_text(text)) throw;
+    // No table: the strict reader says better why.
+    static_cast<void>(firmware::parse_recording_csv(text, source, rig.channels, rig.rate, missing));
+    throw;
+  }
+  return read_table_recording(table, rig, missing);
+}
+
+// A contract file with lines between its rows or words for missing values: once more with the other reader, which
+// leaves them out and says so. Short rows and other words stay errors; own files are whole or damaged.
+firmware::Recording read_contract_text(const std::string& text, const std::string& source, const RigContext& rig,
+                                       firmware::Missing missing) {
+  try {
+    return firmware::parse_recording_csv(text, source, rig.channels, rig.rate, missing);
+  } catch (const firmware::InputError&) {
+    if (missing == firmware::Missing::refuse || text.find(firmware::recording_mark) < 4096) throw;
+    RawTable table;
+    try {
+      table = read_text_table(text, source);
+      const bool damaged = std::any_of(table.faults.begin(), table.faults.end(),
+                                       [](const RawFault& fault) { return !fault.says_missing; });
+      if (damaged || (table.faults.empty() && table.notes.empty())) throw;
+      return read_table_recording(table, rig, missing);
+    } catch (const firmware::InputError&) {
+    }
+    throw;
+  }
+}
+
+firmware::Recording read(const std::filesystem::path& file, const RigContext& rig, firmware::Missing missing) {
   const std::string source = file.string();
   const firmware::RecordingFile opened(file);
-  if (opened.is_matlab()) return read_recording_mat(file, map, expected_rate, missing);
-  if (is_called_mat(file) && !opened.head().empty()) {
+  const FileKind kind = kind_of_file(file, opened.head(), opened.is_matlab());
+  if (kind == FileKind::matlab) {
+    std::vector<Leaf> leaves = read_mat_leaves(file);
+    if (is_contract_mat(file, leaves, rig.channels)) {
+      return read_recording_mat(file, std::move(leaves), rig.channels, rig.rate, missing);
+    }
+    return read_table_recording(table_of_mat(file, leaves), rig, missing);
+  }
+  if (is_called_mat(file) && kind == FileKind::text && !opened.head().empty()) {
     throw firmware::InputError(source, 0, "is not a MATLAB 5 or 7.3 file", "one saved with -v6, -v7 or -v7.3");
   }
-  return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, map, expected_rate, missing);
+  if (kind != FileKind::text) {
+    std::string bytes = kind == FileKind::tdms ? read_whole(opened.descriptor(), opened.head(), source) : std::string();
+    return read_table_recording(read_measurement(file, kind, std::move(bytes)), rig, missing);
+  }
+  // What is no text is refused at its first line, however long it is: a device may be endless.
+  if (!looks_like_text(opened.head())) {
+    return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, rig.channels, rig.rate, missing);
+  }
+  if (opened.head().find(firmware::recording_mark) != std::string::npos &&
+      is_contract_csv(opened.head(), rig.channels)) {
+    return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, rig.channels, rig.rate, missing);
+  }
+  std::string text = read_whole(opened.descriptor(), opened.head(), source);
+  if (is_contract_csv(text, rig.channels)) return read_contract_text(text, source, rig, missing);
+  return read_foreign_text(std::move(text), source, rig, missing);
 }
 
 }  // namespace
 
 firmware::Recording read_recording(const std::filesystem::path& file, const firmware::ChannelMap& map,
                                    std::optional<double> expected_rate) {
-  return read(file, map, expected_rate, firmware::Missing::refuse);
+  return read(file, {map, expected_rate, std::nullopt}, firmware::Missing::refuse);
 }
 
 std::vector<firmware::Recording> read_parts(const std::filesystem::path& file, const firmware::ChannelMap& map,
-                                            std::optional<double> usual_rate) {
-  return firmware::pieces_of(read(file, map, usual_rate, firmware::Missing::mark));
+                                            std::optional<double> usual_rate, std::optional<model::RigKind> kind) {
+  return firmware::pieces_of(read(file, {map, usual_rate, kind}, firmware::Missing::mark));
 }
 
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording) {
   check_columns(file, recording);
   if (is_called_mat(file)) return write_recording_mat(file, recording);
   firmware::OutputFile output(file);
-  firmware::format_recording_csv(recording, [&](std::string_view text) { output.write(text); });
+  const std::function<void(std::string_view)> take = [&](std::string_view bytes) { output.write(bytes); };
+  if (is_called(file, ".mcap")) {
+    format_mcap(recording, take);
+  } else if (is_called(file, ".tsv")) {
+    format_spreadsheet(recording, SpreadsheetStyle::decimal_point, take);
+  } else if (is_called(file, ".de.csv")) {
+    format_spreadsheet(recording, SpreadsheetStyle::decimal_comma, take);
+  } else {
+    firmware::format_recording_csv(recording, take);
+  }
   output.commit();
 }
 

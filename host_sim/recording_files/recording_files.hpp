@@ -7,17 +7,21 @@
 
 #include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
+#include "model/channel.hpp"
 
 namespace host_sim {
 
-/// Reads a CSV or MATLAB (5 or 7.3) file; the content decides the format. InputError unless:
+/// Reads a recording; the content decides the format. CSV and MATLAB files of the contract's form are read as they
+/// stand. Other files – text of other programs, structures in MATLAB files, NI TDMS, HDF5 – are interpreted first
+/// (tables/interpretation.hpp): units are converted, and a name that is no channel's is guessed. Every such step stands
+/// in the recording's remark. InputError unless:
 ///
 ///   values     each used value is finite; ducts are 0 or 1; rows are complete
 ///   time       increases; each step is T ± (q + 10⁻³ T), their mean T ± 10⁻⁴ T, where T = 1/expected_rate and q is
 ///              the rounding of the stamps as printed (0 where T is a multiple of it). 10⁻³ T of jitter is an error of
 ///              2π f · 10⁻³ T ≈ 1.6·10⁻⁴ in a signal of f = 25 Hz at 1 kHz, as large as that of a simulation; 10⁻⁴
 ///              is the tolerance of a quartz clock; a missing sample is a step of 2 T.
-///   units      a unit in a header is the SI unit, unless the map has an entry for the column
+///   units      a unit in a header is one of the quantity's dimension, unless the map has an entry with a scale
 ///
 /// Without expected_rate T is the mean step of the recording. A file written by rigtwin is marked in its first comment
 /// (recording_mark); the map is not applied to it. A file written by rig_controller has a column `late`: late periods
@@ -31,13 +35,16 @@ namespace host_sim {
 /// rows and 10 % with long gaps, are marked (Recording::filled), and a recording with gaps beyond 20 ms comes in parts
 /// (firmware/recording/recording_gaps.hpp). The remark of the first part says what was left out. The recording may run
 /// at another rate than `usual_rate`, the rig's, which only counts where it is that one (firmware::rate_if_usual); its
-/// grid may be rounded (firmware::recover_grid).
+/// grid may be rounded (firmware::recover_grid). The kind of the rig serves the guesses. In files of other programs
+/// short rows and values that are no numbers are left out as missing ones are.
 [[nodiscard]] std::vector<firmware::Recording> read_parts(const std::filesystem::path& file,
                                                           const firmware::ChannelMap& map = {},
-                                                          std::optional<double> usual_rate = std::nullopt);
+                                                          std::optional<double> usual_rate = std::nullopt,
+                                                          std::optional<model::RigKind> kind = std::nullopt);
 
-/// Writes all columns present, `t` first: MATLAB 5 if the name ends in .mat, else CSV with the shortest decimals that
-/// read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).
+/// Writes all columns present, `t` first, by the ending of the name: .mat MATLAB 5, .mcap MCAP with JSON messages, .tsv
+/// and .de.csv text for spreadsheet programs (with decimal point and comma), else CSV. Texts have the shortest decimals
+/// that read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).
 /// OutputError if it cannot be written.
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording);
 

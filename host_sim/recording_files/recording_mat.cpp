@@ -1,26 +1,13 @@
-// Recordings as MATLAB files, by matio.
-//
-// A damaged file can crash matio and HDF5 (several such defects of the versions in Debian 12 are public). The file is
-// therefore read in a child process that sends the vectors through a pipe; a crash of the child is an unreadable file.
-// The libraries may also stop early without an error. A count detects this: the elements of a MATLAB 5 file fill it
-// exactly, and the number of variables read must equal the number of elements.
+// Recordings as MATLAB files, by matio: vectors in the names of the contract, and structures of other programs.
+#include "host_sim/recording_files/recording_mat.hpp"
+
 #include <matio.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <csignal>
-#include <cstdint>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -35,21 +22,11 @@
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_gaps.hpp"
 #include "firmware/recording/sample_checks.hpp"
-
-#if defined(__SANITIZE_ADDRESS__)
-#define RIGTWIN_ADDRESS_SANITIZER 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define RIGTWIN_ADDRESS_SANITIZER 1
-#endif
-#endif
+#include "host_sim/recording_files/binary/leaf_table.hpp"
+#include "host_sim/recording_files/binary/matlab_leaves.hpp"
 
 namespace host_sim {
 namespace {
-
-constexpr std::string_view a_whole_file = "a whole MATLAB 5 or 7.3 file";
-constexpr rlim_t most_memory = rlim_t{4} << 30U;  // [byte]: what a damaged length may make the libraries ask for
-constexpr rlim_t most_processor_time = 120;       // [s]: a damaged file may make them go round in circles
 
 struct FreeVariable {
   void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
@@ -59,253 +36,6 @@ struct CloseFile {
   void operator()(mat_t* file) const { Mat_Close(file); }
 };
 using MatFile = std::unique_ptr<mat_t, CloseFile>;
-
-// --- Structure of a MATLAB 5 file, without the libraries --------------------------------------------------------
-
-// The number of elements (variables) of a MATLAB 5 file: header of 128 bytes, then elements of a tag (type, length) and
-// their bytes, those of uncompressed ones padded to 8. An InputError when the last does not end where the file ends;
-// none for a file that is HDF5.
-std::optional<std::size_t> count_elements(const std::filesystem::path& path, std::string_view source) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 128> header{};
-  file.read(header.data(), header.size());
-  const bool big_endian = header[126] == 'M';
-  const char version = big_endian ? header[124] : header[125];
-  if (!file || version != 1) return std::nullopt;
-
-  const std::uint64_t size = std::filesystem::file_size(path);
-  std::size_t elements = 0;
-  for (std::uint64_t at = header.size(); at != size; ++elements) {
-    std::array<unsigned char, 8> tag{};
-    file.seekg(static_cast<std::streamoff>(at));
-    file.read(reinterpret_cast<char*>(tag.data()), tag.size());
-    const auto number = [&](std::size_t first) {
-      std::uint32_t n = 0;
-      for (std::size_t i = 0; i < 4; ++i) n = n << 8U | tag[big_endian ? first + i : first + 3 - i];
-      return n;
-    };
-    const std::uint32_t type = number(0);
-    const std::uint64_t end = at + 8 + number(4);
-    if (!file || end > size) {
-      throw firmware::InputError(source, 0, "the file breaks off in variable " + std::to_string(elements + 1),
-                                 a_whole_file);
-    }
-    if (type != MAT_T_MATRIX && type != MAT_T_COMPRESSED) {
-      throw firmware::InputError(source, 0, "the file is damaged at variable " + std::to_string(elements + 1),
-                                 a_whole_file);
-    }
-    at = end;
-  }
-  return elements;
-}
-
-// --- In the child process: the libraries -----------------------------------------------------------------------
-
-// What the child sends: variables, each a name, a state and, when it is a vector, its numbers; then `end`.
-enum class State : std::uint8_t { vector, other, no_vector, complex, end, damaged };
-
-class Sender {
- public:
-  explicit Sender(int descriptor) : descriptor_(descriptor) {}
-
-  void send(std::string_view name, State state, const std::vector<double>& numbers = {}) const {
-    const std::array<std::uint64_t, 2> sizes{name.size(), numbers.size()};
-    send(&state, sizeof state);
-    send(sizes.data(), sizeof sizes);
-    send(name.data(), name.size());
-    send(numbers.data(), numbers.size() * sizeof(double));
-  }
-
- private:
-  void send(const void* bytes, std::size_t size) const {
-    for (const char* p = static_cast<const char*>(bytes); size > 0;) {
-      const ssize_t sent = ::write(descriptor_, p, size);
-      if (sent < 0 && errno == EINTR) continue;
-      if (sent <= 0) ::_exit(1);
-      p += sent;
-      size -= static_cast<std::size_t>(sent);
-    }
-  }
-
-  int descriptor_;
-};
-
-template <class Number>
-std::vector<double> converted(const matvar_t& variable, std::size_t count) {
-  const auto* numbers = static_cast<const Number*>(variable.data);
-  std::vector<double> result(count);
-  for (std::size_t i = 0; i < count; ++i) result[i] = static_cast<double>(numbers[i]);
-  return result;
-}
-
-void send_numbers(const Sender& sender, std::string_view name, const matvar_t& variable) {
-  std::size_t count = 1;
-  int longer_than_one = 0;
-  for (int i = 0; i < variable.rank; ++i) {
-    const std::size_t length = variable.dims[i];
-    if (length != 0 && count > variable.nbytes / length) return sender.send(name, State::damaged);
-    count *= length;
-    if (length != 1) ++longer_than_one;
-  }
-  if (variable.isComplex != 0) return sender.send(name, State::complex);
-  if (longer_than_one > 1 || count == 0) return sender.send(name, State::no_vector);
-  if (variable.data == nullptr || variable.data_size <= 0 ||
-      count * static_cast<std::size_t>(variable.data_size) > variable.nbytes) {
-    return sender.send(name, State::damaged);
-  }
-  switch (variable.class_type) {
-    case MAT_C_DOUBLE:
-      return sender.send(name, State::vector, converted<double>(variable, count));
-    case MAT_C_SINGLE:
-      return sender.send(name, State::vector, converted<float>(variable, count));
-    case MAT_C_INT8:
-      return sender.send(name, State::vector, converted<std::int8_t>(variable, count));
-    case MAT_C_UINT8:
-      return sender.send(name, State::vector, converted<std::uint8_t>(variable, count));
-    case MAT_C_INT16:
-      return sender.send(name, State::vector, converted<std::int16_t>(variable, count));
-    case MAT_C_UINT16:
-      return sender.send(name, State::vector, converted<std::uint16_t>(variable, count));
-    case MAT_C_INT32:
-      return sender.send(name, State::vector, converted<std::int32_t>(variable, count));
-    case MAT_C_UINT32:
-      return sender.send(name, State::vector, converted<std::uint32_t>(variable, count));
-    case MAT_C_INT64:
-      return sender.send(name, State::vector, converted<std::int64_t>(variable, count));
-    case MAT_C_UINT64:
-      return sender.send(name, State::vector, converted<std::uint64_t>(variable, count));
-    default:
-      return sender.send(name, State::other);
-  }
-}
-
-// Every variable of the file; a structure as its fields, called "structure.field". Only wanted ones with their numbers.
-void send_variables(const Sender& sender, const char* path, const std::function<bool(std::string_view)>& wanted) {
-  const MatFile file(Mat_Open(path, MAT_ACC_RDONLY));
-  if (!file) return sender.send("", State::damaged);
-  const auto send = [&](const std::string& name, const matvar_t& variable) {
-    wanted(name) ? send_numbers(sender, name, variable) : sender.send(name, State::other);
-  };
-  std::size_t count = 0;
-  while (const Variable variable{Mat_VarReadNext(file.get())}) {
-    ++count;
-    const std::string name = variable->name == nullptr ? "" : variable->name;
-    const bool single = variable->rank == 2 && variable->dims[0] == 1 && variable->dims[1] == 1;
-    if (variable->class_type != MAT_C_STRUCT || !single) {
-      send(name, *variable);
-      continue;
-    }
-    char* const* fields = Mat_VarGetStructFieldnames(variable.get());
-    for (unsigned i = 0; fields != nullptr && i < Mat_VarGetNumberOfFields(variable.get()); ++i) {
-      const matvar_t* field = Mat_VarGetStructFieldByIndex(variable.get(), i, 0);
-      if (field != nullptr && fields[i] != nullptr) send(name + "." + fields[i], *field);
-    }
-  }
-  sender.send(std::to_string(count), State::end);
-}
-
-[[noreturn]] void be_child(int descriptor, const std::string& path,
-                           const std::function<bool(std::string_view)>& wanted) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
-    std::signal(signal, SIG_DFL);  // dies of it, and leaves the parent's files alone
-  }
-  const rlimit no_core{0, 0};
-  const rlimit time{most_processor_time, most_processor_time};
-  ::setrlimit(RLIMIT_CORE, &no_core);
-  ::setrlimit(RLIMIT_CPU, &time);
-#if !defined(RIGTWIN_ADDRESS_SANITIZER)  // reserves terabytes for itself
-  const rlimit memory{most_memory, most_memory};
-  ::setrlimit(RLIMIT_DATA, &memory);
-#endif
-  static_cast<void>(std::freopen("/dev/null", "w", stderr));  // what HDF5 has to say about a damaged file
-  try {
-    send_variables(Sender(descriptor), path.c_str(), wanted);
-    ::_exit(0);
-  } catch (...) {
-    ::_exit(1);
-  }
-}
-
-// --- In the parent: what the child sends ------------------------------------------------------------------------
-
-class Receiver {
- public:
-  explicit Receiver(int descriptor) : descriptor_(descriptor) {}
-
-  struct Message {
-    std::string name;
-    State state;
-    std::vector<double> numbers;
-  };
-
-  // The next message; none when the child has ended without `end`.
-  std::optional<Message> receive() const {
-    Message message{};
-    std::array<std::uint64_t, 2> sizes{};
-    if (!receive(&message.state, sizeof message.state) || !receive(sizes.data(), sizeof sizes)) return std::nullopt;
-    // A child whose memory is damaged may send anything.
-    if (message.state > State::damaged || sizes[0] > most_memory || sizes[1] > most_memory / sizeof(double)) {
-      return std::nullopt;
-    }
-    message.name.resize(sizes[0]);
-    message.numbers.resize(sizes[1]);
-    if (!receive(message.name.data(), sizes[0])) return std::nullopt;
-    if (!receive(message.numbers.data(), sizes[1] * sizeof(double))) return std::nullopt;
-    return message;
-  }
-
- private:
-  bool receive(void* bytes, std::size_t size) const {
-    for (char* p = static_cast<char*>(bytes); size > 0;) {
-      const ssize_t got = ::read(descriptor_, p, size);
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return false;
-      p += got;
-      size -= static_cast<std::size_t>(got);
-    }
-    return true;
-  }
-
-  int descriptor_;
-};
-
-// The child process, ended at the latest when this object is.
-class Child {
- public:
-  Child(const std::string& path, const std::function<bool(std::string_view)>& wanted) {
-    std::array<int, 2> pipe{};
-    if (::pipe(pipe.data()) != 0) throw_cannot_start(path);
-    process_ = ::fork();
-    if (process_ == 0) {
-      ::close(pipe[0]);
-      be_child(pipe[1], path, wanted);
-    }
-    ::close(pipe[1]);
-    descriptor_ = pipe[0];
-    if (process_ < 0) {
-      ::close(descriptor_);
-      throw_cannot_start(path);
-    }
-  }
-  ~Child() {
-    ::close(descriptor_);
-    ::kill(process_, SIGKILL);
-    while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
-    }
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  [[nodiscard]] int descriptor() const { return descriptor_; }
-
- private:
-  [[noreturn]] static void throw_cannot_start(std::string_view source) {
-    throw firmware::InputError(source, 0, std::string("cannot start a process to read it: ") + std::strerror(errno),
-                               "a free process");
-  }
-
-  pid_t process_ = -1;
-  int descriptor_ = -1;
-};
 
 std::string header_text(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -330,60 +60,77 @@ void read_names(std::vector<firmware::Heading>& headings, const firmware::Channe
   for (firmware::Heading& heading : headings) heading.name = after_dot(heading.text);
 }
 
+bool is_top_level(const Leaf& leaf) {
+  return std::count(leaf.path.begin(), leaf.path.end(), '.') <= 1 && leaf.path.find_first_of("({") == std::string::npos;
+}
+
+std::vector<firmware::Heading> headings_of(const std::vector<Leaf>& leaves, const firmware::ChannelMap& map) {
+  std::vector<firmware::Heading> headings;
+  for (const Leaf& leaf : leaves) headings.push_back({leaf.path, leaf.path, std::nullopt});
+  read_names(headings, map);
+  return headings;
+}
+
 }  // namespace
 
-firmware::Recording read_recording_mat(const std::filesystem::path& path, const firmware::ChannelMap& map,
-                                       std::optional<double> expected_rate, firmware::Missing missing) {
+std::vector<Leaf> read_mat_leaves(const std::filesystem::path& path) {
+  std::vector<Leaf> leaves = read_matlab_leaves(path);
+  if (leaves.empty()) {
+    throw firmware::InputError(path.string(), 0, "no variable can be read",
+                               "a whole MATLAB 5 or 7.3 file with a vector t");
+  }
+  return leaves;
+}
+
+bool is_contract_mat(const std::filesystem::path& path, const std::vector<Leaf>& leaves,
+                     const firmware::ChannelMap& map) {
+  if (header_text(path).find(firmware::recording_mark) != std::string::npos) return true;
+  std::vector<Leaf> top;
+  for (const Leaf& leaf : leaves) {
+    if (is_top_level(leaf)) top.push_back({leaf.path});
+  }
+  try {
+    static_cast<void>(firmware::find_targets(headings_of(top, map), map, path.string(), 0));
+    return true;
+  } catch (const firmware::InputError&) {
+    return false;
+  }
+}
+
+RawTable table_of_mat(const std::filesystem::path& path, const std::vector<Leaf>& leaves) {
+  std::optional<RawTable> table = table_of_leaves(leaves, '.', path.string(), "MATLAB");
+  if (!table) {
+    throw firmware::InputError(path.string(), 0, "there is no column t", "a first column t, in seconds");
+  }
+  return std::move(*table);
+}
+
+firmware::Recording read_recording_mat(const std::filesystem::path& path, std::vector<Leaf> variables,
+                                       const firmware::ChannelMap& map, std::optional<double> expected_rate,
+                                       firmware::Missing missing) {
   firmware::Recording recording;
   recording.source = path.string();
   const std::string& source = recording.source;
-  const auto damaged = [&](std::string_view where) {
-    return firmware::InputError(source, 0, "the file is damaged" + std::string(where), a_whole_file);
-  };
-  const std::optional<std::size_t> elements = count_elements(path, source);
-
-  std::vector<firmware::Heading> headings;
-  std::vector<Receiver::Message> variables;
-  {
-    const Child child(source, [&](std::string_view name) {
-      const std::string_view field = after_dot(name);
-      return firmware::find_quantity(field) || std::any_of(map.begin(), map.end(), [&](const auto& entry) {
-               return entry.second.column == name || entry.second.column == field;
-             });
-    });
-    const Receiver receiver(child.descriptor());
-    for (;;) {
-      std::optional<Receiver::Message> message = receiver.receive();
-      if (!message) throw damaged(variables.empty() ? "" : " after variable " + variables.back().name);
-      if (message->state == State::damaged) throw damaged(" in variable " + message->name);
-      if (message->state == State::end) {
-        if (elements && message->name != std::to_string(*elements)) throw damaged(" after variable " + message->name);
-        break;
-      }
-      headings.push_back({message->name, message->name, std::nullopt});
-      variables.push_back(std::move(*message));
-    }
-  }
-  if (variables.empty())
-    throw firmware::InputError(source, 0, "no variable can be read", std::string(a_whole_file) + " with a vector t");
+  std::erase_if(variables, [](const Leaf& leaf) { return !is_top_level(leaf); });
 
   const bool own = header_text(path).find(firmware::recording_mark) != std::string::npos;
   const firmware::ChannelMap in_force = own ? firmware::ChannelMap{} : map;
-  read_names(headings, in_force);
+  const std::vector<firmware::Heading> headings = headings_of(variables, in_force);
   const std::vector<std::optional<firmware::Target>> targets = firmware::find_targets(headings, in_force, source, 0);
   const firmware::RecordingLocation location{source};
   for (std::size_t i = 0; i < variables.size(); ++i) {
-    Receiver::Message& variable = variables[i];
+    Leaf& variable = variables[i];
     if (!targets[i]) {
-      recording.ignored_columns.push_back(variable.name);
+      recording.ignored_columns.push_back(variable.path);
       continue;
     }
     constexpr std::string_view numbers = "a vector of real numbers";
-    if (variable.state == State::complex) throw firmware::InputError(source, 0, variable.name + " is complex", numbers);
-    if (variable.state == State::no_vector)
-      throw firmware::InputError(source, 0, variable.name + " is not a vector", numbers);
-    if (variable.state == State::other)
-      throw firmware::InputError(source, 0, variable.name + " is not numeric", numbers);
+    if (variable.kind == LeafKind::complex)
+      throw firmware::InputError(source, 0, variable.path + " is complex", numbers);
+    if (variable.kind != LeafKind::numbers) {
+      throw firmware::InputError(source, 0, variable.path + " is not numeric", numbers);
+    }
+    if (!variable.is_vector()) throw firmware::InputError(source, 0, variable.path + " is not a vector", numbers);
     std::vector<double>& column = values(recording, targets[i]->quantity);
     column = std::move(variable.numbers);
     for (std::size_t k = 0; k < column.size(); ++k) {

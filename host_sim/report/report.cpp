@@ -42,14 +42,20 @@ th.words, td.words { text-align: left; white-space: normal; min-width: 7rem; }
 details { margin: .6rem 0; }
 summary { cursor: pointer; font-weight: 600; }
 pre { background: #f7f7f7; padding: .7rem; overflow-x: auto; font-size: .85rem; line-height: 1.35; }
+pre.made { white-space: pre-wrap; overflow-wrap: anywhere; }
 footer { margin-top: 2.5rem; font-size: .9rem; color: #444; }
+@page { size: A4; margin: 15mm; }
 @media print {
   body { max-width: none; padding: 0; font-size: 10.5pt; }
   nav, .modebar-container { display: none !important; }
-  figure, tr, .verdict { break-inside: avoid; }
-  h2 { break-after: avoid; }
+  figure, tr, .verdict, .short { break-inside: avoid; }
+  h2, h3, caption, thead, summary { break-after: avoid; }
+  p { orphans: 3; widows: 3; }
   pre { white-space: pre-wrap; overflow: visible; }
   .scroll { overflow: visible; }
+  table { font-size: .85em; }
+  th, td { white-space: normal; padding-right: .5rem; }
+  th.words, td.words { min-width: 0; }
 }
 )";
 
@@ -92,10 +98,19 @@ constexpr std::string_view drawing = R"(
   }, function (error) { console.error(error); });
   window.addEventListener("beforeprint", function () {
     document.querySelectorAll("details").forEach(function (part) { part.open = true; });
-    places.forEach(function (place) { Plotly.relayout(place, {width: 680}); });
+    places.forEach(function (place) {  // two figures of one or two panels fit on a page
+      const panels = Object.keys(place.layout).filter(function (key) { return key.startsWith("yaxis"); }).length;
+      const height = (panels > 2 ? 1 : 0.78) * place.clientHeight;
+      place.dataset.screen = String(place.clientHeight);
+      place.style.height = height + "px";
+      Plotly.relayout(place, {width: 680, height: height});
+    });
   });
   window.addEventListener("afterprint", function () {
-    places.forEach(function (place) { Plotly.relayout(place, {width: null, autosize: true}); });
+    places.forEach(function (place) {
+      place.style.height = place.dataset.screen + "px";
+      Plotly.relayout(place, {width: null, height: Number(place.dataset.screen), autosize: true});
+    });
   });
 })();
 )";
@@ -109,6 +124,9 @@ constexpr std::string_view listening = R"(
   window.addEventListener("unhandledrejection", count);
 })();
 )";
+
+/// Where with_origin() writes: in the footer, once a page.
+constexpr std::string_view origin_mark = "<div id=\"origin\"></div>\n";
 
 std::string section_id(std::size_t i) { return "section-" + std::to_string(i + 1); }
 
@@ -198,7 +216,9 @@ void Report::add_table(const Table& table) {
     return std::string("<") + tag + (column < table.text_columns ? " class=\"words\">" : ">") + escaped(text) + "</" +
            tag + ">";
   };
-  body_ += "<div class=\"scroll\"><table><caption>" + escaped(table.title) + "</caption>\n<thead><tr>";
+  constexpr std::size_t short_table = 15;  // rows that stay together on paper
+  body_ += std::string("<div class=\"scroll") + (table.rows.size() <= short_table ? " short" : "") +
+           "\"><table><caption>" + escaped(table.title) + "</caption>\n<thead><tr>";
   for (std::size_t i = 0; i < table.headings.size(); ++i) body_ += cell("th", i, table.headings[i]);
   body_ += "</tr></thead>\n<tbody>\n";
   for (const auto& row : table.rows) {
@@ -214,6 +234,19 @@ void Report::add_table(const Table& table) {
 
 void Report::add_appendix(std::string_view title, std::string_view text) {
   appendices_ += "<details><summary>" + escaped(title) + "</summary>\n<pre>" + escaped(text) + "</pre></details>\n";
+}
+
+std::string with_origin(std::string page, const Origin& origin) {
+  const std::size_t at = page.rfind(origin_mark);
+  if (at == std::string::npos) throw std::logic_error("a page without a place for its origin");
+  std::string text = "<h2>How this page was made</h2>\n<pre class=\"made\">rigtwin " + std::string(firmware::version) +
+                     "\n$ " + escaped(origin.command) + "\n";
+  for (const Origin::Input& input : origin.inputs) text += "\n" + input.sha256 + "  " + escaped(input.file);
+  if (!origin.inputs.empty()) text += "\n";
+  text +=
+      "</pre>\n<p>The same version and command with inputs of the same SHA-256 (sha256sum prints it) give this page "
+      "again.</p>\n";
+  return page.replace(at, origin_mark.size(), text);
 }
 
 std::string Report::html() const {
@@ -240,8 +273,9 @@ std::string Report::html() const {
     page += "<details><summary>Licence of Plotly.js, which draws the figures</summary>\n<pre>" +
             escaped(embedded_file("plotly-LICENSE")) + "</pre></details>\n";
   }
-  page += "<p>Made by " + name +
-          ". Drag over a figure to zoom, double-click to reset, point at a curve to read values.</p>\n</footer>\n";
+  page += std::string(origin_mark) + "<p>Made by " + name + "." +
+          (figures_ > 0 ? " Drag over a figure to zoom, double-click to reset, point at a curve to read values." : "") +
+          "</p>\n</footer>\n";
   if (figures_ > 0) {
     page += "<script>" + in_script(embedded_file("plotly-cartesian.min.js")) + "</script>\n<script>" +
             std::string(drawing) + "</script>\n";

@@ -108,6 +108,8 @@ class Report {
   void add_section(std::string_view title);  ///< listed in the contents
   void add_text(std::string_view paragraph);
   void add_verdict(Verdict verdict, std::string_view sentence);
+  /// A piece of HTML as it is: the caller answers for it. The manual's text; not for words of a user.
+  void add_html(std::string_view trusted) { body_ += trusted; }
   void add_figure(const Figure& figure);
   void add_table(const Table& table);
   /// A folded section at the end with the text as given, such as a rig description.
@@ -122,6 +124,19 @@ class Report {
   std::size_t figures_ = 0;
   std::string first_;  // parts before the table of contents
 };
+
+/// How a page was made.
+struct Origin {
+  struct Input {
+    std::string file;    ///< as the user named it
+    std::string sha256;  ///< of its bytes
+  };
+  std::string command;
+  std::vector<Input> inputs{};
+};
+
+/// `page`, the text of a Report, with version, command and inputs in its footer, so that it can be made again.
+[[nodiscard]] std::string with_origin(std::string page, const Origin& origin);
 
 /// The number with `digits` significant digits: 15.25, −0.0031, 4.5e-07.
 [[nodiscard]] std::string figure_text(double value, int digits = 4);

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/rig_writer.hpp"
 #include "firmware/description/table/rig_description_table.hpp"
 #include "firmware/description/text/input_error.hpp"
@@ -31,6 +32,7 @@ class PlanReader {
   [[nodiscard]] SweepPlan read() {
     plan_.rig_file = folder_ / top_.text("rig");
     plan_.rig = firmware::read_rig(plan_.rig_file);
+    firmware::refuse_compensation(plan_.rig, "sweep");
     if (top_.has("seed")) plan_.seed = whole("seed", 0, most_cases);
     if (top_.has("repeats")) plan_.repeats = whole("repeats", 1, most_cases);
     if (auto run = top_.table("run")) read_run(*run);

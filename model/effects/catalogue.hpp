@@ -12,6 +12,7 @@
 #include "model/effects/actuator_lag.hpp"
 #include "model/effects/actuator_rate_limit.hpp"
 #include "model/effects/actuator_resonance.hpp"
+#include "model/effects/air_leak.hpp"
 #include "model/effects/asymmetric_damper.hpp"
 #include "model/effects/backlash.hpp"
 #include "model/effects/body_guide_damping.hpp"
@@ -20,6 +21,7 @@
 #include "model/effects/bump_stop.hpp"
 #include "model/effects/coulomb_friction.hpp"
 #include "model/effects/force_sensor_inertia.hpp"
+#include "model/effects/gas_exponent.hpp"
 #include "model/effects/moving_mass.hpp"
 #include "model/effects/position_ripple.hpp"
 #include "model/effects/progressive_spring.hpp"
@@ -34,6 +36,7 @@
 #include "model/effects/sensor_offset.hpp"
 #include "model/effects/sensor_saturation.hpp"
 #include "model/effects/stribeck_friction.hpp"
+#include "model/effects/stuck_area.hpp"
 #include "model/effects/top_mount.hpp"
 #include "model/effects/tyre_lift_off.hpp"
 #include "model/effects/viscous_damping.hpp"
@@ -61,33 +64,48 @@ using Slots = std::tuple<Slot<Effect>...>;
 template <class... Effect>
 using SensorSlots = std::tuple<ChannelSlots<Effect>...>;
 
-/// The effects of a rig. Laws of the tyre act on each other's result, in this order.
+/// The effects of rigs without an air spring. Laws of the tyre act on each other's result, in this order.
 template <class S>
-using RigEffects = Slots<ActuatorDelay<S>,       //
-                         ActuatorLag<S>,         //
-                         ActuatorResonance<S>,   //
-                         ActuatorRateLimit<S>,   //
-                         CoulombFriction<S>,     //
-                         StribeckFriction<S>,    //
-                         ViscousDamping<S>,      //
-                         QuadraticDamping<S>,    //
-                         AsymmetricDamper<S>,    //
-                         ProgressiveSpring<S>,   //
-                         BoucWen<S>,             //
-                         PositionRipple<S>,      //
-                         BumpStop<S>,            //
-                         Backlash<S>,            //
-                         TopMount<S>,            //
-                         Relaxation<S>,          //
-                         SealFriction<S>,        //
-                         BodyGuideFriction<S>,   //
-                         WheelGuideFriction<S>,  //
-                         BodyGuideDamping<S>,    //
-                         WheelGuideDamping<S>,   //
-                         ProgressiveTyre<S>,     //
-                         TyreLiftOff<S>,         //
-                         ForceSensorInertia<S>,  //
-                         MovingMass<S>>;
+using UsualEffects = Slots<ActuatorDelay<S>,       //
+                           ActuatorLag<S>,         //
+                           ActuatorResonance<S>,   //
+                           ActuatorRateLimit<S>,   //
+                           CoulombFriction<S>,     //
+                           StribeckFriction<S>,    //
+                           ViscousDamping<S>,      //
+                           QuadraticDamping<S>,    //
+                           AsymmetricDamper<S>,    //
+                           ProgressiveSpring<S>,   //
+                           BoucWen<S>,             //
+                           PositionRipple<S>,      //
+                           BumpStop<S>,            //
+                           Backlash<S>,            //
+                           TopMount<S>,            //
+                           Relaxation<S>,          //
+                           SealFriction<S>,        //
+                           BodyGuideFriction<S>,   //
+                           WheelGuideFriction<S>,  //
+                           BodyGuideDamping<S>,    //
+                           WheelGuideDamping<S>,   //
+                           ProgressiveTyre<S>,     //
+                           TyreLiftOff<S>,         //
+                           ForceSensorInertia<S>,  //
+                           MovingMass<S>>;
+
+/// The effects of air springs. A microcontroller's programs have no air spring.
+#if defined(RIGTWIN_WITHOUT_LAWS)
+template <class S>
+using AirSpringEffects = Slots<>;
+#else
+template <class S>
+using AirSpringEffects = Slots<AirLeak<S>,    //
+                               StuckArea<S>,  //
+                               GasExponent<S>>;
+#endif
+
+/// The effects of a rig, in this order.
+template <class S>
+using RigEffects = decltype(std::tuple_cat(UsualEffects<S>{}, AirSpringEffects<S>{}));
 
 /// The effects of a channel's sensor.
 template <class S>
@@ -199,7 +217,7 @@ concept ActsOn = requires(const Effect& effect, Part& part) {
 template <class Effect>
 concept ActsOnRig = ActsOn<Effect, MachinePath<double>> || ActsOn<Effect, SuspensionComponent<double>> ||
     ActsOn<Effect, Piston<double>> || ActsOn<Effect, Guides<double>> || ActsOn<Effect, WheelLoadSensor<double>> ||
-    ActsOn<Effect, LoadCell<double>>;
+    ActsOn<Effect, LoadCell<double>> || ActsOn<Effect, AirSpringCondition<double>>;
 
 template <class Effect>
 [[nodiscard]] consteval bool is_complete() {

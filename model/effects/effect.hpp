@@ -15,10 +15,10 @@
 namespace model {
 
 /// The part of a rig on which an effect acts.
-enum class Subsystem : unsigned char { machine, suspension, fdva, body_guide, wheel_guide, tyre, sensor };
+enum class Subsystem : unsigned char { machine, suspension, fdva, body_guide, wheel_guide, tyre, sensor, air_spring };
 
-inline constexpr std::array<std::string_view, 7> subsystem_names{"machine",     "suspension", "fdva",  "body guide",
-                                                                 "wheel guide", "tyre",       "sensor"};
+inline constexpr std::array<std::string_view, 8> subsystem_names{"machine",     "suspension", "fdva",   "body guide",
+                                                                 "wheel guide", "tyre",       "sensor", "air spring"};
 
 [[nodiscard]] constexpr std::string_view name(Subsystem subsystem) {
   return subsystem_names[static_cast<std::size_t>(subsystem)];
@@ -149,7 +149,8 @@ struct EffectCard {
   std::string_view name;
   Subsystem subsystem;
   RigKinds rigs;
-  bool needs_fdva = false;  ///< only where the rig has an FDVA
+  bool needs_fdva = false;        ///< only where the rig has an FDVA
+  bool needs_air_spring = false;  ///< only where it has an air spring
   std::array<EffectParameter, ParameterCount> parameters;
   std::string_view equation;
   std::string_view shows;  ///< how it shows in a recording

@@ -33,9 +33,11 @@ enum class LawOver : std::uint8_t { velocity, deflection };
 inline constexpr std::size_t curve_points = 33;    ///< 2 … 33
 inline constexpr std::size_t surface_points = 17;  ///< in each direction, 2 … 17
 
-/// How many laws of each kind a rig has room for. Without room they cost neither code nor memory.
+/// How many laws of each kind a rig has room for, and for the extensions of a rig. Without room
+/// they cost neither code nor memory.
 struct LawCapacity {
   std::size_t curves = 0, surfaces = 0, branches = 0;
+  bool extensions = false;  ///< air spring, lever, delay that varies
   [[nodiscard]] constexpr bool any() const { return curves + surfaces + branches > 0; }
   friend constexpr bool operator==(const LawCapacity&, const LawCapacity&) = default;
 };
@@ -43,7 +45,7 @@ inline constexpr LawCapacity no_laws{};
 #if defined(RIGTWIN_WITHOUT_LAWS)
 inline constexpr LawCapacity usual_laws = no_laws;  // a microcontroller's programs, which choose for themselves
 #else
-inline constexpr LawCapacity usual_laws{.curves = 8, .surfaces = 1, .branches = 8};
+inline constexpr LawCapacity usual_laws{.curves = 8, .surfaces = 1, .branches = 8, .extensions = true};
 #endif
 /// Rigs side by side in lanes have no laws.
 template <class S>

@@ -1,8 +1,17 @@
 // What a board carries: the control loop for all rig kinds on a handful of registers, and no model of the rig around
-// it. This program is what loop.ld holds to 76 KiB of flash and 16 KiB of RAM.
+// it. This program is what loop.ld holds to 78 KiB of flash and 16 KiB of RAM.
+//
+// The same source with RIGTWIN_SEMI_ACTIVE is a second program, of a larger board: the quarter car with Kalman filter
+// and rollout beside the loop, and the hil rig with each compensation of its machine's delay, within 192 KiB of flash
+// and 336 KiB of RAM (semi_active.ld).
 #include <optional>
 
 #include "tests/board/run.hpp"
+
+#ifdef RIGTWIN_SEMI_ACTIVE
+#include "firmware/loop/compensation/compensator.hpp"
+#include "firmware/loop/semi_active.hpp"
+#endif
 
 namespace {
 
@@ -131,7 +140,47 @@ hal::SensorSetup fitted(model::RigKind kind) {
   return setup;
 }
 
-void ride(const model::RigParameters<double>& parameters) {
+#ifdef RIGTWIN_SEMI_ACTIVE
+/// All sensors of the quarter car, one road state each of contact and foot point, 20 ms of valve delay.
+firmware::SemiActive& semi_active(const model::RigParameters<double>& parameters, double period) {
+  static firmware::KalmanSettings kalman;
+  const auto noise = [](model::Channel channel, double rms) { kalman.noise[model::index(channel)] = rms; };
+  noise(model::Channel::z_r, 2e-5);
+  noise(model::Channel::zdd_r, 0.05);
+  noise(model::Channel::zdd_w, 0.05);
+  noise(model::Channel::zdd_b, 0.05);
+  noise(model::Channel::F_w, 10.0);
+  noise(model::Channel::dz_w, 5e-5);
+  noise(model::Channel::dz_b, 5e-5);
+  static constexpr firmware::DuctPolicySettings policy = [] {
+    firmware::DuctPolicySettings rollout;
+    rollout.policy = firmware::DuctPolicyKind::rollout;
+    rollout.delay = 0.020;
+    return rollout;
+  }();
+  static const firmware::EstimatorEquations equations(kalman, parameters);
+  static firmware::SteadyGains gains(equations, period);
+  static firmware::SemiActive both(equations, gains, policy, period);
+  return both;
+}
+
+/// Of a machine that is 5 ms late. (This one is not late: what counts here is work and bits.)
+firmware::compensation::Compensator& compensator(const model::RigParameters<double>& parameters,
+                                                 firmware::compensation::Kind kind, double period) {
+  static firmware::compensation::Settings settings;
+  settings.kind = kind;
+  settings.machine.delay = 0.005;
+  settings.damping = 300.0;
+  settings.component = {parameters.suspension.stiffness, 0.0, true, parameters.fdva};
+  static std::optional<firmware::compensation::Compensator> place;
+  return place.emplace(settings, period);
+}
+using Compensations = std::optional<firmware::compensation::Kind>;
+#else
+struct Compensations {};
+#endif
+
+void ride(const model::RigParameters<double>& parameters, [[maybe_unused]] Compensations compensation = {}) {
   board::paint_stack();
   static std::optional<Board> rig;
   static std::optional<Waves> waves;
@@ -146,15 +195,32 @@ void ride(const model::RigParameters<double>& parameters) {
   }();
   rig.emplace(fitted(parameters.kind));
   loop.emplace(settings, parameters, rig->roles(), waves.emplace(), board::valves, journal);
+  std::string_view name = model::name(parameters.kind);
+#ifdef RIGTWIN_SEMI_ACTIVE
+  if (compensation) {
+    loop->attach(compensator(parameters, *compensation, settings.period.seconds()));
+    name = firmware::compensation::name(*compensation);
+  } else if (parameters.kind == model::RigKind::quarter_car) {
+    loop->attach(semi_active(parameters, settings.period.seconds()));
+  }
+#endif
   const unsigned long deepest = board::deepest_stack();
-  board::run(model::name(parameters.kind), *loop, journal, rig->clock, deepest);
+  board::run(name, *loop, journal, rig->clock, deepest);
 }
 
 }  // namespace
 
 extern "C" int trace() {
   board::start_timer();
+#ifdef RIGTWIN_SEMI_ACTIVE
+  ride(rigs[1]);
+  ride(rigs[0]);
+  for (std::size_t kind = 0; kind < firmware::compensation::kind_names.size(); ++kind) {
+    ride(rigs[0], static_cast<firmware::compensation::Kind>(kind));
+  }
+#else
   for (const auto& rig : rigs) ride(rig);
+#endif
   return 0;
 }
 

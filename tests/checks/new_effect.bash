@@ -1,7 +1,8 @@
 #!/bin/bash
-# new_effect.bash -- a new effect is one new file and one entry in the list of effects. The example of model/README.md is added to a
-# copy of the tree; simulate, stability, diagnose and rig_controller then know it.
+# new_effect.bash RIGTWIN -- a new effect is one new file, its test, and one entry in the list of effects. `rigtwin new-effect` adds the
+# example of model/README.md to a copy of the tree; its test passes, and simulate, stability, diagnose and rig_controller then know it.
 . "$(dirname "$0")/common.bash"
+made_by=$1
 need g++
 folder=$builds/new_effect
 tree=$folder/tree
@@ -14,18 +15,27 @@ tar --exclude=node_modules -cf - CMakeLists.txt CMakePresets.json LICENSE NOTICE
 ln -s "$PWD/host_sim/report/node_modules" "$tree/host_sim/report/node_modules"
 
 effect=$tree/model/effects/helper_spring.hpp
+test=$tree/tests/model/effects/helper_spring_test.cpp
 list=$tree/model/effects/catalogue.hpp
-sed -n '/^ *```cpp$/,/^ *```$/p' model/README.md | sed '/```/d; s/^   //' >"$effect"
-grep -q '^struct HelperSpring {$' "$effect" || { echo "model/README.md shows no struct HelperSpring"; exit 1; }
-sed -i -e '/^#include "model\/effects\/force_sensor_inertia.hpp"$/a #include "model/effects/helper_spring.hpp"' \
-  -e 's|^\( *\)ViscousDamping<S>,.*|&\n\1HelperSpring<S>,|' "$list"
-touch -r model/README.md "$effect" "$list"
+"$made_by" new-effect helper_spring --tree "$tree"
+# What model/README.md shows is what the command writes.
+diff <(sed -n '/^ *```cpp$/,/^ *```$/p' model/README.md | sed '/```/d; s/^   //') "$effect" ||
+  { echo "  ^ model/README.md (<) and rigtwin new-effect (>) differ"; exit 1; }
+if command -v clang-format >/dev/null && clang-format --version | grep -q 'version 14'; then
+  clang-format --dry-run -Werror "$effect" "$test" "$list"
+fi
+touch -r model/README.md "$effect" "$test" "$list"
 changed=$({ LC_ALL=C diff -rq --exclude=node_modules . "$tree" || true; } | grep -v '^Only in \.:' | sed "s|$tree/||g" | LC_ALL=C sort)
 expected="Files ./model/effects/catalogue.hpp and model/effects/catalogue.hpp differ
-Only in model/effects: helper_spring.hpp"
+Only in model/effects: helper_spring.hpp
+Only in tests/model/effects: helper_spring_test.cpp"
 if [ "$changed" != "$expected" ] || [ "$(diff model/effects/catalogue.hpp "$list" | grep -c '^[<>]')" != 2 ]; then
   echo "$changed"
-  echo "  ^ more or less than one new file and one entry of two lines"
+  echo "  ^ more or less than two new files and one entry of two lines"
+  exit 1
+fi
+if "$made_by" new-effect helper_spring --tree "$tree" 2>"$folder/again" || ! grep -q 'is there already' "$folder/again"; then
+  echo "the second new-effect of that name is not refused"
   exit 1
 fi
 
@@ -34,6 +44,10 @@ cmake -S "$tree" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE
   { cat "$folder/log"; exit 1; }
 cmake --build "$folder/build" --parallel "$jobs" --target rigtwin rig_controller >"$folder/log" || { tail -n 50 "$folder/log"; exit 1; }
 rigtwin=$folder/build/bin/rigtwin
+# The test by itself: the program of all tests would take as long as everything else here.
+g++ -std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -ffp-contract=off -DEIGEN_DONT_VECTORIZE -I"$folder/build/rooms/model" \
+  -isystem "$folder/build/third_party/eigen_headers" "$test" "$folder/build/model/libmodel.a" -lgtest -lgtest_main -pthread -o "$folder/its_test"
+"$folder/its_test" --gtest_brief=1
 controller=$folder/build/bin/rig_controller
 
 work=$(mktemp -d)

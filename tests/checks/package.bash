@@ -23,7 +23,7 @@ dpkg-deb -x "$package" "$folder/root"
 status=0
 for file in bin/rig_controller lib/systemd/system/rig_controller@.service lib/udev/rules.d/70-rig_controller.rules \
   lib/systemd/system-generators/rig_controller-generator \
-  share/rig_controller/limits.d/rig_controller.conf share/rig_controller/rigs/example_rig.toml \
+  share/rig_controller/limits.d/rig_controller.conf share/rig_controller/publish.conf share/rig_controller/rigs/example_rig.toml \
   share/rig_controller/rigs/example_hil.toml share/doc/rig_controller/README.md; do
   [ -s "$folder/root/usr/$file" ] || { echo "/usr/$file is missing"; status=1; }
 done

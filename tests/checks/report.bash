@@ -63,9 +63,18 @@ examine report.html 1366,768
 examine stability.html 390,844
 examine diagnosis.html 1366,768
 
-browse report.html 1366,768 --no-pdf-header-footer --print-to-pdf="$folder/paper.pdf"
-if grep 'CONSOLE' "$folder/err"; then complain "  ^ the browser's console while printing"; fi
-pages=$(grep -aoE '/Type ?/Page( |/|>|$)' "$folder/paper.pdf" | wc -l)
-echo "report.html on paper: $pages pages"
-[ "$pages" -ge 5 ] || complain "  too few pages"
+# print_out PAGE -- figures stay whole, so there are pages; two fit on one, so there are not many.
+print_out() {
+  browse "$1" 1366,768 --no-pdf-header-footer --print-to-pdf="$folder/paper.pdf"
+  if grep 'CONSOLE' "$folder/err"; then complain "  ^ the browser's console while printing"; fi
+  local pages figures
+  pages=$(grep -aoE '/Type ?/Page( |/|>|$)' "$folder/paper.pdf" | wc -l)
+  figures=$(grep -c '<figure ' "$folder/$1")
+  echo "$1 on paper: $pages pages with $figures figures"
+  [ "$((2 * pages))" -ge "$figures" ] || complain "  too few pages"
+  [ "$pages" -le "$((figures + 4))" ] || complain "  too many pages"
+}
+print_out report.html
+print_out stability.html
+print_out diagnosis.html
 exit $status

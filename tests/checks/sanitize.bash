@@ -7,9 +7,9 @@ build sanitize all rigtwin_for_checks
 
 export ASAN_OPTIONS=halt_on_error=1:strict_string_checks=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
-# Minutes of arithmetic that other tests go through as well: whole diagnoses but a few, the truth generator against itself and in series, the
+# Minutes of arithmetic that other tests go through as well: whole diagnoses but a few, whole transfers, the manual, the truth generator against itself and in series, the
 # paper's two-minute runs but one, an hour of a rig.
-export LEFT_OUT='-TruthGroups.*:TruthSimulation.*:Diagnosis.Names*:Diagnosis.Learns*:StackFit.Diagnosis*:Diagnosis.FindsANegative*:Diagnosis.IsLess*:Diagnosis.Reads*:Diagnosis.Weighs*:DiagnosisAtAnyRate.*:DiagnosisWithoutRoad.*:RecordingFaults.ASecond*:RecordingFaults.TheInputs*:SuspectParameters.Stand*:LawConstancy.Doubts*:LearnLaws.names*:Classics.*:Search.*:SelectModel.*:UnitCheck.AreNotSeen*:ParityResidual.PointsAt*:Paper.*:EnergyGuardJourney.LetsAnHour*'
+export LEFT_OUT='-TruthGroups.*:TruthSimulation.*:Diagnosis.Names*:Diagnosis.Learns*:StackFit.Diagnosis*:Diagnosis.FindsANegative*:Diagnosis.IsLess*:Diagnosis.Reads*:Diagnosis.Weighs*:DiagnosisAtAnyRate.*:DiagnosisWithoutRoad.*:RecordingFaults.ASecond*:RecordingFaults.TheInputs*:SuspectParameters.Stand*:LawConstancy.Doubts*:LearnLaws.names*:Classics.*:Search.*:SelectModel.*:UnitCheck.AreNotSeen*:ParityResidual.PointsAt*:Paper.*:EnergyGuardJourney.LetsAnHour*:TransferCommand.*:TransferCalibration.*:Manual.*:ManualPictures.*:AirSpringDiagnosis.*:SwitchedDuctsDiagnosis.*:MethodComparison.*:EstimateCommand.*:CompensationCommand.*'
 
 # A suite stays in one process, for what its tests share; suites that take long begin first, each by itself, the others a score at a time.
 export RUN="$builds/sanitize/bin/rigtwin_tests" GTEST_BRIEF=1

@@ -58,9 +58,12 @@ forbid 'what is compiled for one kind of processor shares no inline code with ot
   '(<(algorithm|functional|map|memory|optional|set|string|vector)>|"(firmware|hal)/)' $(in_room 'host_sim/comparison/lane')
 
 order firmware loop description recording simulation controller
+order firmware/loop compensation kalman duct_control
 order firmware/description text table laws values
-order firmware/controller real_time safety devices reference recording
-order host_sim signal least_squares report recording_files closed_loop comparison stability frf paper identification plan sweep commands
+order firmware/controller real_time safety devices reference recording publishing
+order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability compensation frf paper identification plan transfer sweep watch new_effect manual commands
+order host_sim/recording_files tables text binary export
 order host_sim/stability roots margins map report
 order host_sim/identification common prepare predict noise parity estimate select learn assess report
+order host_sim/transfer common posterior predict validate report
 exit $status

@@ -1,5 +1,6 @@
-// Any bytes as a MATLAB file: an InputError of one line or a recording. The file is read in a child process
-// (host_sim/recording_mat.cpp says why), so what is tested here is that nothing the libraries do there gets out.
+// Any bytes as a MATLAB or HDF5 file: an InputError of one line or a recording. The libraries read the file in a child
+// process (host_sim/recording_files/binary/isolated_reader.hpp), so the tested property is that nothing they do there
+// gets out.
 #include <pthread.h>
 #include <sanitizer/common_interface_defs.h>
 #include <sys/mman.h>

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -70,6 +71,19 @@ class RunningProgram {
   pid_t id_ = -1;
   bool ended_ = false;
   int wait_status_ = 0;
+};
+
+/// A program that does not outlive its test, however the test ends.
+class GuardedProgram : public RunningProgram {
+ public:
+  using RunningProgram::RunningProgram;
+  GuardedProgram(const GuardedProgram&) = delete;
+  GuardedProgram& operator=(const GuardedProgram&) = delete;
+  ~GuardedProgram() {
+    if (!running()) return;
+    ::kill(id(), SIGKILL);
+    static_cast<void>(wait());
+  }
 };
 
 /// Runs the program to its end.

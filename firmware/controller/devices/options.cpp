@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "firmware/controller/devices/publish_address.hpp"
+
 namespace firmware::controller {
 
 const char* const usage =
@@ -25,6 +27,10 @@ const char* const usage =
   --part-minutes M  a new file every M minutes: RUN.csv, RUN-0002.csv, …
   --cycles N        the road N times, with a joint without a jump; 0: until it is stopped
   --programme FILE.toml  in place of a road: [[blocks]], each with road, speed, duration, seed, level, repetitions, pause
+  --publish [HOST:PORT]  each period as a UDP datagram of JSON for PlotJuggler and `rigtwin watch` (localhost:9870). Never
+                    waits: what is not sent is counted
+  --publish-every N one period of N
+  --publish-remote  HOST may be another machine
   --histogram FILE  wake-up latency, step time and sample age as `cyclictest -h` writes them
   --no-realtime     run without real-time rights; the recording says so
   --simulated       the rig's model in place of its devices, in real time
@@ -54,8 +60,9 @@ constexpr std::array<std::pair<std::string_view, Task>, 6> task_options{{{"--che
                                                                          {"-h", Task::help},
                                                                          {"--version", Task::version}}};
 
-constexpr std::array<std::pair<std::string_view, bool Options::*>, 5> flag_options{
+constexpr std::array<std::pair<std::string_view, bool Options::*>, 6> flag_options{
     {{"--simulated", &Options::simulated},
+     {"--publish-remote", &Options::publish_remote},
      {"--start", &Options::start},
      {"--wait", &Options::wait},
      {"--overwrite", &Options::overwrite},
@@ -114,6 +121,7 @@ std::optional<bool> take_number(std::string_view word, std::string_view value, O
   if (word == "--cut-off") return read_positive(value, options.cut_off.emplace(), any);
   if (word == "--cycles") return read(value, options.cycles);
   if (word == "--seed") return read(value, options.seed);
+  if (word == "--publish-every") return read(value, options.publish_every) && options.publish_every > 0;
   return std::nullopt;
 }
 
@@ -121,6 +129,13 @@ std::optional<bool> take_number(std::string_view word, std::string_view value, O
 bool of_a_road(std::string_view word) {
   return word == "--road" || word == "--speed" || word == "--duration" || word == "--cycles" || word == "--bandwidth" ||
          word == "--cut-off";
+}
+
+/// What is wrong with publishing. Empty: nothing.
+std::string publish_conflict(const Options& options) {
+  if (!options.publish.empty()) return publish_objection(options.publish, options.publish_remote);
+  if (options.publish_remote) return "--publish-remote needs --publish";
+  return options.publish_every > 1 ? "--publish-every needs --publish" : "";
 }
 
 /// The options that exclude each other, or are missing. Empty: they fit together.
@@ -138,6 +153,7 @@ std::string conflict(const Options& options, const std::string& road_option) {
     return "--wait needs a rig in real time: nobody waits in virtual time";
   }
   if (options.virtual_time && !options.simulated) return "--virtual-time needs --simulated: a rig has its own time";
+  if (const std::string trouble = publish_conflict(options); !trouble.empty()) return trouble;
   if (options.replay.empty()) return {};
   if (options.simulated) return "--replay and --simulated: expected one of them";
   if (options.replay == options.out) return "--replay and --out name one file, expected two";
@@ -157,6 +173,11 @@ Options read_options(int argc, char** argv, std::string& trouble) {
       continue;
     }
     if (take_flag(word, options)) continue;
+    if (word == "--publish") {
+      const bool told = i + 1 < argc && argv[i + 1][0] != '-';
+      options.publish = told ? std::string_view(argv[++i]) : usual_publish_address;
+      continue;
+    }
     const auto* text = find(text_options, word);
     Options unused;
     if (text == nullptr && !take_number(word, {}, unused)) {

@@ -29,6 +29,9 @@ struct Options {
   std::uint64_t cycles = 1;         ///< of the road; 0: without end
   std::string programme;            ///< file of blocks in place of one road; empty: none
   std::string replay;               ///< the recording in place of devices; empty: none
+  std::string publish;              ///< address for UDP datagrams; empty: none
+  bool publish_remote = false;      ///< that address may be another machine
+  std::uint64_t publish_every = 1;  ///< of so many periods one is published
   std::optional<double> bandwidth;  ///< of an ISO 8608 road [Hz]
   std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]
 };

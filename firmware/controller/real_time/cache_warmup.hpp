@@ -21,6 +21,9 @@ class CacheWarmup {
   CacheWarmup(const ControlLoop& loop, const Journal& journal, const Settings& settings,
               const model::RigParameters<double>& parameters, const hal::SensorSetup& sensors);
 
+  /// A compensation of its own, as the real loop has one. Before the first step.
+  void attach(Compensation& compensation) { stand_in_.attach(compensation); }
+
   /// One period. No heap.
   void step();
 

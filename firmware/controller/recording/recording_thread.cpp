@@ -52,6 +52,7 @@ void RecordingThread::write() {
       if (!record) break;
       taken_.fetch_add(1, std::memory_order_relaxed);
       spans_.age.add((record->time - oldest_sample(*record)).ns);
+      if (tap_ != nullptr) tap_->offer(*record);
       recorder_.take(*record);
     }
     {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/controller/real_time/auxiliary_thread.hpp"
+#include "firmware/controller/recording/live_tap.hpp"
 #include "firmware/controller/recording/recorder.hpp"
 #include "firmware/controller/recording/spans.hpp"
 #include "firmware/loop/journal.hpp"
@@ -23,10 +24,15 @@ void print(const Spans& spans, double allowed_delay);
 /// Takes the records of the journal to the recorder, and twice a second the recording to the disk.
 class RecordingThread {
  public:
-  RecordingThread(const cpu_set_t& cpus, Journal& journal, Recorder& recorder, Spans& spans, double allowed_delay)
-      : journal_(journal), recorder_(recorder), spans_(spans), allowed_delay_(allowed_delay), thread_(cpus, [this] {
-          write();
-        }) {}
+  /// `tap`: those who watch get the records too; none: nobody watches.
+  RecordingThread(const cpu_set_t& cpus, Journal& journal, Recorder& recorder, Spans& spans, double allowed_delay,
+                  LiveTap* tap)
+      : journal_(journal),
+        recorder_(recorder),
+        spans_(spans),
+        allowed_delay_(allowed_delay),
+        tap_(tap),
+        thread_(cpus, [this] { write(); }) {}
 
   /// Asks for the rest of the journal to be written, and waits for that at most for this long. False: the disk still
   /// stalls; this object and the recorder must then stay.
@@ -47,6 +53,7 @@ class RecordingThread {
   Recorder& recorder_;
   Spans& spans_;
   double allowed_delay_;  ///< [s]; 0: unknown
+  LiveTap* tap_;
   std::atomic<bool> end_{false};
   std::atomic<bool> print_{false};
   std::mutex marks_mutex_;

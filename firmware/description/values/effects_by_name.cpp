@@ -35,6 +35,7 @@ CatalogueEntry entry_of(bool of_channel) {
                        .subsystem = card.subsystem,
                        .rigs = card.rigs,
                        .needs_fdva = card.needs_fdva,
+                       .needs_air_spring = card.needs_air_spring,
                        .parameters = card.parameters,
                        .equation = card.equation,
                        .shows = card.shows,
@@ -126,6 +127,7 @@ void remove_effect(Rig& rig, const CatalogueEntry& entry, std::optional<Channel>
 
 bool has_place(const Rig& rig, const CatalogueEntry& entry, std::optional<Channel> channel) {
   if (!entry.rigs.contains(rig.kind) || (entry.needs_fdva && !rig.has_fdva)) return false;
+  if (entry.needs_air_spring && !rig.air_spring.fitted) return false;
   if (entry.of_channel != channel.has_value()) return false;
   return !channel || model::has_sensor(rig.kind, *channel);
 }

@@ -19,6 +19,7 @@ struct CatalogueEntry {
   model::Subsystem subsystem;
   model::RigKinds rigs;
   bool needs_fdva;
+  bool needs_air_spring;
   std::span<const model::EffectParameter> parameters;
   std::string_view equation;
   std::string_view shows;

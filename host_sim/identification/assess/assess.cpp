@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "host_sim/identification/assess/experiment.hpp"
 #include "host_sim/identification/assess/lost_samples.hpp"
 #include "host_sim/identification/assess/noise_faults.hpp"
 #include "host_sim/identification/assess/recording_causes.hpp"
@@ -31,6 +33,15 @@ void give_up(SearchResult& found) {
   found.gains.clear();
   found.freed.clear();
   found.suspects.clear();
+}
+
+/// The test that tells the two kinds of law apart that explain most.
+std::optional<NextStep> next_step(const IdentificationProblem& problem, const Learned& learned) {
+  if (learned.contenders.size() < 2) return std::nullopt;
+  const Contender &one = learned.contenders[0], &other = learned.contenders[1];
+  const auto test = best_sine(problem, one.hypothesis, other.hypothesis);
+  if (!test) return std::nullopt;
+  return NextStep{one.kind, other.kind, *test};
 }
 
 Interval interval_of(const Estimate& e) {
@@ -218,8 +229,9 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const std::vector<FreeParameter>& tolerated = fitted_space.tolerated;
   for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];
   result.parameters_off = parameters_off(description, found, result.parameters, certainty);
-  result.laws = describe_laws(problem, found.best.fit, known.half_widths);
+  result.laws = describe_laws(problem, found.best.fit, known);
   for (DescribedLaw& law : result.laws) law.confidence = confidence(learned.odds_against, learned.gain, certainty);
+  result.next_step = next_step(problem, learned);
   result.described_curves = described_curves(problem, description, refit);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
+#include "host_sim/identification/assess/experiment.hpp"
 #include "host_sim/identification/assess/localisation.hpp"
 #include "host_sim/identification/assess/named_effect.hpp"
 #include "host_sim/identification/assess/overlay.hpp"
@@ -21,6 +23,12 @@ namespace host_sim::identification {
 
 enum class Verdict : unsigned char { no_discrepancy, named, ambiguous, unexplained };
 [[nodiscard]] std::string_view name(Verdict verdict);
+
+/// The experiment that an engineer does next: it tells two kinds of law apart that may both be there.
+struct NextStep {
+  std::string one, other;
+  SineTest test;
+};
 
 /// Power of the whitened residuals per residual: 1 is noise.
 struct ResidualPower {
@@ -56,7 +64,8 @@ struct Diagnosis {
   std::vector<BandPower> left_by_refit, left_after;  ///< tolerances refitted; effects, too
   std::vector<PowerOverTime> power_over_time;        ///< of the same two models
   std::vector<NamedEffect> effects;
-  std::vector<DescribedLaw> laws;              ///< learned
+  std::vector<DescribedLaw> laws;  ///< learned
+  std::optional<NextStep> next_step;
   std::vector<DescribedLaw> described_curves;  ///< of the description, beside what the recordings show
   std::vector<ParameterOff> parameters_off;
   std::vector<RecordingFault> recording_faults;

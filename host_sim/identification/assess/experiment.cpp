@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <optional>
 
 #include "firmware/recording/recording.hpp"
@@ -77,20 +78,10 @@ double separation_here(const ProblemRecording& r, const Hypothesis& one, const H
   return sum;
 }
 
-/// On a rig of another kind, moved as the component or the road was here; nothing where the numbers do not make one.
-std::optional<double> separation_there(const ProblemRecording& r, const Hypothesis& one, const Hypothesis& other,
-                                       RigKind kind) {
-  const PreparedRecording& e = *r.samples;
-  firmware::Recording moved;
-  moved.sample_period = e.recording.sample_period;
-  moved.time = e.recording.time;
-  if (kind == RigKind::component_bench) {
-    const Response here = true_channels(one, e, e.input, resting(one.rig, e.input), 0, r.resolution());
-    moved[Channel::x_act] = here[index(Channel::dz_b)];
-  } else {
-    if (!e.recording.has(Channel::z_r)) return std::nullopt;
-    moved[Channel::z_r] = e.recording[Channel::z_r];
-  }
+/// On a rig of another kind that is moved so, in a window, with sensors of its own; `force_noise`: of F, 0 where it is
+/// that of a new sensor, too. Nothing where the numbers do not make such a rig.
+std::optional<double> separation_on(RigKind kind, const firmware::Recording& moved, Window window, double force_noise,
+                                    const Hypothesis& one, const Hypothesis& other) {
   std::array<Response, 2> responses;
   std::vector<Channel> channels;
   const std::array<const Hypothesis*, 2> hypotheses{&one, &other};
@@ -98,16 +89,55 @@ std::optional<double> separation_there(const ProblemRecording& r, const Hypothes
     auto rig = hypotheses[h]->rig;
     rig.kind = kind;
     rig.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
-    if (firmware::find_rig_fault(rig, e.input.period)) return std::nullopt;
+    if (firmware::find_rig_fault(rig, moved.sample_period)) return std::nullopt;
     const SimulationInput input = simulation_input(rig, moved);
     channels = response_channels(kind, input);
-    responses[h] = simulate(rig, input, resting(rig, input), r.fitted.to);
+    responses[h] = simulate(rig, input, resting(rig, input), window.to);
   }
   double sum = 0.0;
   for (const Channel channel : channels) {
-    sum += apart(responses[0][index(channel)], responses[1][index(channel)], r.fitted, 0.0);
+    sum += apart(responses[0][index(channel)], responses[1][index(channel)], window,
+                 channel == Channel::F ? force_noise : 0.0);
   }
   return sum;
+}
+
+/// How the component was moved, as a hypothesis says.
+std::vector<double> travel_of_component(const ProblemRecording& r, const Hypothesis& hypothesis) {
+  const PreparedRecording& e = *r.samples;
+  const Response here = true_channels(hypothesis, e, e.input, resting(hypothesis.rig, e.input), 0, r.resolution());
+  return here[index(hypothesis.rig.kind == RigKind::component_bench ? Channel::x_act : Channel::dz_b)];
+}
+
+/// On a rig of another kind, moved as the component or the road was here.
+std::optional<double> separation_there(const ProblemRecording& r, const Hypothesis& one, const Hypothesis& other,
+                                       RigKind kind) {
+  const PreparedRecording& e = *r.samples;
+  firmware::Recording moved;
+  moved.sample_period = e.recording.sample_period;
+  moved.time = e.recording.time;
+  if (kind == RigKind::component_bench) {
+    moved[Channel::x_act] = travel_of_component(r, one);
+  } else {
+    if (!e.recording.has(Channel::z_r)) return std::nullopt;
+    moved[Channel::z_r] = e.recording[Channel::z_r];
+  }
+  return separation_on(kind, moved, r.fitted, 0.0, one, other);
+}
+
+/// A sine that grows to its amplitude in its first period, so that it begins at rest.
+firmware::Recording sine(double frequency, double amplitude, double period, double seconds) {
+  firmware::Recording moved;
+  moved.sample_period = period;
+  const auto count = static_cast<std::size_t>(seconds / period);
+  moved.time = firmware::sample_times(count, 1.0 / period);
+  auto& x = moved[Channel::x_act];
+  for (const double t : moved.time) {
+    const double s = std::min(t * frequency, 1.0);
+    x.push_back(amplitude * s * s * s * (10.0 + s * (6.0 * s - 15.0)) *
+                std::sin(2.0 * std::numbers::pi * frequency * t));
+  }
+  return moved;
 }
 
 std::vector<Experiment> experiments(const IdentificationProblem& problem, const Hypothesis& one) {
@@ -166,6 +196,45 @@ std::string best_experiment(const IdentificationProblem& problem, const Hypothes
     char factor[64];
     std::snprintf(factor, sizeof factor, " (separates %.2g times as well)", there / now);
     best = experiment.words + factor;
+  }
+  return best;
+}
+
+std::optional<SineTest> best_sine(const IdentificationProblem& problem, const Hypothesis& one,
+                                  const Hypothesis& other) {
+  double here = 0.0, seconds = 0.0, travel = 0.0, speed = 0.0, squares = 0.0, noise = 0.0;
+  for (const ProblemRecording& r : problem.recordings()) {
+    if (!r.is_fitted()) continue;
+    const double period = r.samples->input.period;
+    here += separation_here(r, one, other, {});
+    seconds += period * static_cast<double>(r.fitted.size());
+    if (r.samples->explains(Channel::F)) noise = r.samples->noise[index(Channel::F)];
+    const std::vector<double> x = travel_of_component(r, one);
+    for (std::size_t k = r.fitted.from; k < std::min(r.fitted.to, x.size()); ++k) {
+      travel = std::max(travel, std::abs(x[k]));
+      squares += x[k] * x[k] * period;
+      if (k > r.fitted.from) speed = std::max(speed, std::abs(x[k] - x[k - 1]) / period);
+    }
+  }
+  if (!(seconds > 0.0) || !std::isfinite(travel) || !std::isfinite(speed)) return std::nullopt;
+  if (!(noise > 0.0))  // a sensor that bears what the spring does here
+    noise = thresholds::new_sensor_noise * one.rig.suspension.stiffness * std::sqrt(squares / seconds);
+  const double now = std::max(here, 1.0) / seconds, period = problem.sample_period();
+  std::optional<SineTest> best;
+  double most = thresholds::separates_better;
+  for (const double frequency : thresholds::sine_frequencies) {
+    if (frequency * period > thresholds::sine_highest) continue;
+    for (const double amplitude : thresholds::sine_amplitudes) {
+      if (amplitude > travel || 2.0 * std::numbers::pi * frequency * amplitude > speed) continue;
+      const double longest = std::max(thresholds::sine_seconds, 2.0 / frequency);
+      const firmware::Recording moved = sine(frequency, amplitude, period, longest);
+      const Window window{0, moved.time.size()};
+      const double there =
+          separation_on(RigKind::component_bench, moved, window, noise, one, other).value_or(0.0) / longest / now;
+      if (!(there > most) || !std::isfinite(there)) continue;
+      most = there;
+      best = SineTest{frequency, amplitude, there};
+    }
   }
   return best;
 }

@@ -1,6 +1,7 @@
 // Experiment design: which experiment would tell two models apart.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "host_sim/identification/noise/identification_problem.hpp"
@@ -24,5 +25,19 @@ namespace host_sim::identification {
 /// Hunter and A. Reiner, Technometrics 7, 1965; the sines' phases after M. Schroeder, IEEE Trans. Inf. Theory 16, 1970.
 [[nodiscard]] std::string best_experiment(const IdentificationProblem& problem, const Hypothesis& one,
                                           const Hypothesis& other);
+
+/// A sine of the component alone on a bench, and how much better a second of it separates two hypotheses than a second
+/// of the recordings does.
+struct SineTest {
+  double frequency = 0.0, amplitude = 0.0;  ///< [Hz], [m]
+  double separates = 0.0;                   ///< [1]
+};
+
+/// The sine that separates best by (1), with the noise of F that the recordings have, else 1 % of the rms of the
+/// spring's force in them: of the
+/// frequencies and amplitudes of thresholds::sine_*, those that the component has already been moved by, in travel and
+/// in velocity. nullopt: nothing separates thresholds::separates_better times as well, or no such bench is a rig.
+[[nodiscard]] std::optional<SineTest> best_sine(const IdentificationProblem& problem, const Hypothesis& one,
+                                                const Hypothesis& other);
 
 }  // namespace host_sim::identification

@@ -1,6 +1,7 @@
 // Every number that decides something while a model is assessed.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace host_sim::identification::thresholds {
@@ -42,5 +43,12 @@ inline constexpr double new_sensor_noise = 0.01;
 /// [times the displacement that was recorded] that an experiment may ask for; [times] how much better than the
 /// recordings it must separate to be named. Half of the latter: an equal experiment is recommended.
 inline constexpr double most_travel = 3.0, separates_better = 2.0;
+/// [Hz], [m] Sines that a law is tested by: numbers that an operator types in, a factor of 2 or so apart. Half as many:
+/// a weaker sine is named. Twice: the same one, at twice the time.
+inline constexpr std::array sine_frequencies{0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
+inline constexpr std::array sine_amplitudes{0.2e-3, 0.5e-3, 1e-3, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3};
+/// [s] Length that is simulated of each, two periods at least; [1/samples] the highest frequency, ten samples a period.
+/// Half and twice: no difference.
+inline constexpr double sine_seconds = 4.0, sine_highest = 0.1;
 
 }  // namespace host_sim::identification::thresholds

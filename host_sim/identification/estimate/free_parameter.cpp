@@ -88,7 +88,7 @@ std::vector<FreeParameter> parameters_of_part(const model::RigParameters<double>
     const std::string path = std::string(p.table) + "." + std::string(p.key);
     const double* const value = firmware::find_parameter(part, path);
     if (value == nullptr || !(*value > 0.0) || p.table == "machine") continue;
-    if (!has_car && p.table != "suspension" && p.table != "fdva") continue;
+    if (!has_car && p.table != "suspension" && p.table != "fdva" && p.table != "air_spring") continue;
     parameters.push_back({.role = FreeParameter::Role::tolerated,
                           .path = path,
                           .scale = *value,
@@ -194,7 +194,7 @@ std::vector<FreeParameter> law_parameters(const std::vector<PlacedLaw>& laws) {
         u.is_linear = has_grid(law.family);
       } else {
         const LawValue& value = values_of(law.family)[v];
-        const double unit = kind == LawValue::Kind::width ? law.rms : 1.0;
+        const double unit = kind == LawValue::Kind::width ? law.unit_of_width() : 1.0;
         u.logarithmic = true;
         u.scale = std::max(law.values[v], 1e-12);
         u.lower = std::log(value.lower * unit / u.scale);

@@ -123,32 +123,19 @@ double coordinate_of_relative(const FreeParameter& parameter, double u) {
   return std::abs(parameter.value(u) / parameter.scale);
 }
 
-/// (3) or (4), by parameter: half widths. `gradients`: a column for each block; `information`: J_bᵀJ_b of each.
-Eigen::VectorXd sandwich(const Eigen::MatrixXd& inverse_of_a, Eigen::MatrixXd gradients,
-                         const std::vector<Eigen::MatrixXd>& information) {
-  const auto count = static_cast<double>(gradients.cols());
-  Eigen::VectorXd half = Eigen::VectorXd::Zero(gradients.rows());
-  if (gradients.cols() < 3) return half;
-  const Eigen::VectorXd mean = gradients.rowwise().mean();
-  gradients.colwise() -= mean;
-  const Eigen::MatrixXd shares = inverse_of_a * gradients;
-  for (Index i = 0; i < half.size(); ++i) {
-    // Blocks that hold no information about a parameter do not count.
-    double sum = 0.0, squares = 0.0;
-    for (const Eigen::MatrixXd& of_block : information) {
-      const double weight = inverse_of_a.col(i).dot(of_block * inverse_of_a.col(i));
-      sum += weight;
-      squares += weight * weight;
-    }
-    const double counting = squares > 0.0 ? sum * sum / squares : 1.0;
-    const double variance = shares.row(i).squaredNorm() * count / (count - 1.0);
-    half(i) = student(std::max(counting - 1.0, 2.0)) * std::sqrt(variance);
+/// Student's of as many blocks as count: those that hold no information about a combination do not. `shares`: of each.
+double student_of(const std::vector<double>& shares) {
+  double sum = 0.0, squares = 0.0;
+  for (const double share : shares) {
+    sum += share;
+    squares += share * share;
   }
-  return half;
+  const double counting = squares > 0.0 ? sum * sum / squares : 1.0;
+  return student(std::max(counting - 1.0, 2.0));
 }
 
 /// (4): how far the estimate moves without each frequency band of the fit's own residuals.
-Eigen::VectorXd by_bands(const IdentificationProblem& problem, const Fit& fit) {
+Eigen::MatrixXd band_shifts(const IdentificationProblem& problem, const Fit& fit) {
   const Index n = fit.jacobian.cols();
   Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(n, static_cast<Index>(noise_bands));
   std::vector<Eigen::MatrixXd> information(noise_bands, Eigen::MatrixXd::Zero(n, n));
@@ -170,25 +157,23 @@ Eigen::VectorXd by_bands(const IdentificationProblem& problem, const Fit& fit) {
     const double width = p.upper - p.lower;
     whole(i, i) += (p.role == FreeParameter::Role::tolerated ? 12.0 / (width * width) : 0.0);
   }
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(n);
-  double bands = 0.0;
+  Eigen::MatrixXd shifts(n, static_cast<Index>(noise_bands));
+  Index bands = 0;
   for (std::size_t b = 0; b < noise_bands; ++b) {
     if (!(information[b].trace() > 0.0)) continue;
     const Eigen::MatrixXd without = whole - information[b];
-    const Eigen::VectorXd shift = inverse(without) * gradients.col(static_cast<Index>(b));
-    squares += shift.cwiseAbs2();
-    bands += 1.0;
+    shifts.col(bands++) = inverse(without) * gradients.col(static_cast<Index>(b));
   }
-  if (bands < 3.0) return Eigen::VectorXd::Zero(n);
-  return student(bands - 1.0) * (squares * (bands - 1.0) / bands).cwiseSqrt();
+  if (bands < 3) return {};
+  return shifts.leftCols(bands);
 }
 
-/// (6)
-Eigen::VectorXd by_steps(const IdentificationProblem& problem, const Fit& fit) {
+/// (6), with its sign
+Eigen::VectorXd step_shift(const IdentificationProblem& problem, const Fit& fit) {
   if (!has_corners(fit.hypothesis.rig)) return Eigen::VectorXd::Zero(fit.jacobian.cols());
   const Eigen::VectorXd change = residuals(problem, predict(problem, fit.hypothesis, true)) -
                                  residuals(problem, predict(problem, fit.hypothesis, false));
-  return (fit.covariance() * (fit.jacobian.transpose() * change)).cwiseAbs();
+  return fit.covariance() * (fit.jacobian.transpose() * change);
 }
 
 /// Vectors with few entries that span the same space: each has an entry of 1 where the others have none.
@@ -387,6 +372,24 @@ std::vector<Undetermined> in_words(const Eigen::MatrixXd& vectors, const std::ve
   return list;
 }
 
+double Uncertainty::half_width_of(const Eigen::VectorXd& g) const {
+  constexpr double deviations = 1.96;  // 95 % of a normal distribution
+  double half = deviations * std::sqrt(std::max(g.dot(covariance * g), 0.0));
+  if (block_shares.cols() > 0) {
+    std::vector<double> shares;
+    for (const Eigen::MatrixXd& of_block : information) shares.push_back(g.dot(of_block * g));
+    const auto count = static_cast<double>(block_shares.cols());
+    const double variance = (block_shares.transpose() * g).squaredNorm() * count / (count - 1.0);
+    half = std::max(half, student_of(shares) * std::sqrt(variance));
+  }
+  if (band_shifts.cols() > 0) {
+    const auto count = static_cast<double>(band_shifts.cols());
+    const double variance = (band_shifts.transpose() * g).squaredNorm() * (count - 1.0) / count;
+    half = std::max(half, student(count - 1.0) * std::sqrt(variance));
+  }
+  return half + std::abs(g.dot(step_shift));
+}
+
 Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<FreeParameter>& every, const Fit& fit) {
   Uncertainty result;
   const auto fitted = static_cast<Index>(fit.parameters.size());
@@ -406,18 +409,23 @@ Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<
     gradients.col(static_cast<Index>(b)) = jacobian.transpose() * blocks[b].residual / std::sqrt(blocks[b].spread);
     information.emplace_back(jacobian.transpose() * jacobian);
   }
-  const Eigen::VectorXd of_blocks = sandwich(variance, std::move(gradients), information);
+  if (gradients.cols() >= 3) {
+    const Eigen::VectorXd mean = gradients.rowwise().mean();
+    gradients.colwise() -= mean;
+    result.block_shares = variance * gradients;
+    for (const Eigen::MatrixXd& of_block : information) {
+      result.information.emplace_back(variance.transpose() * of_block * variance);
+    }
+  }
   const double temper = std::max(1.0, fit.chi_squared / static_cast<double>(fit.residual.size()));
-  const Eigen::VectorXd of_bands =
-      temper > thresholds::model_is_wrong ? by_bands(problem, fit) : Eigen::VectorXd::Zero(fitted);
-  const Eigen::VectorXd of_steps = by_steps(problem, fit);
+  result.covariance = variance * temper;
+  if (temper > thresholds::model_is_wrong) result.band_shifts = band_shifts(problem, fit);
+  result.step_shift = step_shift(problem, fit);
 
-  constexpr double deviations = 1.96;  // 95 % of a normal distribution
   for (Index i = 0; i < fitted; ++i) {
     const FreeParameter& p = fit.parameters[static_cast<std::size_t>(i)];
     double& half = result.half_widths(i);
-    half = std::max({deviations * std::sqrt(std::max(variance(i, i), 0.0) * temper), of_blocks(i), of_bands(i)}) +
-           of_steps(i);
+    half = result.half_width_of(Eigen::VectorXd::Unit(fitted, i));
     const bool by_tolerance = variance(i, i) < 0.5 * of_data(i, i);
     if (by_tolerance) half = std::max(half, 2.0 * std::numbers::sqrt3 * std::sqrt(variance(i, i)));
     const bool at_bound = p.role == FreeParameter::Role::tolerated && p.at_bound(fit.hypothesis);

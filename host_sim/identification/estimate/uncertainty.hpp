@@ -44,6 +44,16 @@ struct Undetermined {
 struct Uncertainty {
   Eigen::VectorXd half_widths;  ///< 95 %, of the coordinates of fit.parameters; infinite: the whole tolerance
   std::vector<Undetermined> undetermined;
+
+  /// (5) of gᵀu, any linear combination of the coordinates: a point of a curve that several of them move. Without what
+  /// tolerances and bounds say about a single parameter.
+  [[nodiscard]] double half_width_of(const Eigen::VectorXd& g) const;
+
+  Eigen::MatrixXd covariance{};    ///< (2)
+  Eigen::MatrixXd block_shares{};  ///< A⁻¹ (g_b − ḡ)/√spread, a column for each block; (3) is their sum
+  std::vector<Eigen::MatrixXd> information{};  ///< A⁻¹ J_bᵀJ_b A⁻¹: which blocks count
+  Eigen::MatrixXd band_shifts{};               ///< d_f of (4), a column for each band; none where (4) does not apply
+  Eigen::VectorXd step_shift{};                ///< A⁻¹ Jᵀ (…) of (6), with its sign
 };
 /// `every`: all parameters of the explained part (suspect_parameters()).
 [[nodiscard]] Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<FreeParameter>& every,

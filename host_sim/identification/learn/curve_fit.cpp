@@ -181,7 +181,7 @@ class PenalisedFit {
 }  // namespace
 
 PlacedLaw flat_curve(CurvePlace place, CurveOver over, const ExcitedRange& range) {
-  PlacedLaw law{place, over, LawFamily::points, range.rms, range.largest(), 1.0, {}, {}};
+  PlacedLaw law{place, over, LawFamily::points, range.rms, range.largest()};
   const double s = thresholds::innermost_point * range.rms, last = std::asinh(range.largest() / s);
   for (int i = -thresholds::points_each_side; i <= thresholds::points_each_side; ++i) {
     const double x = i == 0 ? 0.0 : s * std::sinh(last * i / thresholds::points_each_side);

@@ -31,14 +31,15 @@ std::string figures(double value) {
 /// A law of a fit with what is known about its values.
 class LawDescription {
  public:
-  LawDescription(const Fit& fit, const Eigen::VectorXd& half_widths, std::size_t law)
-      : fit_(fit), half_widths_(half_widths), law_(fit.hypothesis.laws[law]) {
+  LawDescription(const Fit& fit, const Uncertainty& known, std::size_t law)
+      : fit_(fit), known_(known), half_widths_(known.half_widths), law_(fit.hypothesis.laws[law]) {
     for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
       const FreeParameter& p = fit.parameters[i];
       if (p.role == FreeParameter::Role::law && p.law == law) own_.push_back(i);
     }
     const auto& rig = fit.hypothesis.rig;
     const bool tyre = law_.place == CurvePlace::tyre;
+    if (law_.place == CurvePlace::body_guide || law_.place == CurvePlace::wheel_guide) return;
     if (law_.over == CurveOver::velocity) slope_ = tyre ? rig.tyre.damping : rig.suspension.damping;
     if (law_.over == CurveOver::deflection) slope_ = tyre ? rig.tyre.stiffness : rig.suspension.stiffness;
   }
@@ -75,6 +76,12 @@ class LawDescription {
       case LawFamily::maxwell:
         maxwell(out);
         break;
+      case LawFamily::follows_load:
+        follows_load(out);
+        break;
+      case LawFamily::along_stroke:
+        along_stroke(out);
+        break;
     }
     return out;
   }
@@ -98,7 +105,9 @@ class LawDescription {
     const double scale = std::pow(law_.rms, -law_.values[1]);
     out.numbers.push_back(number("coefficient", 0, scale));
     const LawNumber& p = out.numbers.front();
-    out.words = text_of("grows with |%s|^%.2f ± %.2f", symbol(), p.value, 0.5 * (p.upper - p.lower));
+    const double half = 0.5 * (p.upper - p.lower);
+    const int digits = half < 0.005 ? 3 : 2;
+    out.words = text_of("grows with |%s|^%.*f ± %.*f", symbol(), digits, p.value, digits, half);
   }
 
   /// The force of rig and law together at x, towards rest.
@@ -198,40 +207,48 @@ class LawDescription {
                                     : text_of("relaxes within %.2g to %.2g ms", 1e3 * shortest, 1e3 * longest);
   }
 
+  void follows_load(DescribedLaw& out) const {
+    out.shape = "follows the load";
+    const double per_load = 1.0 / (law_.rms * fit_.hypothesis.rig.suspension.stiffness);
+    out.numbers = {number("share_of_load", 0, per_load), number("velocity", 1)};
+    out.words = text_of("friction follows the load: %.2g %% of it", 100.0 * out.numbers.front().value);
+  }
+
+  void along_stroke(DescribedLaw& out) const {
+    out.shape = "along the stroke";
+    const double end = std::pow(law_.largest / law_.rms, law_.values[1]) / law_.rms_velocity;
+    out.numbers = {number("exponent", 1), number("damping_at_the_end", 0, end)};
+    const double more = out.numbers.back().value;
+    out.words =
+        text_of("damping %s along the stroke: %s N s/m %s at %.3g mm, with |x|^%.2g", more > 0.0 ? "grows" : "falls",
+                figures(std::abs(more)).c_str(), more > 0.0 ? "more" : "less", 1e3 * law_.largest, law_.values[1]);
+  }
+
   void add_curve(DescribedLaw& out) const {
     const LawTable table = table_of(law_);
     out.at = table.at;
     out.force = table.value;
-    const auto n = static_cast<Eigen::Index>(own_.size());
-    Eigen::MatrixXd covariance(n, n), change(static_cast<Eigen::Index>(table.at.size()), n);
-    const Eigen::MatrixXd all = fit_.covariance();
-    double stretch = 1.0;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const std::size_t p = own_[static_cast<std::size_t>(i)];
-      const auto row = static_cast<Eigen::Index>(p);
-      for (Eigen::Index k = 0; k < n; ++k)
-        covariance(i, k) = all(row, static_cast<Eigen::Index>(own_[static_cast<std::size_t>(k)]));
-      stretch = std::max(stretch, half_widths_(row) / (1.96 * std::sqrt(std::max(covariance(i, i), 1e-300))));
+    std::vector<Eigen::VectorXd> change(table.at.size(), Eigen::VectorXd::Zero(half_widths_.size()));
+    for (const std::size_t p : own_) {
       PlacedLaw moved = law_;
       const FreeParameter& parameter = fit_.parameters[p];
       const double u = parameter.get(fit_.hypothesis);
       moved.value(parameter.number) = parameter.value(u + parameter.difference);
       for (std::size_t k = 0; k < table.at.size(); ++k) {
         const double force = law_.family == LawFamily::points ? moved.values[k] : moved.force(table.at[k]);
-        change(static_cast<Eigen::Index>(k), i) = (force - table.value[k]) / parameter.difference;
+        change[k](static_cast<Eigen::Index>(p)) = (force - table.value[k]) / parameter.difference;
       }
     }
-    if (!std::isfinite(stretch)) stretch = thresholds::widest_stretch;
     for (std::size_t k = 0; k < table.at.size(); ++k) {
-      const Eigen::VectorXd g = change.row(static_cast<Eigen::Index>(k)).transpose();
-      const double half =
-          1.96 * std::min(stretch, thresholds::widest_stretch) * std::sqrt(std::max(g.dot(covariance * g), 0.0));
+      double half = known_.half_width_of(change[k]);
+      if (!std::isfinite(half)) half = thresholds::widest_band * std::max(law_.size, std::abs(table.value[k]));
       out.lower.push_back(table.value[k] - half);
       out.upper.push_back(table.value[k] + half);
     }
   }
 
   const Fit& fit_;
+  const Uncertainty& known_;
   const Eigen::VectorXd& half_widths_;
   const PlacedLaw& law_;
   std::vector<std::size_t> own_;  ///< its parameters
@@ -242,9 +259,15 @@ class LawDescription {
 std::vector<double> force_error(const PreparedRecording& recording, const Response& readings, const Hypothesis& with,
                                 CurvePlace place) {
   const bool bench = with.rig.kind != model::RigKind::quarter_car;
-  const Channel channel = place == CurvePlace::tyre ? Channel::F_w : bench ? Channel::F : Channel::zdd_b;
+  const bool wheel = place == CurvePlace::wheel_guide, guide = wheel || place == CurvePlace::body_guide;
+  const Channel channel = place == CurvePlace::tyre ? Channel::F_w
+                          : wheel                   ? Channel::zdd_w
+                          : bench                   ? Channel::F
+                                                    : Channel::zdd_b;
   if (!recording.explains(channel)) return {};
-  const double factor = place == CurvePlace::suspension && !bench ? with.rig.body.mass : 1.0;
+  double factor = 1.0;
+  if (place != CurvePlace::tyre && !bench) factor = wheel ? with.rig.wheel.mass : with.rig.body.mass;
+  if (guide) factor = -factor;  // a guide's force acts against the motion
   std::vector<double> error = readings[index(channel)];
   const std::vector<double>& measured = recording.recording[channel];
   for (std::size_t k = 0; k < error.size(); ++k) error[k] = factor * (measured[k] - error[k]);
@@ -321,10 +344,10 @@ std::vector<DescribedLaw> described_curves(const IdentificationProblem& problem,
 }
 
 std::vector<DescribedLaw> describe_laws(const IdentificationProblem& problem, const Fit& fit,
-                                        const Eigen::VectorXd& half_widths) {
+                                        const Uncertainty& known) {
   std::vector<DescribedLaw> list;
   for (std::size_t l = 0; l < fit.hypothesis.laws.size(); ++l) {
-    DescribedLaw law = LawDescription(fit, half_widths, l).described();
+    DescribedLaw law = LawDescription(fit, known, l).described();
     if (const auto range = excited_range(problem, fit.hypothesis, law.law.place, law.law.over)) {
       law.lowest = range->lowest;
       law.highest = range->highest;

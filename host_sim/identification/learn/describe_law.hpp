@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "host_sim/identification/estimate/uncertainty.hpp"
 #include "host_sim/identification/learn/learned_law.hpp"
 #include "host_sim/identification/noise/identification_problem.hpp"
 
@@ -25,13 +26,16 @@ namespace host_sim::identification {
 /// |                      |                  | lost_motion, where there is a gap                                      |
 /// | relaxation           | maxwell          | stiffness Σ c_i/r, time_constant: its ends are the smallest and the    |
 /// |                      |                  | largest T_i                                                           |
+/// | follows the load     | follows_load     | share c/(k r) of the spring's load, velocity w                        |
+/// | along the stroke     | along_stroke     | exponent p, damping at the end of the stroke                          |
 /// | curve                | points           | none                                                                  |
 ///
-/// `half_widths`: 95 %, of the coordinates of the fit's parameters (estimate/uncertainty.hpp). The band of the curve is
-/// 1.96 √(gᵀ C g) with C the covariance of the law's values, stretched by the largest half width relative to its own
-/// entry of C, and g the change of the curve with the values.
+/// Numbers are known as their parameters are (estimate/uncertainty.hpp). The band of the curve is Uncertainty (5) of
+/// gᵀu at each point, g the change of the curve with the law's values u: the likelihood's, the sandwich over blocks of
+/// time and the jackknife over bands, whichever is widest there. Where the truth is a law of the family it holds the
+/// curve with 95 % at each point (learn/law_band_test).
 [[nodiscard]] std::vector<DescribedLaw> describe_laws(const IdentificationProblem& problem, const Fit& fit,
-                                                      const Eigen::VectorXd& half_widths);
+                                                      const Uncertainty& known);
 
 /// The curves of a rig description at suspension and tyre, beside what the recordings show there: the curve's force at
 /// the motion of a hypothesis, plus the force that its residual stands for. `words` is the law's name.

@@ -12,13 +12,15 @@ using model::Channel;
 std::vector<double> motion_at(const PreparedRecording& recording, const Response& channels, CurvePlace place,
                               CurveOver over) {
   const bool bench = channels[index(Channel::dz_b)].empty();
-  std::vector<double> x = channels[index(place == CurvePlace::tyre ? Channel::dz_w
-                                         : bench                   ? Channel::x_act
-                                                                   : Channel::dz_b)];
+  std::vector<double> x = channels[index(place == CurvePlace::tyre          ? Channel::dz_w
+                                         : place == CurvePlace::body_guide  ? Channel::z_b
+                                         : place == CurvePlace::wheel_guide ? Channel::z_w
+                                         : bench                            ? Channel::x_act
+                                                                            : Channel::dz_b)];
   if (x.empty() && place == CurvePlace::suspension) {
     for (const auto& motion : recording.input.motion) x.push_back(motion.position);
   }
-  if (over == CurveOver::deflection || x.size() < 3) return x;
+  if (over != CurveOver::velocity || x.size() < 3) return x;
   std::vector<double> velocity(x.size(), 0.0);
   for (std::size_t k = 1; k + 1 < x.size(); ++k) velocity[k] = (x[k + 1] - x[k - 1]) / (2.0 * recording.input.period);
   return velocity;

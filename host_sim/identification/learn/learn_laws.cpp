@@ -97,6 +97,39 @@ std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
   return different;
 }
 
+bool is_guide(CurvePlace place) { return place == CurvePlace::body_guide || place == CurvePlace::wheel_guide; }
+
+/// Beside a law of a guide: everything but effects of that guide.
+EffectsBeside effects_beside_guide(const EffectsBeside& all, CurvePlace place) {
+  const model::Subsystem own =
+      place == CurvePlace::body_guide ? model::Subsystem::body_guide : model::Subsystem::wheel_guide;
+  EffectsBeside kept;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(kept),
+               [&](const auto& e) { return e.channel.has_value() || e.entry->subsystem != own; });
+  return kept;
+}
+
+/// What a law is, in words that tell it from laws of another kind.
+std::string kind_of(const PlacedLaw& law) {
+  switch (law.family) {
+    case LawFamily::sliders:
+      return "hysteresis";
+    case LawFamily::maxwell:
+      return "lag";
+    case LawFamily::follows_load:
+      return "friction that follows the load";
+    case LawFamily::along_stroke:
+      return "damping that changes along the stroke";
+    default:
+      break;
+  }
+  std::string text = "a law over the ";
+  text += name(law.over);
+  if (law.place != CurvePlace::suspension) text.append(" of the ").append(name(law.place));
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
 /// The effect of the catalogue that a law is, as far as its family and its place tell: a power of three over the
 /// deflection is a progressive spring. nullopt: none.
 std::optional<firmware::PlacedEffect> effect_like(const PlacedLaw& law) {
@@ -190,6 +223,9 @@ class LawSearch {
   [[nodiscard]] std::optional<Hypothesis> start_of_stack(LawFamily family, const EffectsBeside& effects,
                                                          double gap) const;
   [[nodiscard]] std::vector<Candidate> stacks() const;
+  [[nodiscard]] std::optional<Hypothesis> start_of_surface(LawFamily family, const EffectsBeside& effects) const;
+  [[nodiscard]] std::vector<Candidate> surfaces() const;
+  [[nodiscard]] std::vector<Contender> contenders(const std::vector<Candidate>& list) const;
   [[nodiscard]] double cost_of(const CandidateModel& model, double freedom) const;
   [[nodiscard]] static bool is_possible(const Candidate& candidate);
   void eliminate(Candidate& law) const;
@@ -217,14 +253,21 @@ std::vector<Beside> LawSearch::places() const {
   std::vector<std::pair<CurvePlace, CurveOver>> where{{CurvePlace::suspension, CurveOver::velocity},
                                                       {CurvePlace::suspension, CurveOver::deflection}};
   const bool is_car = space_.given.rig.kind == model::RigKind::quarter_car;
-  if (is_car && !problem_.samples().front().input.wheel_prescribed)
+  if (is_car && !problem_.samples().front().input.wheel_prescribed) {
     where.emplace_back(CurvePlace::tyre, CurveOver::deflection);
+    where.emplace_back(CurvePlace::body_guide, CurveOver::velocity);
+    where.emplace_back(CurvePlace::wheel_guide, CurveOver::velocity);
+  }
   std::vector<Beside> list;
   const auto& laws = found_.best.fit.hypothesis.laws;
   for (const auto& [place, over] : where) {
     if (std::any_of(laws.begin(), laws.end(),
                     [&, p = place, o = over](const PlacedLaw& law) { return law.place == p && law.over == o; }))
       continue;
+    if (is_guide(place)) {
+      list.push_back({place, over, effects_beside_guide(found_.best.effects, place)});
+      continue;
+    }
     for (EffectsBeside& effects : effects_beside(found_.best.effects, place, over)) {
       list.push_back({place, over, std::move(effects)});
     }
@@ -313,7 +356,7 @@ std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>
   std::vector<Task> tasks;
   for (const Curve& curve : curves) {
     const EffectsBeside& effects = curve.beside.effects;
-    const bool friction = std::any_of(effects.begin(), effects.end(), is_friction);
+    const bool friction = !is_guide(curve.beside.place) && std::any_of(effects.begin(), effects.end(), is_friction);
     Hypothesis start = curve.fit.model.fit.hypothesis;
     tasks.push_back({start, &curve, LawFamily::points});
     std::vector<FamilyMember> members = families_of(curve.fit, friction);
@@ -414,6 +457,87 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
   return list;
 }
 
+std::optional<Hypothesis> LawSearch::start_of_surface(LawFamily family, const EffectsBeside& effects) const {
+  Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, effects);
+  for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
+  const auto deflection = excited_range(problem_, start, CurvePlace::suspension, CurveOver::deflection);
+  const auto velocity = excited_range(problem_, start, CurvePlace::suspension, CurveOver::velocity);
+  if (!deflection || !velocity) return std::nullopt;
+  PlacedLaw law{.over = CurveOver::both, .family = family, .rms = deflection->rms, .largest = deflection->largest()};
+  law.rms_velocity = velocity->rms;
+  law.largest_velocity = velocity->largest();
+  law.slot = space_.given.rig.laws.surface_count;
+  const ForceOfEffects replaced(found_.best.effects, effects, law.place, CurveOver::velocity);
+  const double least = thresholds::force_share * start.rig.suspension.stiffness * law.rms;
+  law.size = std::max({least, std::abs(replaced(law.rms_velocity)), 1e-3});
+  law.values = {replaced(law.rms_velocity), family == LawFamily::follows_load
+                                                ? thresholds::sets_in_at_first * law.rms_velocity
+                                                : thresholds::stroke_exponent_at_first};
+  if (law.values.front() == 0.0) law.values.front() = least;
+  start.laws.push_back(std::move(law));
+  put_laws(start.laws, start.rig);
+  return start;
+}
+
+/// Families of surfaces on the whole: of each the one beside the right effects.
+std::vector<LawSearch::Candidate> LawSearch::surfaces() const {
+  const auto& laws = found_.best.fit.hypothesis.laws;
+  if (space_.given.rig.laws.surface_count == space_.given.rig.laws.surfaces.size() ||
+      std::any_of(laws.begin(), laws.end(), [](const PlacedLaw& law) { return is_surface(law.family); }))
+    return {};
+  const auto fit_on = [&](const IdentificationProblem& problem, LawFamily family, const EffectsBeside& effects,
+                          const Hypothesis& start) -> std::optional<Candidate> {
+    CandidateModel model = fitted_with_laws(problem, space_, start, effects, thresholds::family_steps);
+    if (!std::isfinite(model.fit.chi_squared)) return std::nullopt;
+    const double cost = cost_of(model, static_cast<double>(values_of(family).size()));
+    return Candidate{std::move(model), cost, family};
+  };
+  const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
+  const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
+  const std::vector<EffectsBeside> beside =
+      effects_beside(found_.best.effects, CurvePlace::suspension, CurveOver::velocity);
+  std::vector<std::optional<Candidate>> tried(2 * beside.size());
+  const auto family_of = [](std::size_t i) { return i % 2 == 0 ? LawFamily::follows_load : LawFamily::along_stroke; };
+  for_all(tried.size(), [&](std::size_t i) {
+    if (const auto start = start_of_surface(family_of(i), beside[i / 2]))
+      tried[i] = fit_on(part, family_of(i), beside[i / 2], *start);
+  });
+  std::vector<std::size_t> best;
+  for (std::size_t family = 0; family < 2; ++family) {
+    std::optional<std::size_t> nearest;
+    for (std::size_t i = family; i < tried.size(); i += 2) {
+      if (tried[i] && (!nearest || tried[i]->cost < tried[*nearest]->cost)) nearest = i;
+    }
+    if (nearest) best.push_back(*nearest);
+  }
+  std::vector<std::optional<Candidate>> fitted(best.size());
+  for_all(best.size(), [&](std::size_t i) {
+    const std::size_t b = best[i];
+    fitted[i] = fit_on(problem_, family_of(b), beside[b / 2], tried[b]->model.fit.hypothesis);
+  });
+  std::vector<Candidate> list;
+  for (auto& candidate : fitted) {
+    if (candidate) list.push_back(std::move(*candidate));
+  }
+  return list;
+}
+
+/// The best of `list`, which is sorted, and the best of another kind; none where even the best does not explain more
+/// than the effects do.
+std::vector<Contender> LawSearch::contenders(const std::vector<Candidate>& list) const {
+  if (list.empty() || best_cost_ - list.front().cost < thresholds::law_margin * temper_of(list.front().model.fit))
+    return {};
+  const Hypothesis& first = list.front().model.fit.hypothesis;
+  const std::string kind = kind_of(first.laws.back());
+  for (const Candidate& other : list) {
+    const Hypothesis& hypothesis = other.model.fit.hypothesis;
+    const std::string other_kind = kind_of(hypothesis.laws.back());
+    if (other_kind == kind || !stays_finite(problem_, hypothesis)) continue;
+    return {{kind, first}, {other_kind, hypothesis}};
+  }
+  return {};
+}
+
 /// Effects that earlier explanations needed and this one does not; what each that stays gains goes to gains_.
 void LawSearch::eliminate(Candidate& law) const {
   const double freedom = (law.cost - cost_of(law.model, 0.0)) / criterion_.parameter;
@@ -451,6 +575,8 @@ bool LawSearch::draws_friction(const Candidate& law) const {
 /// refused.
 bool LawSearch::can_be_described(const PlacedLaw& law) {
   if (has_memory(law.family)) return true;
+  if (is_surface(law.family))
+    return law.largest <= firmware::law_limits::farthest && law.largest_velocity <= firmware::law_limits::fastest;
   namespace limits = firmware::law_limits;
   const LawTable table = table_of(law);
   const double far = law.over == CurveOver::velocity ? limits::fastest : limits::farthest;
@@ -539,15 +665,19 @@ void LawSearch::adopt(Candidate law) {
 Learned LawSearch::learn() {
   Learned learned;
   slot_ = space_.given.rig.laws.curve_count;
-  for (const PlacedLaw& law : found_.best.fit.hypothesis.laws) slot_ += has_memory(law.family) ? 0 : 1;
+  for (const PlacedLaw& law : found_.best.fit.hypothesis.laws) {
+    slot_ += has_memory(law.family) || is_surface(law.family) ? 0 : 1;
+  }
   if (slot_ == space_.given.rig.laws.curves.size()) return learned;
   chi_squared_without_ = residuals(problem_, predict(problem_, found_.best.fit.hypothesis)).squaredNorm();
   best_cost_ = found_.best.penalised_chi_squared(criterion_) - found_.best.fit.chi_squared + chi_squared_without_;
   tell(0.96, "learning a law");
   std::vector<Candidate> list = candidates(curves());
   for (Candidate& stack : stacks()) list.push_back(std::move(stack));
+  for (Candidate& surface : surfaces()) list.push_back(std::move(surface));
   std::sort(list.begin(), list.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
   if (list.empty()) return learned;
+  learned.contenders = contenders(list);
   eliminate(list.front());
   if (!is_kept(list.front(), learned)) return learned;
   if (replace_by_effect(list.front())) return {};

@@ -9,6 +9,12 @@
 
 namespace host_sim::identification {
 
+/// An explanation of what is left, by its kind.
+struct Contender {
+  std::string kind;  ///< "hysteresis", "a law over the velocity"
+  Hypothesis hypothesis;
+};
+
 /// What learning found; the laws themselves stand in the hypothesis of the model that was searched on.
 struct Learned {
   std::vector<std::string> rivals{};   ///< other laws that explain nearly as much, in words
@@ -16,6 +22,8 @@ struct Learned {
   double gain = 0.0;                   ///< [χ²] of the fitted windows, over the model without a law
   double gain_held_out = 0.0;          ///< of the held-out windows
   std::vector<std::string> remarks{};
+  /// The two kinds that explain most, the better first: the law that was learned, or what came nearest. Two or none.
+  std::vector<Contender> contenders{};
   bool found = false;
 };
 

@@ -65,6 +65,10 @@ inline constexpr int stack_steps = 5, stack_rounds = 3;
 /// factor of 2 apart, a fit moves each to its neighbour; a tenth of the least is a quarter of a per cent of the stroke.
 inline constexpr std::array gaps{0.025, 0.05, 0.1, 0.2};
 
+/// [rms of the velocity] Width with which friction that follows the load begins; [1] exponent with which damping along
+/// the stroke does. Fits move both. Half and twice: the same laws.
+inline constexpr double sets_in_at_first = 0.2, stroke_exponent_at_first = 2.0;
+
 // What is believed ----------------------------------------------------------------------------------------------------
 
 /// [χ²/τ] by which a law must beat the effects it replaces, beside its own penalty: odds of e⁶. Derivation: the
@@ -88,8 +92,9 @@ inline constexpr double exponent_of_effect = 0.3;
 /// Steps of that effect's fit, which begins where the law ended.
 inline constexpr int effect_steps = 8;
 
-/// [1] Widest band of a curve, relative to that of noise alone: more is not known at all.
-inline constexpr double widest_stretch = 30.0;
+/// [1] Half width of the band of a curve that is not known at all, relative to the law. Half and twice: as wide to a
+/// reader.
+inline constexpr double widest_band = 10.0;
 /// Measured points behind a curve in the report.
 inline constexpr std::size_t points_shown = 600;
 /// Turns through the whole range whose path a loop in the report is as long as: more lie on one another.

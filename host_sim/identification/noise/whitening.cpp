@@ -80,6 +80,7 @@ Whitening::Whitening(const PreparedRecording& recording, Window window, const Ch
   const double top = std::min(thresholds::highest_frequency, thresholds::highest_share_of_rate / period_);
   bins_ = static_cast<std::size_t>(top / resolution) + 1;
   set_taper();
+  set_means_kept(recording, noise);
   std::vector<double> mean_squares;
   for (std::size_t c = 0; c < channels_; ++c) {
     const auto& values = recording.recording[recording.channels[c]];
@@ -108,6 +109,26 @@ void Whitening::set_taper() {
   }
   for (const double w : taper_) taper_power_ += w * w;
   scale_ = std::sqrt(2.0 / taper_power_);
+}
+
+/// (7)
+void Whitening::set_means_kept(const PreparedRecording& recording, const ChannelNoises& noise) {
+  means_kept_.assign(channels_, recording.mean_unknown ? 0.0 : 1.0);
+  if (!recording.mean_unknown) return;
+  double squares = 0.0, weights = 0.0;
+  for (std::size_t k = window_.from; k < window_.to; ++k) {
+    const double v = recording.input.motion[k].velocity;
+    squares += v * v / static_cast<double>(window_.size());
+  }
+  for (const double w : taper_) weights += w;
+  const double duration = period_ * static_cast<double>(length_);
+  const double unknown = std::sqrt(2.0 * thresholds::integrated_noise_in_lowest_band * squares) / duration;
+  for (std::size_t c = 0; c < channels_; ++c) {
+    const model::Channel channel = recording.channels[c];
+    const bool acceleration = channel == model::Channel::zdd_w || channel == model::Channel::zdd_b;
+    const double own = noise[index(channel)].level * std::sqrt(taper_power_) / weights;
+    if (acceleration && own > 0.0) means_kept_[c] = own / std::hypot(own, unknown);
+  }
 }
 
 /// S_c of (2) in one band.
@@ -171,14 +192,14 @@ Spectrum Whitening::spectrum(const PreparedRecording& recording, std::size_t cha
       if (clipped[window_.from + k * step_]) tapered[k] = 0.0;
     }
   }
-  if (recording.mean_unknown) {
+  if (means_kept_[channel] < 1.0) {
     double sum = 0.0, weights = 0.0;
     const auto used = [&](std::size_t k) { return clipped.empty() || !clipped[window_.from + k * step_]; };
     for (std::size_t k = 0; k < length_; ++k) {
       sum += tapered[k];
       if (used(k)) weights += taper_[k];
     }
-    const double mean = weights > 0.0 ? sum / weights : 0.0;
+    const double mean = weights > 0.0 ? (1.0 - means_kept_[channel]) * sum / weights : 0.0;
     for (std::size_t k = 0; k < length_; ++k) {
       if (used(k)) tapered[k] -= mean * taper_[k];
     }

@@ -28,8 +28,14 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 ///   (6)  (1 − h_c)² S_c is added to Σ: the low-pass acts on the signal, too, and on what corners leave of it not as on
 ///        the input that drives the simulation. |1 − H|² of a Butterworth filter, less its delay, is of that order.
 ///
-/// Where the mean of the input is unknown (PreparedRecording::mean_unknown) each channel is freed from its own, Σ w x /
-/// Σ w. k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
+/// Where the mean of the input is unknown (PreparedRecording::mean_unknown) each channel is freed from its own, x̄ = Σ w
+/// x / Σ w. Of an acceleration's mean one thing is known, since the mass stays near the road: it is the change of a
+/// velocity over the window, of T seconds. So
+///
+///   (7)  x − (1 − s/√(s² + a²)) x̄,   s = σ_c √Σw² / Σw,   a = √(2 g) rms(ż of the input) / T
+///
+/// whose mean has the variance s², g: thresholds::integrated_noise_in_lowest_band, what a body mode makes of it. k
+/// counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
 ///
 /// N: covariance of what the input's noise makes of the channels (input_noise_covariance.hpp); S_c: power of the
 /// channel; ε: error of the simulation itself; ε_c: an allowed error of the model, alike at every frequency.
@@ -65,6 +71,7 @@ class Whitening {
 
  private:
   void set_taper();
+  void set_means_kept(const PreparedRecording& recording, const ChannelNoises& noise);
   [[nodiscard]] Eigen::MatrixXcd covariance(const PreparedRecording& recording, std::size_t band,
                                             const ChannelNoises& noise,
                                             const std::vector<Eigen::MatrixXcd>& input_noise, double model_error,
@@ -80,6 +87,7 @@ class Whitening {
   double taper_power_ = 0.0;  ///< Σ w²
   double scale_ = 0.0;        ///< √(2/Σ w²)
   std::vector<double> taper_;
+  std::vector<double> means_kept_;  ///< 1 − share of (7) that is taken away, by channel
   Spectra data_;
   std::vector<Eigen::MatrixXcd> factors_;    ///< L⁻¹ by band
   std::vector<Eigen::VectorXd> deviations_;  ///< √Σ_cc by band

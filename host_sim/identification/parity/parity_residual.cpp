@@ -131,7 +131,7 @@ ParityResidual check(const firmware::RigDescription& description, const std::vec
 
 /// True if the parity relations are valid for a rig with these described effects and laws.
 bool relations_hold_for(const model::RigParameters<double>& rig) {
-  if (rig.laws.any()) return false;
+  if (rig.laws.any() || rig.has_extensions()) return false;
   const auto effects = firmware::effects_of(rig);
   return std::all_of(effects.begin(), effects.end(), [](const firmware::PlacedEffect& effect) {
     const auto subsystem = effect.entry->subsystem;

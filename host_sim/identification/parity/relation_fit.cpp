@@ -24,6 +24,7 @@ model::RigParameters<double> component_of(const model::RigParameters<double>& ri
   model::RigParameters<double> bench = rig;
   bench.kind = model::RigKind::component_bench;
   bench.machine.virtual_damping = 0.0;
+  bench.lever = {};
   for (const firmware::PlacedEffect& effect : firmware::effects_of(rig)) {
     if (effect.entry->subsystem != model::Subsystem::suspension && effect.entry->subsystem != model::Subsystem::fdva) {
       firmware::remove_effect(bench, *effect.entry, effect.channel);
@@ -40,6 +41,7 @@ Series simulate_bench(const model::RigParameters<double>& bench, const firmware:
   driven.time = recording.time;
   driven.ducts = recording.ducts;
   driven[input_channel] = motion;
+  driven[Channel::z_b] = recording[Channel::z_b];
   const SimulationInput input = simulation_input(bench, driven);
   return simulate(bench, input, resting(bench, input))[index(channel)];
 }

@@ -35,13 +35,29 @@ double bend(const PlacedLaw& law) {
 }
 
 model::LawPlace place_of(const PlacedLaw& law) {
-  return law.place == CurvePlace::tyre ? model::LawPlace::tyre : model::LawPlace::suspension;
+  constexpr std::array places{model::LawPlace::suspension, model::LawPlace::tyre, model::LawPlace::body_guide,
+                              model::LawPlace::wheel_guide};
+  return places[static_cast<std::size_t>(law.place)];
+}
+
+/// 0 and `each_side` points on each side of it, dense within `bend`.
+std::vector<double> points_around(double bend, double largest, int each_side) {
+  std::vector<double> points;
+  const double last = std::asinh(largest / bend);
+  for (int i = -each_side; i <= each_side; ++i) points.push_back(i == 0 ? 0.0 : bend * std::sinh(last * i / each_side));
+  return points;
 }
 
 }  // namespace
 
-std::string_view name(CurvePlace place) { return place == CurvePlace::suspension ? "suspension" : "tyre"; }
-std::string_view name(CurveOver over) { return over == CurveOver::velocity ? "velocity" : "deflection"; }
+std::string_view name(CurvePlace place) {
+  constexpr std::array<std::string_view, 4> names{"suspension", "tyre", "body_guide", "wheel_guide"};
+  return names[static_cast<std::size_t>(place)];
+}
+std::string_view name(CurveOver over) {
+  constexpr std::array<std::string_view, 3> names{"velocity", "deflection", "deflection and velocity"};
+  return names[static_cast<std::size_t>(over)];
+}
 
 std::vector<model::BranchNumbers<double>> branches_of(const PlacedLaw& law) {
   std::vector<model::BranchNumbers<double>> list;
@@ -75,12 +91,18 @@ const std::vector<LawValue>& values_of(LawFamily family) {
                                                                        {c, other, width},
                                                                        {c, other, width},
                                                                        {},
-                                                                       {}}};
+                                                                       {},
+                                                                       {c, width},
+                                                                       {c, exponent}}};
   return values[static_cast<std::size_t>(family)];
 }
 
 std::vector<double> PlacedLaw::forces_along(const std::vector<double>& x, double period) const {
   std::vector<double> forces(x.size(), 0.0);
+  if (is_surface(family)) {
+    for (std::size_t k = 1; k + 1 < x.size(); ++k) forces[k] = force(x[k], (x[k + 1] - x[k - 1]) / (2.0 * period));
+    return forces;
+  }
   if (!has_memory(family)) {
     std::transform(x.begin(), x.end(), forces.begin(), [this](double each) { return force(each); });
     return forces;
@@ -115,6 +137,9 @@ double PlacedLaw::force(double x) const {
       return s * (values[0] * std::min(a, values[2]) + values[1] * std::max(a - values[2], 0.0)) / rms;
     case LawFamily::one_sided:
       return (values[0] * std::max(x - values[2], 0.0) + values[1] * std::min(x + values[2], 0.0)) / rms;
+    case LawFamily::follows_load:
+    case LawFamily::along_stroke:
+      return force(x, rms_velocity);
     case LawFamily::sliders:
     case LawFamily::maxwell:
       break;
@@ -125,6 +150,32 @@ double PlacedLaw::force(double x) const {
     sum += values[i] * (family == LawFamily::sliders ? std::clamp(pulled / at[i], -1.0, 1.0) : x / rms);
   }
   return sum;
+}
+
+double PlacedLaw::force(double x, double v) const {
+  const double along = std::abs(x) / rms;
+  if (family == LawFamily::follows_load) return values[0] * along * std::tanh(v / values[1]);
+  if (family == LawFamily::along_stroke) return values[0] * std::pow(along, values[1]) * v / rms_velocity;
+  return force(x);
+}
+
+model::SurfaceTable<double> surface_of(const PlacedLaw& law) {
+  constexpr int each_side = (static_cast<int>(model::surface_points) - 1) / 2;
+  const bool load = law.family == LawFamily::follows_load;
+  // Straight over |x| and straight over v: three points are enough there.
+  const std::vector<double> x = points_around(0.5 * law.largest, law.largest, load ? 1 : each_side);
+  const std::vector<double> v =
+      points_around(load ? 0.5 * law.values[1] : law.largest_velocity, law.largest_velocity, load ? each_side : 1);
+  model::SurfaceTable<double> table;
+  table.place = place_of(law);
+  table.rows = static_cast<std::uint8_t>(x.size());
+  table.columns = static_cast<std::uint8_t>(v.size());
+  std::copy(x.begin(), x.end(), table.deflection.begin());
+  std::copy(v.begin(), v.end(), table.velocity.begin());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    for (std::size_t j = 0; j < v.size(); ++j) table.value[i][j] = law.force(x[i], v[j]);
+  }
+  return table;
 }
 
 LawTable table_of(const PlacedLaw& law) {
@@ -155,6 +206,12 @@ void put_laws(const std::vector<PlacedLaw>& laws, model::RigParameters<double>& 
       for (std::size_t i = 0; i < std::min(branches.size(), rig.laws.branches.size() - law.slot); ++i) {
         rig.laws.branches[rig.laws.branch_count++] = branches[i];
       }
+      continue;
+    }
+    if (is_surface(law.family)) {
+      if (law.slot >= rig.laws.surfaces.size()) continue;
+      rig.laws.surfaces[law.slot] = surface_of(law);
+      rig.laws.surface_count = static_cast<std::uint8_t>(std::max<std::size_t>(rig.laws.surface_count, law.slot + 1));
       continue;
     }
     if (law.slot >= rig.laws.curves.size()) continue;

@@ -25,6 +25,12 @@ namespace host_sim::identification {
 ///   sliders       (9)  F = Σ u_i, u_i ← clamp(u_i + c_i Δx/d_i, ±c_i)      values: c_i ≥ 0 of the slip travels d_i;
 ///                      with a gap all of them have that free play in series
 ///   maxwell      (10)  F = Σ u_i, u̇_i = c_i ẋ/r − u_i/T_i                values: c_i ≥ 0 of the time constants T_i
+///
+/// and surfaces over deflection x and velocity v, q: rms of v:
+///
+///   follows_load (11)  F = c |x|/r · tanh(v/w)                            values: c, w: friction, times the spring's
+///   load along_stroke (12)  F = c |x/r|^p · v/q                                values: c, p: damping that grows along
+///   the stroke
 enum class LawFamily : unsigned char {
   points,
   power,
@@ -35,17 +41,23 @@ enum class LawFamily : unsigned char {
   knee,
   one_sided,
   sliders,
-  maxwell
+  maxwell,
+  follows_load,
+  along_stroke
 };
-inline constexpr std::size_t law_families = 10;
+inline constexpr std::size_t law_families = 12;
 [[nodiscard]] constexpr bool has_memory(LawFamily family) {
   return family == LawFamily::sliders || family == LawFamily::maxwell;
+}
+[[nodiscard]] constexpr bool is_surface(LawFamily family) {
+  return family == LawFamily::follows_load || family == LawFamily::along_stroke;
 }
 /// Whether its values are forces that belong to the numbers of PlacedLaw::at.
 [[nodiscard]] constexpr bool has_grid(LawFamily family) { return family == LawFamily::points || has_memory(family); }
 
-enum class CurvePlace : unsigned char { suspension, tyre };
-enum class CurveOver : unsigned char { velocity, deflection };
+/// The guides hold body and wheel against the ground: laws over ż_b and ż_w.
+enum class CurvePlace : unsigned char { suspension, tyre, body_guide, wheel_guide };
+enum class CurveOver : unsigned char { velocity, deflection, both };
 [[nodiscard]] std::string_view name(CurvePlace place);
 [[nodiscard]] std::string_view name(CurveOver over);
 
@@ -53,16 +65,21 @@ struct PlacedLaw {
   CurvePlace place = CurvePlace::suspension;
   CurveOver over = CurveOver::velocity;
   LawFamily family = LawFamily::points;
-  double rms = 1.0, largest = 1.0;  ///< r and X
-  double size = 1.0;                ///< a force [N] that matters here: unit of the values that are forces, in a fit
-  std::vector<double> at{};         ///< x_i of (1), d_i [m] of (9), T_i [s] of (10)
+  double rms = 1.0, largest = 1.0;                    ///< r and X
+  double rms_velocity = 1.0, largest_velocity = 1.0;  ///< q of a surface, and the largest |v|
+  double size = 1.0;         ///< a force [N] that matters here: unit of the values that are forces, in a fit
+  std::vector<double> at{};  ///< x_i of (1), d_i [m] of (9), T_i [s] of (10)
   std::vector<double> values{};
   double gap = 0.0;      ///< [m] of (9): lost motion; 0: none
-  std::size_t slot = 0;  ///< of the rig's laws, the curve or first branch: behind those of its description
+  std::size_t slot = 0;  ///< of the rig's laws, curve, surface or first branch: behind those of its description
 
   /// F(x) of (2)–(8); of (1) the straight lines between points. With memory: at the end of a first travel from rest to
   /// x, for (10) one that is fast beside every T_i.
+  /// Of a surface: while v = q.
   [[nodiscard]] double force(double x) const;
+  [[nodiscard]] double force(double x, double v) const;  ///< of a surface
+  /// Unit of a value that is a width [m], [m/s].
+  [[nodiscard]] double unit_of_width() const { return family == LawFamily::follows_load ? rms_velocity : rms; }
   /// One of `values`, or behind them the gap.
   [[nodiscard]] double& value(std::size_t number) { return number < values.size() ? values[number] : gap; }
   [[nodiscard]] double value(std::size_t number) const { return number < values.size() ? values[number] : gap; }
@@ -87,6 +104,9 @@ struct LawTable {
   std::vector<double> at, value;
 };
 [[nodiscard]] LawTable table_of(const PlacedLaw& law);
+
+/// The same of a surface; table_of() is its section at v = q.
+[[nodiscard]] model::SurfaceTable<double> surface_of(const PlacedLaw& law);
 
 /// Puts the tables of laws into their slots of a rig.
 void put_laws(const std::vector<PlacedLaw>& laws, model::RigParameters<double>& rig);

@@ -61,12 +61,15 @@ std::vector<BandLevel> band_levels(const std::vector<double>& samples, double pe
     const double step = 1.0 / (4.0 * std::pow(std::sin(std::numbers::pi * f * period), 2));
     levels.push_back({f, power, freedom, is_position ? step * step : step});
   }
-  // Where a filter leaves next to nothing, rounding is seen.
+  return levels;
+}
+
+/// Where a filter leaves next to nothing, rounding is seen.
+void drop_rounding(std::vector<BandLevel>& levels) {
   const double least = levels.empty() ? 0.0 : thresholds::least_filtered_power * levels.front().power;
   const auto nothing =
       std::find_if(levels.begin(), levels.end(), [&](const BandLevel& l) { return !(l.power > least); });
   levels.erase(nothing, levels.end());
-  return levels;
 }
 
 struct LevelFit {
@@ -74,6 +77,12 @@ struct LevelFit {
   double deviance = std::numeric_limits<double>::infinity();
   double relative_error = 0.0;  ///< of level²
 };
+
+/// The bands with the tail of a motion that a filter rounds off, q(f) = 1/(2πfT)^{2·order}.
+std::vector<BandLevel> with_tail_of_order(std::vector<BandLevel> levels, int order, double period) {
+  for (BandLevel& l : levels) l.tail = std::pow(2.0 * std::numbers::pi * l.frequency * period, -2 * order);
+  return levels;
+}
 
 /// level² and b for one h: Fisher scoring, since (3) is linear in both.
 LevelFit fit_level(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, bool has_tail) {
@@ -187,11 +196,10 @@ double ChannelNoise::rms(double period) const { return level * std::sqrt(colour.
 
 bool ChannelNoise::is_known() const { return relative_error <= thresholds::noise_level_known; }
 
-std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period, bool is_position,
-                                                   const std::optional<NoiseColour>& expected) {
-  const std::vector<BandLevel> levels = band_levels(samples, period, is_position);
-  constexpr std::size_t fewest = 6;
-  if (levels.size() < fewest) return std::nullopt;
+namespace {
+
+/// The cheapest law of (5) among white noise and low-passes, with and without the tail of (4).
+ColourFit best_colour(const std::vector<BandLevel>& levels, double period, const std::optional<NoiseColour>& expected) {
   ColourFit best;
   const auto consider = [&](ColourFit fit, double parameters) {
     fit.price = fit.level.deviance + thresholds::colour_price * parameters;
@@ -212,6 +220,47 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
         consider(fit_corner(levels, {0.0, order, filter}, period, has_tail), tail + corner_price);
       }
     }
+  }
+  return best;
+}
+
+/// The cheapest tail of (4′) over white noise that is seen.
+ColourFit best_floor(const std::vector<BandLevel>& levels, double period) {
+  constexpr double tail_and_order = 2.0;
+  ColourFit best;
+  for (int order = thresholds::flattest_motion; order <= thresholds::steepest_motion; ++order) {
+    ColourFit fit{{}, fit_level(with_tail_of_order(levels, order, period), {}, period, true), 0.0, 0.0};
+    fit.price = fit.level.deviance + thresholds::colour_price * tail_and_order;
+    const bool seen = 0.5 * fit.level.relative_error < thresholds::noise_level_known;
+    if (seen && fit.price < best.price) best = fit;
+  }
+  return best;
+}
+
+double largest_magnitude(const std::vector<double>& samples) {
+  double largest = 0.0;
+  for (const double v : samples) largest = std::max(largest, std::abs(v));
+  return largest;
+}
+
+}  // namespace
+
+std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period, bool is_position,
+                                                   const std::optional<NoiseColour>& expected, bool is_foot_point) {
+  std::vector<BandLevel> levels = band_levels(samples, period, is_position);
+  constexpr std::size_t fewest = 6;
+  if (levels.size() < fewest) return std::nullopt;
+  // A floor that rounding cannot make is judged in all bands; where there is none, a filter ends in rounding.
+  const ColourFit floor = best_floor(levels, period);
+  const bool is_noise =
+      is_foot_point && std::sqrt(floor.level.square) > thresholds::least_floor * largest_magnitude(samples);
+  ColourFit best;
+  if (is_noise && floor.price < best_colour(levels, period, expected).price + thresholds::other_corner_price) {
+    best = floor;
+  } else {
+    drop_rounding(levels);
+    if (levels.size() < fewest) return std::nullopt;
+    best = best_colour(levels, period, expected);
   }
   NoiseSpectrumFit fit;
   fit.noise.colour = best.colour;

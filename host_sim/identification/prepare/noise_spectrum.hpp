@@ -48,6 +48,14 @@ using ChannelNoises = std::array<ChannelNoise, model::channel_count>;
 ///   (3)  S(f) = h(f) (level² + b q(f)),      level² ≥ 0, b ≥ 0
 ///   (4)  q(f) = 1 / (4 sin²(πfT))
 ///
+/// The motion itself reaches above noise_begins, too, where a road or a machine drives it there: its acceleration falls
+/// with a power of the frequency. Beside (4) the tails of
+///
+///   (4′)  q(f) = 1 / (2πfT)^{2n},            n = thresholds::flattest_motion … steepest_motion
+///
+/// are tried over white noise where `is_foot_point`. (A road behind a Butterworth low-pass of fourth order has n = 3 in
+/// zdd_r.)
+///
 /// (3) is fitted by maximum likelihood to band powers P of ν degrees of freedom, the median over the lines of a band,
 /// which single lines do not move:
 ///
@@ -64,7 +72,8 @@ struct NoiseSpectrumFit {
 };
 [[nodiscard]] std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period,
                                                                  bool is_position,
-                                                                 const std::optional<NoiseColour>& expected = {});
+                                                                 const std::optional<NoiseColour>& expected = {},
+                                                                 bool is_foot_point = false);
 
 /// The colour that positions, which have no tails, agree on: the middle corner. nullopt: they are white.
 [[nodiscard]] std::optional<NoiseColour> expected_colour(const ChannelNoises& noises);

@@ -113,6 +113,7 @@ model::RigParameters<double> explained_part(const model::RigParameters<double>& 
   model::RigParameters<double> part = rig;
   part.kind = RigKind::component_bench;
   part.machine.virtual_damping = 0.0;
+  part.lever = {};  // x_cmd and F are the component's
   return part;
 }
 

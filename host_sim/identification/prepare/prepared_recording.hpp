@@ -55,7 +55,7 @@ struct PreparedRecording {
   Window fitted, held_out;
   InputNoise input_noise;
   /// The input is an integrated acceleration: its mean was removed, (ż(T) − ż(0))/T of which was motion, and with it
-  /// what a channel is on average. Nothing is compared at 0 Hz.
+  /// what a channel is on average. At 0 Hz accelerations alone are compared (noise/whitening.hpp, 7).
   bool mean_unknown = false;
   /// z_r and zdd_r contradict each other: the foot point moves on z_r alone and zdd_r is one of the channels. Where
   /// they agree the foot point moves on the fusion of both.
@@ -82,7 +82,8 @@ struct PreparedRecording {
 };
 
 /// The part of a rig that recordings of its kind are explained with: a hil rig without its virtual car, which is the
-/// component_bench that its test machine makes.
+/// component_bench that its test machine makes. An air spring keeps its skyhook: the recorded body velocity commands
+/// its area (SimulationInput::area).
 [[nodiscard]] model::RigParameters<double> explained_part(const model::RigParameters<double>& rig);
 
 /// `held_out`: the whole recording is held out; `shared`: its last quarter is; `fitted`: nothing is.

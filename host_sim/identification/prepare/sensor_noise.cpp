@@ -80,7 +80,8 @@ ChannelNoise noise_in(const std::vector<double>& samples, double period, model::
   if (std::abs(std::log(octave_below.rms / whole.rms)) <= thresholds::white_noise) {
     return white(whole, whole.relative_error);
   }
-  const auto fit = fit_noise_spectrum(samples, period, is_position(channel), expected);
+  const bool is_foot_point = channel == model::Channel::z_r || channel == model::Channel::zdd_r;
+  const auto fit = fit_noise_spectrum(samples, period, is_position(channel), expected, is_foot_point);
   return fit && fit->noise.level > 0.0 ? fit->noise : white(whole, unknown);
 }
 
@@ -88,7 +89,8 @@ SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, do
                           const std::optional<NoiseColour>& expected) {
   if (!declared) return {found, std::nullopt};
   if (!found.is_known() || !(*declared > 0.0)) {
-    return {{*declared, expected.value_or(NoiseColour{}), 1.0, 0.0, found.highest_level}, std::nullopt};
+    const NoiseColour colour = expected.value_or(NoiseColour{});
+    return {{*declared / std::sqrt(colour.mean_power(period)), colour, 1.0, 0.0, found.highest_level}, std::nullopt};
   }
   const double rms = found.rms(period), factor = rms / *declared;
   double believed = std::clamp(factor, 1.0 / thresholds::most_noise_factor, thresholds::most_noise_factor);

@@ -104,6 +104,13 @@ inline constexpr double colour_price = 10.0;
 /// tail is not exactly what (4) of noise_spectrum.hpp says. Half and twice: the same names.
 inline constexpr double other_corner_price = 50.0;
 
+/// Tails of a motion over white noise: an acceleration behind a low-pass of fourth order falls with n = 3, a position
+/// with n = 5. Flatter ones are those of (4), or noise behind a filter; a steeper one ends within a few bands. A road
+/// made of held noise falls faster by sin²x/x², so a floor may cost other_corner_price more than a colour.
+inline constexpr int flattest_motion = 3, steepest_motion = 5;
+/// [largest sample] Noise below it may be rounding: decimals of five digits round by 3e-6, floats by 2e-8.
+inline constexpr double least_floor = 1e-5;
+
 // Single samples -----------------------------------------------------------------------------------------------------
 
 /// [standard deviations] of a sample from its neighbours from which it is an outlier. Derivation: 160 000 samples (20 s

@@ -7,6 +7,7 @@
 #include "firmware/description/rig_writer.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
+#include "host_sim/identification/report/shape_words.hpp"
 #include "host_sim/report/report.hpp"
 
 namespace host_sim::identification {
@@ -122,7 +123,9 @@ void add_effects(Report& page, const Diagnosis& diagnosis) {
   }
   page.add_table(found);
   for (const NamedEffect& named : diagnosis.effects) {
-    page.add_text(words(named.effect) + ": " + std::string(named.effect.entry->equation) + ". It shows as " +
+    const std::string shape = shape_words(named.effect, diagnosis.rig.rig);
+    page.add_text(words(named.effect) + ": " + (shape.empty() ? "" : shape + ". ") +
+                  std::string(named.effect.entry->equation) + ". It shows as " +
                   std::string(named.effect.entry->shows) + ".");
   }
   if (!rivals.rows.empty()) page.add_table(rivals);
@@ -357,6 +360,7 @@ std::string sentence(const Diagnosis& diagnosis) {
   if (!off.empty()) text += " Beside it " + joined(off) + ".";
   if (!causes.empty()) text += " In the recording: " + causes + ".";
   if (!diagnosis.residual.empty()) text += " Left over: " + diagnosis.residual + ".";
+  if (diagnosis.next_step) text += " Next: " + words(*diagnosis.next_step, diagnosis.rig.rig.kind) + ".";
   return text;
 }
 
@@ -367,6 +371,11 @@ std::string words(const RecordingFault& fault) {
     const bool exact = !(value.upper > value.lower);
     text += separator + parameter + " " + (exact ? figure_text(value.value, 5) : with_interval(value, ""));
     separator = ", ";
+  }
+  if (fault.name == "drift") {
+    const double change = fault.parameters.at("per_cent_over_record").value;
+    text += std::string(change < 0.0 ? ", fades by " : ", grows by ") + figure_text(std::abs(change), 2) +
+            " % over the record";
   }
   if (fault.is_cause) text += ", confidence " + figure_text(fault.confidence, 3);
   return text;
@@ -425,6 +434,7 @@ std::string explanation(const firmware::CatalogueEntry& entry) {
     if (entry.rigs.contains(static_cast<model::RigKind>(kind))) text += " " + std::string(model::rig_kind_names[kind]);
   }
   if (entry.needs_fdva) text += ", with an FDVA";
+  if (entry.needs_air_spring) text += ", with an air spring";
   return text + "\n";
 }
 

@@ -18,7 +18,8 @@ Figure figure_of(const DescribedLaw& law, std::string title, std::string note, s
   Figure figure;
   figure.title = std::move(title) + " at the " + std::string(name(law.law.place));
   figure.note = std::move(note);
-  figure.x = {std::string(name(law.law.over)), law.law.over == CurveOver::velocity ? "m/s" : "m"};
+  figure.x = {std::string(name(law.law.over == CurveOver::velocity ? CurveOver::velocity : CurveOver::deflection)),
+              law.law.over == CurveOver::velocity ? "m/s" : "m"};
   Panel panel;
   panel.y = {"force", "N"};
   if (!law.seen_at.empty()) {
@@ -40,12 +41,17 @@ Figure figure_of_learned(const DescribedLaw& law) {
   curves.push_back({"95 % band", law.at, law.lower, 0, Dash::dotted});
   curves.push_back({"95 % band", law.at, law.upper, 0, Dash::dotted});
   curves.back().in_legend = false;
+  const std::string at_velocity = is_surface(law.law.family)
+                                      ? " The line is a section of a surface: the force at " +
+                                            figure_text(law.law.rms_velocity, 3) + " m/s, the rms of the velocity."
+                                      : "";
   curves.push_back({"rig as described", {law.at.front(), law.at.back()}, {0.0, 0.0}, 1, Dash::dashed});
   return figure_of(law, "Learned law",
                    "Force that the law adds to the rig as described, with its 95 % band. Points: the law at the "
                    "simulated motion plus the force that the residual stands for, of data that were not fitted where "
                    "there are any. Between the two lines the recordings excited it; beyond them it is continued "
-                   "straight.",
+                   "straight." +
+                       at_velocity,
                    std::move(curves));
 }
 
@@ -63,6 +69,14 @@ Figure figure_of_described(const DescribedLaw& law) {
 std::string words(const DescribedLaw& law) {
   return std::string(name(law.law.place)) + ": " + law.words + " (" + law.shape + " over " +
          std::string(name(law.law.over)) + ")";
+}
+
+std::string words(const NextStep& next, model::RigKind rig) {
+  return "to tell " + next.one + " from " + next.other + ", run " + figure_text(next.test.frequency, 3) + " Hz at ± " +
+         figure_text(1e3 * next.test.amplitude, 3) + " mm" +
+         (rig == model::RigKind::component_bench ? "" : " with the component alone on a bench") +
+         " (a second of it separates them " + figure_text(next.test.separates, 2) +
+         " times as well as one recorded here)";
 }
 
 void add_described_curves(report::Report& page, const std::vector<DescribedLaw>& curves) {

@@ -1,13 +1,17 @@
 // A learned law on the page: its curve with its band, what the rig did behind it, and the rig as described beside it.
 #pragma once
 
-#include "host_sim/identification/learn/learned_law.hpp"
+#include "host_sim/identification/assess/diagnosis_result.hpp"
 #include "host_sim/report/report.hpp"
 
 namespace host_sim::identification {
 
 /// "suspension: grows with |v|^1.61 ± 0.04 (power law)"
 [[nodiscard]] std::string words(const DescribedLaw& law);
+
+/// "to tell hysteresis from lag, run 0.5 Hz at ± 20 mm on a bench (a second of it separates them 12 times as well)";
+/// `rig`: on which it was recorded.
+[[nodiscard]] std::string words(const NextStep& next, model::RigKind rig);
 
 /// Section, table of numbers and a figure for each law; nothing where there is none.
 void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws);

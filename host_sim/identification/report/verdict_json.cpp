@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "host_sim/identification/report/law_figure.hpp"
+#include "host_sim/identification/report/shape_words.hpp"
+
 namespace host_sim::identification {
 namespace {
 
@@ -46,9 +49,10 @@ void put_time(ordered_json& json, const std::vector<PowerOverTime>& powers, mode
   json["power_per_second"] = most->refit;
 }
 
-ordered_json to_json(const NamedEffect& named) {
+ordered_json to_json(const NamedEffect& named, const model::RigParameters<double>& rig) {
   ordered_json json{{"name", named.effect.entry->name}};
   put_channel(json, named.effect);
+  if (const std::string shape = shape_words(named.effect, rig); !shape.empty()) json["words"] = shape;
   json["parameters"] = ordered_json::object();
   for (std::size_t p = 0; p < named.parameters.size(); ++p) {
     json["parameters"][named.effect.entry->parameters[p].name] = to_json(named.parameters[p]);
@@ -58,9 +62,18 @@ ordered_json to_json(const NamedEffect& named) {
   return json;
 }
 
+ordered_json numbers(const std::array<double, model::surface_points>& values, std::size_t count) {
+  return std::vector<double>(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
 ordered_json to_json(const DescribedLaw& law) {
-  const std::string over(name(law.law.over));
-  ordered_json json{{"place", name(law.law.place)}, {"over", {over}}, {"shape", law.shape}, {"words", law.words}};
+  ordered_json json{
+      {"place", name(law.law.place)}, {"over", ordered_json::array()}, {"shape", law.shape}, {"words", law.words}};
+  if (law.law.over == CurveOver::both) {
+    json["over"] = {name(CurveOver::deflection), name(CurveOver::velocity)};
+  } else {
+    json["over"] = {name(law.law.over)};
+  }
   json["parameters"] = ordered_json::object();
   for (const LawNumber& number : law.numbers)
     json["parameters"][number.name] = {{"value", number.value}, {"ci95", {number.lower, number.upper}}};
@@ -75,7 +88,19 @@ ordered_json to_json(const DescribedLaw& law) {
       json["branches"].push_back(std::move(numbers));
     }
   }
-  json["table"] = {{over, law.at}, {"force", law.force}, {"band95", ordered_json::array()}};
+  if (is_surface(law.law.family)) {
+    const model::SurfaceTable<double> surface = surface_of(law.law);
+    ordered_json rows = ordered_json::array();
+    for (std::size_t i = 0; i < surface.rows; ++i) rows.push_back(numbers(surface.value[i], surface.columns));
+    json["surface"] = {{"deflection", numbers(surface.deflection, surface.rows)},
+                       {"velocity", numbers(surface.velocity, surface.columns)},
+                       {"force", std::move(rows)}};
+    json["table"] = {{"deflection", law.at}, {"at_velocity", law.law.rms_velocity}};
+  } else {
+    json["table"] = {{name(law.law.over), law.at}};
+  }
+  json["table"]["force"] = law.force;
+  json["table"]["band95"] = ordered_json::array();
   for (std::size_t i = 0; i < law.at.size(); ++i) json["table"]["band95"].push_back({law.lower[i], law.upper[i]});
   json["excited"] = {law.lowest, law.highest};
   json["confidence"] = law.confidence;
@@ -117,7 +142,7 @@ ordered_json to_json(const Diagnosis& diagnosis) {
     if (!r.description.empty()) json["relations"].back()["looks"] = r.description;
   }
   json["effects"] = ordered_json::array();
-  for (const NamedEffect& effect : diagnosis.effects) json["effects"].push_back(to_json(effect));
+  for (const NamedEffect& effect : diagnosis.effects) json["effects"].push_back(to_json(effect, diagnosis.rig.rig));
   json["gap"] = ordered_json::object();
   for (const auto& [channel, gap] : diagnosis.prediction_errors) {
     json["gap"][model::name(channel)] = {
@@ -152,6 +177,14 @@ ordered_json to_json(const Diagnosis& diagnosis) {
   }
   json["laws"] = ordered_json::array();
   for (const DescribedLaw& law : diagnosis.laws) json["laws"].push_back(to_json(law));
+  if (diagnosis.next_step) {
+    const NextStep& next = *diagnosis.next_step;
+    json["next_step"] = {{"words", words(next, diagnosis.rig.rig.kind)},
+                         {"tells_apart", {next.one, next.other}},
+                         {"frequency", next.test.frequency},
+                         {"amplitude", next.test.amplitude},
+                         {"separates", next.test.separates}};
+  }
   json["undetermined"] = ordered_json::array();
   for (const Undetermined& open : diagnosis.undetermined) {
     json["undetermined"].push_back({{"combination", open.combination}, {"why", open.why}});

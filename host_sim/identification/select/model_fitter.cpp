@@ -243,9 +243,54 @@ std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateMode
   CandidateModel best = *std::min_element(models.begin(), models.end(),
                                           [this](const auto& a, const auto& b) { return criterion_.prefers(a, b); });
   refit(best, 4);
+  join_filters(best);
   improve_group(best);
   simplify_clock(best);
   bend_drift(best);
+  return best;
+}
+
+void ModelFitter::join_filters(CandidateModel& model) const {
+  const PlacedFault last = model.faults().back();
+  if (last.kind != FaultKind::common_filter) return;
+  for (std::size_t f = 0; f + 1 < model.faults().size(); ++f) {
+    const PlacedFault& other = model.faults()[f];
+    const bool alike = other.kind == last.kind && other.order == last.order && other.inverse == last.inverse &&
+                       std::abs(other.values.front() / last.values.front() - 1.0) < thresholds::alike_filters;
+    if (!alike) continue;
+    Hypothesis start = model.fit.hypothesis;
+    PlacedFault both = other;
+    both.seen = false;
+    for (const Channel channel : last.channels) {
+      if (!both.acts_on(channel)) both.channels.push_back(channel);
+    }
+    start.faults.pop_back();
+    start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(f));
+    start.faults.push_back(std::move(both));
+    CandidateModel joined = refitted(start, model.effects, 8);
+    if (!criterion_.prefers(joined, model)) continue;
+    model = std::move(joined);
+    return;
+  }
+}
+
+std::optional<CandidateModel> ModelFitter::in_group(const CandidateModel& whole, std::size_t effect) const {
+  const std::optional<Channel> channel = whole.effects[effect].channel;
+  if (!channel) return std::nullopt;
+  std::optional<CandidateModel> best;
+  for (std::size_t f = 0; f < whole.faults().size(); ++f) {
+    const PlacedFault& fault = whole.faults()[f];
+    const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
+    if (!of_group || fault.acts_on(*channel)) continue;
+    Hypothesis start = whole.fit.hypothesis;
+    std::vector<firmware::PlacedEffect> effects = whole.effects;
+    firmware::remove_effect(start.rig, *effects[effect].entry, channel);
+    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
+    start.faults[f].channels.push_back(*channel);
+    start.faults[f].seen = false;
+    CandidateModel other = refitted(start, std::move(effects), 8);
+    if (criterion_.prefers(other, best ? *best : whole)) best = std::move(other);
+  }
   return best;
 }
 

@@ -68,6 +68,11 @@ class ModelFitter {
   /// Without one of the faults, after at most so many steps of a fit. 0: everything else as it was.
   [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t leave_out, int most = 6) const;
 
+  /// Without an effect of a sensor, whose channel joins the group of a clock or filter that is there: three low-passes
+  /// of one recorder may have been found as a filter of two channels and a delay of the third. nullopt: no group makes
+  /// it better.
+  [[nodiscard]] std::optional<CandidateModel> in_group(const CandidateModel& whole, std::size_t effect) const;
+
   /// With the hold of a channel whose renewals are regular, where it is not there yet.
   [[nodiscard]] std::optional<CandidateModel> held(const CandidateModel& base, const Scales& scales,
                                                    model::Channel channel) const;
@@ -110,6 +115,8 @@ class ModelFitter {
 
   /// A model whose last fault is fitted, with the values and channels that improve the criterion.
   void simplify_clock(CandidateModel& model) const;
+  /// The last filter and one of the same order and nearly the same corner (thresholds::alike_filters) as one filter.
+  void join_filters(CandidateModel& model) const;
   void bend_drift(CandidateModel& model) const;
   void improve_group(CandidateModel& model) const;
 

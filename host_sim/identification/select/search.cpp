@@ -318,6 +318,10 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     best = std::move(*simpler);
     return true;
   }
+  if (auto shared = fitter_.in_group(best, effect)) {
+    best = std::move(*shared);
+    return true;
+  }
   CandidateModel reduced = without(effect, found);
   if (!criterion_.prefers(best, reduced)) {
     best = std::move(reduced);

@@ -28,9 +28,11 @@ DelayBalance balance_of(const StabilityAnalysis& analysis, const firmware::RigDe
   add("computation", budget.computation, true);
   add("force sensor", analysis.rig.sensor_delay, true);
   balance.parts.push_back({"actuator", analysis.rig.machine_delay, true});
+  const double varies = description.rig.delay_variation.farthest();
+  add("swing and jitter of the actuator, worst case", varies, false);
   const double hold = 0.5 * description.period();
   balance.parts.push_back({"half a step of hold", hold, false});
-  balance.total = analysis.delay + hold;
+  balance.total = analysis.delay + varies + hold;
   if (analysis.margins.critical_delay) balance.left = *analysis.margins.critical_delay - balance.total;
 
   const double omega =
@@ -108,13 +110,18 @@ StabilityAnalysis analyse(const firmware::RigDescription& description, double li
   // In the sampled loop all delays sit in the machine path, where they commute with everything linear.
   std::optional<ContinuousBorder> border;
   if (result.margins.critical_delay) border = ContinuousBorder{critical - result.rig.sensor_delay, critical_omega};
-  try {
-    result.sampled = sampled_loop(linear_part(description.rig), description.period(),
-                                  result.delay - result.rig.sensor_delay, border);
-  } catch (const UnfitLoop&) {
-    result.sampled.reset();
-  }
+  const bool continuous_only = description.rig.lever.any() || description.rig.air_spring.skyhook > 0.0;
+  if (!continuous_only) try {
+      result.sampled = sampled_loop(linear_part(description.rig), description.period(),
+                                    result.delay - result.rig.sensor_delay, border);
+    } catch (const UnfitLoop&) {
+      result.sampled.reset();
+    }
   result.balance = balance_of(result, description);
+  if (const auto& v = description.rig.delay_variation; v.any()) {
+    result.varying = varying_delay(equation, result.margins, std::max(0.0, result.delay - v.farthest()),
+                                   result.delay + v.farthest());
+  }
   return result;
 } catch (const UnfitLoop& unfit) {
   throw firmware::InputError(description.source, 0, unfit.what(), "a hil rig with a loop of less than 1 s of delay");

@@ -8,8 +8,10 @@
 #include "firmware/description/rig_description.hpp"
 #include "host_sim/stability/margins/affine_family.hpp"
 #include "host_sim/stability/margins/crossings.hpp"
+#include "host_sim/stability/margins/interface_location.hpp"
 #include "host_sim/stability/margins/margins.hpp"
 #include "host_sim/stability/margins/sensitivity.hpp"
+#include "host_sim/stability/margins/varying_delay.hpp"
 #include "host_sim/stability/roots/characteristic_roots.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "host_sim/stability/roots/sampled_loop.hpp"
@@ -27,12 +29,13 @@ struct DelayPart {
 ///
 /// The loop delay τ of roots, verdict and margins is the sum of the delays among the effects of the rig description and
 /// of the entries of [delay_budget]. A description without that table gives τ = effects.actuator_delay alone.
-/// The hold of the sampled loop adds about half a step. `total` includes it and is to be compared with the critical
-/// delay; the sampled loop treats the hold exactly. Lags are part of P and Q. Their delay at the critical frequency is
-/// shown but not added, because the critical delay already includes it.
+/// The hold of the sampled loop adds about half a step, a machine whose delay varies its swing and jitter. `total`
+/// includes both and is to be compared with the critical delay; the sampled loop treats the hold exactly. Lags are part
+/// of P and Q. Their delay at the critical frequency is shown but not added, because the critical delay already
+/// includes it.
 struct DelayBalance {
   std::vector<DelayPart> parts;
-  double total{};              ///< τ and half a step [s]
+  double total{};              ///< τ, swing, jitter and half a step [s]
   std::optional<double> left;  ///< critical delay − total [s]
 };
 
@@ -50,7 +53,10 @@ struct StabilityAnalysis {
   Complex critical_root;  ///< the root that reaches the axis at the critical delay, at the given delay; else the
                           ///< rightmost [1/s]
   std::vector<ParameterSensitivity> parameters;  ///< sorted by effect on the critical root, largest first
-  std::optional<SampledLoop> sampled;            ///< none: the delay exceeds the model's delay line
+  std::optional<SampledLoop> sampled;  ///< none: the delay exceeds the model's delay line, or the loop has a skyhook or
+                                       ///< a lever, which are analysed in continuous time
+  std::optional<VaryingDelay> varying;  ///< where the machine's delay varies
+  std::vector<LocationMap> locations;   ///< the same rig cut elsewhere (compare_locations); empty: not asked for
   DelayBalance balance;
 
   [[nodiscard]] DelayEquation equation() const { return rig.equation(delay); }

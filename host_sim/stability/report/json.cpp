@@ -120,6 +120,29 @@ ordered_json to_json(const StabilityAnalysis& a, const firmware::RigDescription&
     parts.push_back({{"name", part.name}, {"delay", part.seconds}, {"in_loop_delay", part.in_loop_delay}});
   }
   json["delay_budget"] = {{"parts", std::move(parts)}, {"total", a.balance.total}, {"left", number(a.balance.left)}};
+  if (a.varying) {
+    json["varying_delay"] = {{"lowest", a.varying->lowest},
+                             {"highest", a.varying->highest},
+                             {"stable", a.varying->stable},
+                             {"worst_delay", a.varying->worst_delay},
+                             {"worst_root", complex(a.varying->worst_root)},
+                             {"at_any_speed", number(a.varying->at_any_speed)},
+                             {"stable_at_any_speed", a.varying->stable_at_any_speed()}};
+  }
+  const auto located = [](const LocatedBorder& border) {
+    return ordered_json{{"stable_undelayed", border.stable_undelayed},
+                        {"critical_delay", number(border.critical_delay)},
+                        {"frequency_hz", border.omega / full_turn}};
+  };
+  json["interface_locations"] = ordered_json::array();
+  for (const LocationMap& map : a.locations) {
+    ordered_json entry{{"hardware", interface_names[static_cast<std::size_t>(map.location)]},
+                       {"given", located(map.given)}};
+    entry["component_factors"] = component_factors;
+    entry["borders"] = ordered_json::array();
+    for (const LocatedBorder& border : map.borders) entry["borders"].push_back(located(border));
+    json["interface_locations"].push_back(std::move(entry));
+  }
   json["left_out"] = a.rig.left_out;
   json["outside_loop"] = a.rig.outside_loop;
   return json;

@@ -34,7 +34,13 @@ std::string joined(const std::vector<std::string>& words) {
 void add_verdict(Report& page, const StabilityFindings& f) {
   const StabilityAnalysis& a = f.analysis;
   const auto& m = a.margins;
-  page.add_verdict(a.stable ? Verdict::good : Verdict::bad, "The loop is " + verdict(a) + ".");
+  if (f.compensated.empty()) {
+    page.add_verdict(a.stable ? Verdict::good : Verdict::bad, "The loop is " + verdict(a) + ".");
+  } else {
+    page.add_verdict(f.compensated_stable ? Verdict::good : Verdict::bad, f.compensated);
+    page.add_verdict(Verdict::remark,
+                     "Without compensation the loop is " + verdict(a) + ". All sections but the last are about it.");
+  }
   std::string border = "Loop delay " + in_ms(a.delay) + "; ";
   border += m.critical_delay ? "critical delay " + in_ms(*m.critical_delay) + " at " + in_hz(m.critical_omega)
                              : "no critical delay up to 1 s";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
@@ -19,6 +20,8 @@ struct StabilityFindings {
   const std::vector<PoleSweep>& sweeps;
   const std::optional<StabilityMap>& map;
   std::optional<OverAmplitude> over_amplitude{};
+  std::string compensated{};  ///< verdict on the loop with its compensation; empty: it has none
+  bool compensated_stable = false;
 };
 
 /// Verdict first, then roots, delay budget, Padé, sampled loop, sensitivities, loop and road responses, root loci, map,

@@ -34,6 +34,11 @@ std::string verdict(const StabilityAnalysis& a) {
     }
     return line;
   }
+  if (a.varying && !a.varying->stable) {
+    return text("unstable within the range of its delay, %s … %s: stable at the mean, not at %s",
+                milliseconds(a.varying->lowest).c_str(), milliseconds(a.varying->highest).c_str(),
+                milliseconds(a.varying->worst_delay).c_str());
+  }
   if (!a.margins.delay_margin) return "stable at every delay from the given one up to 1 s";
   return "stable, " + milliseconds(*a.margins.delay_margin) + " of delay left";
 }

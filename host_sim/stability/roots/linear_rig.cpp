@@ -38,6 +38,41 @@ StateSpace car_of(const Equations& equations) {
   return car;
 }
 
+/// A lever at rest: i(0) between wheel and component both ways, and the spring F₀ di/dd beside it.
+void add_lever(const model::Lever<double>& lever, StateSpace& car) {
+  const double ratio = lever.ratio(0.0), stiffness = lever.load() * lever.slope(0.0);
+  const Eigen::VectorXd force = car.b.col(0);
+  car.a += stiffness * force * (car.c.row(0) - car.c.row(1));
+  car.b.col(0) *= ratio * ratio;
+}
+
+/// The car with the skyhook of its air spring: the actuator's states u, u̇ behind it, whose force k_u u acts at once.
+StateSpace with_skyhook(const StateSpace& car, const model::RigParameters<double>& rig, double lever_ratio) {
+  const auto& spring = rig.air_spring;
+  if (!spring.fitted || !(spring.skyhook > 0.0) || rig.effects.get<model::StuckArea>().active) return car;
+  constexpr double two_pi = 6.283185307179586;
+  const double omega = two_pi * spring.actuator_frequency;
+  const bool second = spring.actuator_damping > 0.0;
+  const Eigen::Index n = car.a.rows(), m = n + (second ? 2 : 1);
+  StateSpace system{Eigen::MatrixXd::Zero(m, m), Eigen::MatrixXd::Zero(m, car.b.cols()),
+                    Eigen::MatrixXd::Zero(car.c.rows(), m), car.d};
+  system.a.topLeftCorner(n, n) = car.a;
+  system.b.topRows(n) = car.b;
+  system.c.leftCols(n) = car.c;
+  system.a.block(0, n, n, 1) = car.b.col(0) * lever_ratio;  // the state is the force k_u u
+  constexpr Eigen::Index body_velocity = 3;
+  if (second) {
+    system.a(n, n + 1) = 1.0;
+    system.a(n + 1, n) = -omega * omega;
+    system.a(n + 1, n + 1) = -2.0 * spring.actuator_damping * omega;
+    system.a(n + 1, body_velocity) = -omega * omega * spring.skyhook;
+  } else {
+    system.a(n, n) = -omega;
+    system.a(n, body_velocity) = -omega * spring.skyhook;
+  }
+  return system;
+}
+
 /// Component (3): inputs x_act, ẋ_act; output F.
 StateSpace component_of(const Equations& equations, int open) {
   using State = Equations::ComponentState;
@@ -248,7 +283,7 @@ void add_law_slopes(const Laws& laws, model::RigParameters<double>& linear) {
 std::vector<std::string> laws_left_out(const model::RigParameters<double>& rig) {
   const Laws& laws = rig.laws;
   std::vector<std::string> names;
-  bool has_relaxation = rig.effects.get<model::Relaxation>().active;
+  bool has_relaxation = rig.effects.get<model::Relaxation>().active || rig.air_spring.fitted;
   const auto name = [&names](std::string_view kind, std::size_t i, LawPlace place) {
     names.push_back("laws: " + std::string(kind) + " " + std::to_string(i + 1) + " of the " +
                     std::string(model::name(place)));
@@ -271,8 +306,27 @@ std::vector<std::string> laws_left_out(const model::RigParameters<double>& rig) 
 
 }  // namespace
 
+namespace {
+
+using Air = model::AirSpring<double>;
+
+/// The air spring as spring and Maxwell branch; true: the branch has no place beside the effect relaxation.
+bool add_air_spring(const model::RigParameters<double>& rig, model::RigParameters<double>& linear) {
+  const double exponent = model::condition_of_air_spring(rig).polytropic_exponent;
+  auto& relaxation = linear.effects.get<model::Relaxation>();
+  const bool taken = relaxation.active;
+  linear.suspension.stiffness += Air::stiffness(rig.air_spring, taken ? exponent : 1.0);
+  if (!taken) relaxation = {true, {Air::heat_stiffness(rig.air_spring, exponent), rig.air_spring.heat_time}};
+  return taken;
+}
+
+}  // namespace
+
 model::RigParameters<double> linear_part(const model::RigParameters<double>& rig) {
   model::RigParameters<double> linear = rig;
+  linear.air_spring = {};
+  linear.lever = {};
+  linear.delay_variation = {};
   linear.laws = {};
   linear.fdva.minor_loss = 0.0;
   linear.effects.for_each([&linear](auto& slot) {
@@ -290,6 +344,7 @@ model::RigParameters<double> linear_part(const model::RigParameters<double>& rig
       slot.active = false;
     }
   });
+  if (rig.air_spring.fitted) add_air_spring(rig, linear);
   add_law_slopes(rig.laws, linear);
   return linear;
 }
@@ -320,13 +375,21 @@ LinearRig linearise(const model::RigParameters<double>& rig) {
   });
 
   for (std::string& law : laws_left_out(rig)) result.left_out.push_back(std::move(law));
+  if (rig.air_spring.fitted) {
+    if (rig.effects.get<model::Relaxation>().active) result.left_out.emplace_back("air_spring.heat_time");
+    if (rig.air_spring.levelling_rate > 0.0) result.left_out.emplace_back("air_spring.levelling_rate");
+  }
 
   const model::RigParameters<double> linear = linear_part(rig);
   const Equations equations(linear);
   model::MachinePath<double> path{};
   linear.effects.act_on(path);
   const model::SensorPath<double> sensor = linear.effects.sensor_paths()[model::index(model::Channel::F)];
-  result.car = car_of(equations);
+  const model::Lever<double> lever =
+      rig.lever.any() ? model::Lever<double>(rig.lever, rig.body.mass) : model::Lever<double>();
+  const double ratio = rig.lever.any() ? lever.ratio(0.0) : 1.0;
+  result.car = with_skyhook(car_of(equations), rig, ratio);
+  if (rig.lever.any()) add_lever(lever, result.car);
   result.component = TransferMatrix(component_of(equations, rig.has_fdva ? rig.fdva.open_ducts : 0));
   result.machine = TransferMatrix(machine_of(path));
   result.force_sensor = TransferMatrix(force_sensor_of(sensor));

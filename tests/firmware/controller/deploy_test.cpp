@@ -37,6 +37,17 @@ TEST(Deploy, TheServiceHasFewRights) {
   EXPECT_EQ(ended.status, 0) << ended.output << ended.errors;
 }
 
+// The service has no network unless somebody installs the drop-in for --publish, and then the loopback interface alone.
+TEST(Deploy, OnlyADropInLetsValuesOut) {
+  const std::string unit = TemporaryFolder::read(deployed("rig_controller@.service"));
+  EXPECT_THAT(unit, HasSubstr("\nPrivateNetwork=yes\nRestrictAddressFamilies=AF_UNIX\nIPAddressDeny=any\n"));
+  EXPECT_THAT(unit, Not(HasSubstr("--publish")));
+  const std::string drop_in = TemporaryFolder::read(deployed("publish.conf"));
+  EXPECT_THAT(drop_in, HasSubstr("\n[Service]\nPrivateNetwork=no\n"));
+  EXPECT_THAT(drop_in, HasSubstr("\nIPAddressAllow=localhost\n"));
+  EXPECT_THAT(drop_in, Not(HasSubstr("IPAddressDeny=\n"))) << "that would forget the unit's own";
+}
+
 // Fault. The times of a unit follow from its rig's description without a hand: the generator writes what --unit-times
 // prints, for each description that can be read, and leaves out a name that systemd would write otherwise.
 TEST(Deploy, TheUnitsTimesFollowFromTheDescription) {

@@ -107,6 +107,47 @@ TEST(RigController, RecordsTheBitsOfTheSimulation) {
   }
 }
 
+// Journey. A compensation runs on the simulated rig as in the simulation, to the bit, with what it adds on record;
+// without a proof of the compensated loop nothing moves, and the message says how to get one. A change of its numbers
+// takes the proof away.
+TEST(RigController, WantsACompensationProven) {
+  const TemporaryFolder folder;
+  const std::string undamped = support::with(TemporaryFolder::read(rig_file("paper_hil_fdva")),
+                                             "virtual_damping = 1140.0", "virtual_damping = 0.0");
+  const std::string rig =
+      folder.write("rig.toml", undamped + "\n[compensation]\nkind = \"adaptive_time_series\"\n").string();
+  const std::string out = (folder / "run.csv").string(), simulated = (folder / "simulated.csv").string();
+  const std::vector<std::string> drive{"--rig",  rig,         "--simulated", "--virtual-time",
+                                       "--road", "iso8608:A", "--duration",  "6",
+                                       "--seed", "5",         "--out",       out};
+  const Ended refused = controller(drive);
+  EXPECT_EQ(refused.status, 3) << refused.errors;
+  EXPECT_THAT(refused.errors, AllOf(HasSubstr("nothing says that this loop is stable with its compensation"),
+                                    HasSubstr("rigtwin stability --write-limits")));
+  EXPECT_FALSE(std::filesystem::exists(out));
+
+  ASSERT_EQ(support::rigtwin({"stability", "--write-limits", rig}).status, 0);
+  const Ended ended = controller(drive);
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_THAT(ended.output, HasSubstr("ended by reference_ended"));
+  ASSERT_EQ(support::rigtwin(
+                {"simulate", "--rig", rig, "--road", "iso8608:A", "--duration", "6", "--seed", "5", "--out", simulated})
+                .status,
+            0);
+  const firmware::Recording first = host_sim::read_recording(simulated, {}, 1000.0);
+  const firmware::Recording second = host_sim::read_recording(out, {}, 1000.0);
+  EXPECT_EQ(second.channels, first.channels);
+  EXPECT_THAT(second.ignored_columns, testing::Contains("x_added [m]"));
+  EXPECT_THAT(second.ignored_columns, testing::Contains("F_added [N]"));
+
+  const std::string proven = TemporaryFolder::read(rig);
+  folder.write("rig.toml", support::with(proven, "kind = \"adaptive_time_series\"",
+                                         "kind = \"adaptive_time_series\"\nmemory = 2.0"));
+  const Ended changed = controller(drive);
+  EXPECT_EQ(changed.status, 3);
+  EXPECT_THAT(changed.errors, HasSubstr("the loop has changed since it was found stable"));
+}
+
 // Law. A recording's sensors, played to the program again on the road of that run, give that recording again, to the
 // last bit, whoever wrote it: the simulation on a PC or rig_controller itself.
 TEST(RigController, ReplaysARecordingToTheBit) {

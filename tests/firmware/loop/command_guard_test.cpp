@@ -82,6 +82,29 @@ TEST(CommandGuard, LimitsAJumpAndCatchesUp) {
   }
 }
 
+// Law. A command that is slowed down has the acceleration of its positions: an acceleration sensor of a foot point that
+// follows does not contradict them.
+TEST(CommandGuard, SlowerCommandsHaveTheAccelerationOfTheirPositions) {
+  CommandGuard guard(Limits{}, h, 0.0);
+  double last = 0.0, velocity = 0.0;
+  bool was_limited = false;
+  for (int k = 1; k <= 40; ++k) {
+    const double t = k * h, wanted = 0.9, rise = 60.0;  // [m/s], [m/s²]: beyond 0.7 m/s after 12 ms
+    const double speed = std::min(wanted, rise * t);
+    const double position = speed < wanted ? 0.5 * rise * t * t : wanted * t - 0.5 * wanted * wanted / rise;
+    const auto verdict = guard.judge({position, speed, speed < wanted ? rise : 0.0});
+    const double moved = (verdict.command.position - last) / h;
+    if (verdict.limited && was_limited) {
+      EXPECT_NEAR(verdict.command.acceleration, (moved - velocity) / h, 1e-6) << k;
+    }
+    was_limited = verdict.limited;
+    guard.passed(verdict.command);
+    last = verdict.command.position;
+    velocity = moved;
+  }
+  EXPECT_GT(guard.limited_count(), 5U);
+}
+
 // 50 ms of limiting are allowed, the 51st period in a row trips; a period that needs no limiting begins anew.
 TEST(CommandGuard, TripsWhenLimitedForTooLong) {
   CommandGuard guard(any_acceleration(), h, -0.1);

@@ -55,6 +55,21 @@ TEST(TimeGrid, IsRecoveredWhereFewStampsShowIt) {
   EXPECT_TRUE(recording.filled.empty());
 }
 
+// Point. At 512 Hz a millisecond is half a period: steps of one and two places are one period, of three and four two.
+TEST(TimeGrid, IsRecoveredFromStampsOfHalfAPeriod) {
+  for (const int lost : {-1, 700, 757}) {
+    const Recording recording =
+        parse_recording_csv(in_milliseconds(512.0, 6000, lost), "REC.csv", {}, 1000.0, Missing::mark);
+    ASSERT_EQ(recording.size(), 6000U) << lost;
+    EXPECT_NEAR(recording.sample_period * 512.0, 1.0, 1e-6);
+    EXPECT_EQ(recording.lost_rows, lost < 0 ? 0U : 1U);
+    EXPECT_NEAR(recording[Channel::z_r][5000], 5000.0, 1e-9);
+    if (lost > 0) {
+      EXPECT_TRUE(recording.filled[static_cast<std::size_t>(lost)]);
+    }
+  }
+}
+
 // Point. A clock that is off by 50 ppm is the rig's clock; a rate of its own is the recording's rate. Where every
 // sample counts (a replay) the rig's rate is still asked for.
 TEST(TimeGrid, TakesTheRecordingsOwnRate) {

@@ -165,4 +165,19 @@ TEST(LimitsObjection, NamesTheLineOfItsKey) {
       << fast.text;
 }
 
+// Law. With [compensation] the rehearsal is of the compensated loop: the paper's rig without virtual damping may drive,
+// which it may not without; a compensation that would add more than it may is found beforehand, with its key.
+TEST(RunObjection, RehearsesTheCompensatedLoop) {
+  RigDescription description = rig("paper_hil_fdva");
+  description.rig.machine.virtual_damping = 0.0;
+  const auto motion = firmware::drive_over({.roughness = 16e-6, .bandwidth = 40.0}, 1000.0, 10'000);
+  EXPECT_NE(objection_to(description, motion), "");
+  description.compensation.emplace().kind = firmware::compensation::Kind::inverse;
+  EXPECT_EQ(objection_to(description, motion), "");
+  description.compensation->numbers["limit"] = 1e-4;
+  const auto objection = firmware::run_objection(description, motion);
+  EXPECT_THAT(objection.text, HasSubstr("the compensation adds"));
+  EXPECT_EQ(objection.key, "compensation.limit");
+}
+
 }  // namespace

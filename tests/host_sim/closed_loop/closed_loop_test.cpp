@@ -48,9 +48,14 @@ RunOptions without_noise() {
 // Golden by construction: one step function. Virtual car in the firmware and machine in the simulated rig, a sample of
 // F between them, are RigModel's whole rig to the bit, valves and all.
 TEST(ClosedLoop, IsTheWholeRigOfTheModelToTheBit) {
-  for (const char* name : {"paper_hil_fdva", "paper_linear"}) {
+  for (const char* name : {"paper_hil_fdva", "paper_linear", "paper_hil_aas"}) {
     RigDescription rig = support::rig(name);
-    rig.controller.speed = 5.0;  // nothing limited
+    rig.controller.speed = 5.0;       // nothing limited
+    if (rig.rig.air_spring.fitted) {  // the skyhook of the firmware, through a lever
+      rig.rig.lever.count = 3;
+      rig.rig.lever.at = {-0.05, 0.0, 0.05};
+      rig.rig.lever.ratio = {0.95, 1.0, 1.1};
+    }
     if (rig.rig.has_fdva) rig.controller.valve_plan = {{0.5, 0b101}, {1.2, 0}, {1.4, 0b111111}};
     rig.rig.effects.add(model::TyreLiftOff<double>{});
     rig.rig.effects.add(model::CoulombFriction<double>{30.0});

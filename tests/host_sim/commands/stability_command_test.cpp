@@ -144,6 +144,89 @@ TEST(StabilityCommand, ProvesEveryPositionOfTheValves) {
   EXPECT_EQ(support::TemporaryFolder::read(file), unstable);
 }
 
+// Fault. A delay of 10 ms that swings by 0.8 ms and jitters by 0.4 ms is at times 11.2 ms: limits written for its mean
+// would have let samples and computation take 0.96 ms more than four fifths of what is then left. A swing beyond the
+// border (11.9 ms) is refused, although the loop is stable at its mean; one below the border with all of it in jitter
+// leaves as little as one with all of it in swing.
+TEST(StabilityCommand, LimitsHoldAtTheLongestDelayOfTheRange) {
+  const support::TemporaryFolder folder;
+  const std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml");
+  const auto varying = [&](const std::string& keys) {
+    return folder.write("rig.toml", support::with(text, "[machine]", "[machine]\n" + keys)).string();
+  };
+  const auto allowed = [&](const std::string& keys) {
+    const std::string file = varying(keys);
+    const Outcome outcome = rigtwin({"stability", "--write-limits", file});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return firmware::read_rig(file).hardware.schedule.allowed_delay;
+  };
+  const double mean = allowed("");
+  EXPECT_NEAR(allowed("delay_swing = 0.0008\ndelay_jitter = 0.0004"), mean - 0.8 * 0.0012, 2e-6);
+  EXPECT_NEAR(allowed("delay_jitter = 0.0012"), mean - 0.8 * 0.0012, 2e-6);
+  // With the limit of the mean the loop would grow at the far end of the range.
+  firmware::RigDescription rig = firmware::read_rig(rigs + "paper_hil_fdva.toml");
+  rig.delay_budget.sensor_age = mean;
+  rig.rig.delay_variation.swing = 0.0012;
+  const auto analysis = host_sim::stability::analyse(rig);
+  ASSERT_TRUE(analysis.varying);
+  EXPECT_TRUE(analysis.stable);
+  EXPECT_FALSE(analysis.varying->stable);
+  EXPECT_LT(*analysis.balance.left, 0.0);
+
+  const std::string wide = varying("delay_swing = 0.003");
+  const std::string before = support::TemporaryFolder::read(wide);
+  const Outcome outcome = rigtwin({"stability", "--write-limits", wide});
+  EXPECT_EQ(outcome.status, static_cast<int>(firmware::ExitStatus::unfit_input));
+  EXPECT_NE(outcome.err.find("unstable within the range of its delay, 7 ms … 13 ms"), std::string::npos) << outcome.err;
+  EXPECT_EQ(support::TemporaryFolder::read(wide), before);
+}
+
+// With [compensation] the described loop is the compensated one: first line, JSON and limits are its. The proof is
+// written for it; a compensator that makes the loop unstable leaves the file as it was, and the message has the margin.
+TEST(StabilityCommand, DecidesByTheCompensatedLoop) {
+  const support::TemporaryFolder folder;
+  const std::string undamped = support::with(support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml"),
+                                             "virtual_damping = 1140.0", "virtual_damping = 0.0");
+  const auto write = [&](const std::string& keys) {
+    return folder.write("rig.toml", undamped + "\n[compensation]\n" + keys + "\n").string();
+  };
+  const std::string stable = write("kind = \"inverse\"");
+  const Outcome words = rigtwin({"stability", "--rig", stable});
+  EXPECT_NE(words.out.find("with compensation inverse stable; the machine's delay may be 1.14 ms longer"),
+            std::string::npos)
+      << words.out.substr(0, 300);
+  const auto json = nlohmann::json::parse(rigtwin({"stability", "--rig", stable, "--json", "-"}).out);
+  EXPECT_EQ(json["stable"], true);
+  EXPECT_EQ(json["stable_without_compensation"], false);
+  EXPECT_EQ(json["compensation"]["kind"], "inverse");
+
+  const Outcome outcome = rigtwin({"stability", "--write-limits", stable});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const firmware::RigDescription rig = firmware::read_rig(stable);
+  EXPECT_EQ(firmware::stability_objection(rig).text, "");
+  EXPECT_NEAR(rig.hardware.schedule.allowed_delay, 0.8 * json["compensation"]["delay_may_be_longer"].get<double>(),
+              2e-6);
+  ASSERT_EQ(rigtwin({"stability", "--rig", stable, "--report", (folder / "page.html").string()}).status, 0);
+  EXPECT_NE(support::TemporaryFolder::read(folder / "page.html").find("Assumed and true delay"), std::string::npos);
+
+  const std::string unstable = write("kind = \"inverse\"\ndelay = 0.006");
+  const std::string before = support::TemporaryFolder::read(unstable);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"stability", "--write-limits", unstable},
+        std::vector<std::string>{"simulate", "--rig", unstable, "--out", (folder / "run.csv").string()}}) {
+    const Outcome refused = rigtwin(command);
+    EXPECT_EQ(refused.status, static_cast<int>(firmware::ExitStatus::unfit_input));
+    EXPECT_NE(refused.err.find("unstable at 14.1 Hz"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("ms earlier"), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(support::TemporaryFolder::read(unstable), before);
+  EXPECT_FALSE(std::filesystem::exists(folder / "run.csv"));
+  // Computation that the compensation counts on, but that may not be there: stable only as long as it is late.
+  const std::string counts_on_it = write("kind = \"smith\"\n[delay_budget]\ncomputation = 0.02");
+  const Outcome early = rigtwin({"stability", "--write-limits", counts_on_it});
+  EXPECT_EQ(early.status, static_cast<int>(firmware::ExitStatus::unfit_input)) << early.out;
+}
+
 // Fault. One line, the right exit status, no result left behind.
 TEST(StabilityCommand, RefusesInOneLine) {
   const support::TemporaryFolder folder;

@@ -68,6 +68,7 @@ void add_effects(Random& random, Rig& rig, double probability) {
   rig.effects.for_each([&](auto& slot) {
     using Effect = std::remove_cvref_t<decltype(slot.effect)>;
     if (!Effect::card.rigs.contains(rig.kind) || (Effect::card.needs_fdva && !rig.has_fdva)) return;
+    if (Effect::card.needs_air_spring) return;  // these rigs have none
     if (!random.chance(probability)) return;
     slot.active = true;
     for (std::size_t i = 0; i < Effect::values.size(); ++i) {

@@ -56,6 +56,20 @@ TEST(Report, IsTheSameEachTime) {
   EXPECT_EQ(make(), make());
 }
 
+// A page says how it was made, in its footer and once; what a user typed is shown, never obeyed.
+TEST(Report, SaysHowItWasMade) {
+  Report page("a title");
+  page.add_text("some words");
+  const std::string html = with_origin(page.html(), {"rigtwin plan --rig '<b>.toml'", {{"<b>.toml", "0123abcd"}}});
+  EXPECT_NE(html.find("<h2>How this page was made</h2>"), std::string::npos);
+  EXPECT_NE(html.find("$ rigtwin plan --rig &#39;&lt;b&gt;.toml&#39;\n\n0123abcd  &lt;b&gt;.toml"), std::string::npos)
+      << html;
+  EXPECT_NE(html.find("rigtwin " + std::string(firmware::version) + "\n$ "), std::string::npos);
+  EXPECT_GT(html.find("How this page was made"), html.find("<footer>"));
+  EXPECT_THROW((void)with_origin(html, {"again"}), std::logic_error);
+  EXPECT_THROW((void)with_origin("no page", {"rigtwin"}), std::logic_error);
+}
+
 // Fault. Whatever stands in a file name or a rig description is shown, never obeyed.
 TEST(Report, EscapesEverything) {
   const std::string evil = "</script><script>alert('x')</script><!-- & \" <b>";

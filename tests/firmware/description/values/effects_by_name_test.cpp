@@ -54,8 +54,8 @@ TEST(Catalogue, HoldsTheEffectsOfTheContract) {
     EXPECT_FALSE(entry.equation.empty());
     EXPECT_FALSE(entry.shows.empty());
   }
-  EXPECT_EQ(names.size(), 31U);
-  EXPECT_EQ(catalogue().size(), 31U);
+  EXPECT_EQ(names.size(), 34U);
+  EXPECT_EQ(catalogue().size(), 34U);
   EXPECT_EQ(firmware::find_effect("nothing"), nullptr);
 }
 

@@ -103,4 +103,36 @@ TEST(BestExperiment, IsNoneWhereNothingSeparates) {
   EXPECT_TRUE(identification::best_experiment(all, same, same).starts_with("a longer recording"));
 }
 
+/// The bench's component with branches of one kind.
+Hypothesis with_branch(const RigDescription& description, identification::LawFamily family, double force, double at) {
+  Hypothesis hypothesis{description.rig, {}};
+  identification::PlacedLaw law;
+  law.family = family;
+  law.over = identification::CurveOver::deflection;
+  law.rms = 2e-3;
+  law.at = {at};
+  law.values = {force};
+  hypothesis.laws = {law};
+  put_laws(hypothesis.laws, hypothesis.rig);
+  return hypothesis;
+}
+
+// Hysteresis and lag that lose as much in a cycle of 5 Hz: slowly, the lag is gone and the hysteresis is not. What is
+// proposed is slower, and neither farther nor faster than the component has been moved.
+TEST(BestSine, IsASlowOneBetweenHysteresisAndLag) {
+  RigDescription d = support::rig("paper_bench_fdva");
+  d.noise[model::index(Channel::F)] = 10.0;
+  d.noise[model::index(Channel::x_act)] = 1e-5;
+  constexpr double amplitude = 3e-3, hz = 5.0;
+  const IdentificationProblem all = recorded(d, amplitude, hz, {Channel::x_act, Channel::F});
+  const Hypothesis slider = with_branch(d, identification::LawFamily::sliders, 40.0, 0.5e-3);
+  const Hypothesis lag = with_branch(d, identification::LawFamily::maxwell, 60.0, 0.02);
+  const auto test = identification::best_sine(all, slider, lag);
+  ASSERT_TRUE(test);
+  EXPECT_LT(test->frequency, hz);
+  EXPECT_LE(test->amplitude, 1.1 * amplitude);  // the noise of x_act beside it
+  EXPECT_GE(test->separates, 2.0);
+  EXPECT_FALSE(identification::best_sine(all, slider, slider));
+}
+
 }  // namespace

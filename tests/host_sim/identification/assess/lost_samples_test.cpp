@@ -64,4 +64,21 @@ TEST(LostSamples, AreNotWhatTheModelExplains) {
   EXPECT_TRUE(outliers->is_cause);
 }
 
+// Point. Rows that a file lacks are one fault with their number, each gap one with its ends, and neither is a cause.
+TEST(LostSamples, SayLostRowsAndGaps) {
+  auto recordings = sample::prepared(sample::bench(), sample::bench());
+  recordings.front().recording.lost_rows = 42;
+  recordings.front().recording.gaps = {{1.0, 1.03}, {5.5, 5.54}};
+  const Hypothesis given = described_hypothesis(sample::bench(), recordings);
+  const auto faults = lost_samples(IdentificationProblem(std::move(recordings)), given);
+  const RecordingFault* const rows = find_fault(faults, "lost_rows");
+  ASSERT_NE(rows, nullptr);
+  EXPECT_EQ(rows->parameters.at("count").value, 42.0);
+  EXPECT_FALSE(rows->is_cause);
+  EXPECT_EQ(std::count_if(faults.begin(), faults.end(), [](const RecordingFault& f) { return f.name == "gap"; }), 2);
+  const RecordingFault* const gap = find_fault(faults, "gap");
+  EXPECT_EQ(gap->parameters.at("from_s").value, 1.0);
+  EXPECT_EQ(gap->parameters.at("to_s").value, 1.03);
+}
+
 }  // namespace

@@ -81,4 +81,20 @@ TEST(LearnLaws, learnsNothingWhereTheCatalogueExplains) {
   }
 }
 
+// Truth by construction. Friction in proportion to the spring's force is a surface over deflection and velocity: its
+// share is the hidden one within a twentieth, nothing but noise is left, and the rig that is written holds it.
+TEST(LearnLaws, FindsFrictionThatFollowsTheLoad) {
+  const std::string group = "law:component_bench:leaf_friction";
+  const Diagnosis found = diagnosed(group, 1);
+  ASSERT_EQ(found.laws.size(), 1U);
+  const DescribedLaw& law = found.laws.front();
+  EXPECT_EQ(law.shape, "follows the load");
+  EXPECT_NEAR(number(law, "share_of_load") / hidden(group, 1, "leaf_friction"), 1.0, 0.05);
+  EXPECT_EQ(found.verdict, Verdict::named);
+  EXPECT_EQ(found.rig.rig.laws.surface_count, 1);
+  const auto json = to_json(found);
+  EXPECT_EQ(json["laws"][0]["over"].size(), 2U);
+  EXPECT_EQ(json["laws"][0]["surface"]["force"].size(), json["laws"][0]["surface"]["deflection"].size());
+}
+
 }  // namespace

@@ -56,4 +56,36 @@ TEST(Whitening, MakesKnownNoiseWhite) {
   }
 }
 
+// Law. A mean that an acceleration cannot have, of a motion of rms 0.1 m/s over T = 20 s, counts in units of its
+// deviation, √(2 · 3.2) · 0.1 m/s / T = 12.6 mm/s²: a constant x adds x² / (s² + a²), at 0 Hz and, from its side of
+// Parseval's sum, once more. A deflection's mean counts nothing. Tolerance: Σw² N / (Σw)² of the taper is 1.009.
+TEST(Whitening, CountsAnAccelerationThatLeavesTheRoad) {
+  constexpr std::size_t n = 20'000;
+  identification::PreparedRecording e;
+  e.recording.sample_period = e.input.period = period;
+  e.recording.time = sample_times(n, 1.0 / period);
+  e.channels = {Channel::zdd_b, Channel::dz_b};
+  e.channel_noise[index(Channel::zdd_b)].level = 0.05;
+  e.channel_noise[index(Channel::dz_b)].level = 1e-4;
+  e.mean_unknown = true;
+  e.input.motion.resize(n);
+  Response constant;
+  for (std::size_t k = 0; k < n; ++k) e.input.motion[k].velocity = k % 2 == 0 ? 0.1 : -0.1;
+  for (const Channel c : e.channels) e.recording[c].assign(n, 0.0);
+  e.fitted = {0, n};
+  const identification::Whitening whitening(e, e.fitted, e.channel_noise);
+  const auto chi_squared = [&](double acceleration, double deflection) {
+    constant[index(Channel::zdd_b)].assign(n, acceleration);
+    constant[index(Channel::dz_b)].assign(n, deflection);
+    std::vector<double> r(whitening.count());
+    whitening.whiten(whitening.spectra(e, constant), r.data());
+    double squares = 0.0;
+    for (const double v : r) squares += v * v;
+    return squares;
+  };
+  EXPECT_NEAR(chi_squared(0.0, 0.01), 0.0, 1e-9);
+  const double a = std::sqrt(6.4) * 0.1 / 20.0, s = 0.05 / std::sqrt(20'000.0);
+  EXPECT_NEAR(chi_squared(0.1, 0.0) * (a * a + s * s) / 0.01, 2.0, 0.03);
+}
+
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "model/laws/curve.hpp"
+#include "model/laws/surface.hpp"
 
 namespace {
 
@@ -44,6 +45,51 @@ TEST(PlacedLaw, familiesByHand) {
   EXPECT_EQ(sided.force(0.04), 0.0);
   EXPECT_NEAR(sided.force(0.07), 20.0, 1e-12);
   EXPECT_NEAR(sided.force(-0.07), -10.0, 1e-12);
+}
+
+// Point. Surfaces by hand, and their tables: between points |x|² is straight, at most (Δx)²/8 · 2 off.
+TEST(PlacedLaw, SurfacesByHand) {
+  PlacedLaw load = law_of(LawFamily::follows_load, {30.0, 0.02});
+  load.over = CurveOver::both;
+  load.rms_velocity = 0.2;
+  load.largest_velocity = 0.8;
+  EXPECT_NEAR(load.force(-0.2, 0.02), 60.0 * std::tanh(1.0), 1e-12);
+  EXPECT_NEAR(load.force(0.1, -1.0), -30.0, 1e-12);
+  PlacedLaw stroke = load;
+  stroke.family = LawFamily::along_stroke;
+  stroke.values = {10.0, 2.0};
+  EXPECT_NEAR(stroke.force(-0.2, 0.1), 10.0 * 4.0 * 0.5, 1e-12);
+  EXPECT_NEAR(stroke.force(0.2), 40.0, 1e-12);  // while v is its rms
+
+  model::RigParameters<double> rig;
+  for (const PlacedLaw& law : {load, stroke}) {
+    put_laws({law}, rig);
+    ASSERT_EQ(rig.laws.surface_count, 1);
+    EXPECT_EQ(rig.laws.curve_count, 0);
+    const model::Surface<double> surface(rig.laws.surfaces[0]);
+    for (double x = -0.4; x <= 0.4; x += 0.05) {
+      for (const double v : {-0.7, -0.1, 0.05, 0.3}) {
+        const double scale = std::abs(law.force(0.4, 0.8));
+        EXPECT_NEAR(surface(x, v), law.force(x, v), 0.01 * scale) << x << " " << v;
+      }
+    }
+  }
+  // Moved 0.1 m in a step of 1 ms and on: central differences of the motion.
+  const std::vector<double> forces = stroke.forces_along({0.0, 0.1, 0.2, 0.3}, 0.5);
+  EXPECT_NEAR(forces[1], 10.0 * 1.0 * (0.2 / 1.0) / 0.2, 1e-12);
+}
+
+// Law. A law of a guide stands at that guide, over the velocity.
+TEST(PlacedLaw, GuidesAreTheirOwnPlace) {
+  PlacedLaw law = law_of(LawFamily::power, {50.0, 1.5});
+  law.place = CurvePlace::wheel_guide;
+  model::RigParameters<double> rig;
+  put_laws({law}, rig);
+  EXPECT_EQ(rig.laws.curves[0].place, model::LawPlace::wheel_guide);
+  EXPECT_EQ(name(law.place), "wheel_guide");
+  law.place = CurvePlace::body_guide;
+  put_laws({law}, rig);
+  EXPECT_EQ(rig.laws.curves[0].place, model::LawPlace::body_guide);
 }
 
 // Point. A stack of sliders at its corners, by hand: out 2 mm, back 1 mm, with slip travels of 0.5 and 4 mm. A Maxwell

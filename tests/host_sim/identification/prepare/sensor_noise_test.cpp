@@ -79,4 +79,17 @@ TEST(NoiseFactor, KnowsTheColourOfNoise) {
   EXPECT_NEAR(identification::sensor_noise({}, recording, Channel::dz_b), found.noise.level, 1e-9);
 }
 
+// Law. What is declared is an rms, also where samples show nothing but the other channels' colour: behind a filter of
+// 330 Hz the level below its corner is 1.25 times as high.
+TEST(NoiseFactor, TakesADeclarationAsAnRms) {
+  constexpr double period = 1e-3;
+  const identification::NoiseColour colour{330.0, 2, identification::NoiseColour::Filter::digital};
+  identification::ChannelNoise unknown;
+  unknown.relative_error = 1.0;
+  const auto noise = identification::with_declared(unknown, 0.04, period, colour).noise;
+  EXPECT_NEAR(noise.rms(period), 0.04, 1e-12);
+  EXPECT_NEAR(noise.level, 0.05, 0.001);
+  EXPECT_EQ(identification::with_declared(unknown, 0.04, period).noise.level, 0.04);
+}
+
 }  // namespace

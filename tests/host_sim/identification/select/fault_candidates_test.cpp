@@ -10,10 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "host_sim/comparison/simulation.hpp"
+#include "host_sim/identification/prepare/prepare.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
+#include "host_sim/identification/select/model_fitter.hpp"
 #include "tests/host_sim/identification/faulty_recording.hpp"
 #include "tests/support/report_page.hpp"
 
@@ -125,6 +128,46 @@ TEST(RecordingFaults, ACommonFilterOfAllAccelerometers) {
   ASSERT_NE(filter, nullptr) << said;
   EXPECT_EQ(sorted(filter->channels), sorted({Channel::zdd_r, Channel::zdd_w, Channel::zdd_b})) << said;
   expect_near(filter->parameters.at("corner_hz"), 150.0);
+}
+
+// The filter of zdd_w found first and zdd_b called late: zdd_b joins the filter. A channel that is late by twice what
+// the filter makes of it does not.
+TEST(RecordingFaults, ADelayThatIsTheFiltersJoinsIt) {
+  using namespace host_sim::identification;
+  for (const bool shared : {true, false}) {
+    const truth::Truth truth = sample::quarter_car(6);
+    const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
+    const auto change = [shared](Columns& columns) {
+      sample::put_through_filter(columns, {"zdd_w"}, 150.0);
+      if (shared) sample::put_through_filter(columns, {"zdd_b"}, 150.0);
+      if (!shared) sample::put_on_clock(columns, {"zdd_b"}, 3e-3, 0.0);
+    };
+    PreparedData data = prepare(description, {{sample::changed_recording(truth, change), Use::shared}});
+    const Hypothesis given = described_hypothesis(description, data.recordings);
+    IdentificationProblem problem(std::move(data.recordings), given);
+    const SearchSpace space = search_space(description, problem.samples(), given);
+    Effort effort;
+    const SelectionCriterion criterion;
+    const ModelFitter fitter(problem, space.common, criterion, effort);
+    PlacedFault filter;
+    filter.kind = FaultKind::common_filter;
+    filter.channels = {Channel::zdd_w};
+    filter.order = 2;
+    filter.values = {160.0};
+    filter.fitted = {true};
+    Hypothesis start = given;
+    start.faults = {filter};
+    const firmware::PlacedEffect late{firmware::find_effect("sensor_delay"), Channel::zdd_b, {shared ? 1.5e-3 : 3e-3}};
+    firmware::put_effect(start.rig, late);
+    const CandidateModel split = fitter.refitted(start, {late});
+    const auto joined = fitter.in_group(split, 0);
+    ASSERT_EQ(joined.has_value(), shared);
+    if (!joined) continue;
+    EXPECT_TRUE(joined->effects.empty());
+    ASSERT_EQ(joined->faults().size(), 1U);
+    EXPECT_EQ(sorted(joined->faults()[0].channels), sorted({Channel::zdd_w, Channel::zdd_b}));
+    EXPECT_NEAR(joined->faults()[0].values[0], 150.0, 12.0) << "eight per cent";
+  }
 }
 
 // The road's sensors and two more are behind one filter, with their noise, whose level and colour nobody declares: the

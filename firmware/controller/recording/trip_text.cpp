@@ -1,0 +1,23 @@
+#include "firmware/controller/recording/trip_text.hpp"
+
+#include <cstdio>
+
+#include "firmware/description/text/input_error.hpp"
+
+namespace firmware::controller {
+
+std::string trip_text(const Trip& trip, const RigDescription& rig) {
+  std::string text(name(trip.reason));
+  if (trip.interlock >= 0) {
+    const auto i = static_cast<std::size_t>(static_cast<unsigned char>(trip.interlock));
+    const bool named = rig.hardware.gpio && i < rig.hardware.gpio->interlocks.size();
+    return text + " " + (named ? one_line(rig.hardware.gpio->interlocks[i].name) : std::to_string(i + 1));
+  }
+  if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
+  if (!is_fault(trip.reason)) return text;
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, " (%.4g, limit %.4g)", trip.value, trip.limit);
+  return text + numbers;
+}
+
+}  // namespace firmware::controller

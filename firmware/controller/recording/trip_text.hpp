@@ -1,0 +1,14 @@
+// Why a rig is in safe, in words.
+#pragma once
+
+#include <string>
+
+#include "firmware/description/rig_description.hpp"
+#include "firmware/loop/trip.hpp"
+
+namespace firmware::controller {
+
+/// "force of F (25100, limit 2.5e+04)", "interlock door", "reference_ended".
+[[nodiscard]] std::string trip_text(const Trip& trip, const RigDescription& rig);
+
+}  // namespace firmware::controller

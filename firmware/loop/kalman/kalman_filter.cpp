@@ -1,0 +1,216 @@
+#include "firmware/loop/kalman/kalman_filter.hpp"
+
+#include <cmath>
+
+namespace firmware {
+namespace {
+
+using model::Channel;
+using model::CoreIndex;
+constexpr int slot_count = SteadyGains::lags + 1;
+
+}  // namespace
+
+KalmanFilter::KalmanFilter(const EstimatorEquations& equations, SteadyGains& gains, double period)
+    : states_(equations.states()),
+      channels_(equations.channels()),
+      longest_lag_(gains.longest_lag()),
+      period_(period),
+      monitor_(equations.channels(), period, equations.settings().false_alarms),
+      false_alarms_(equations.settings().false_alarms) {
+  if (equations.ducts() > 0) flow_step_ = equations.flow_step(period);
+  for (int i = 0; i < model::core_states; ++i) core_[static_cast<std::size_t>(i)] = equations.core(i);
+  for (int i = 0; i < channels_; ++i) {
+    const auto c = static_cast<std::size_t>(i);
+    const Channel channel = equations.channel(i);
+    channel_[c] = model::index(channel);
+    offset_[c] = equations.path(channel).offset;
+    gain_[c] = equations.path(channel).gain;
+    delay_[c] = equations.path(channel).delay;
+    const double rms = equations.settings().noise[channel_[c]];
+    variance_[c] = rms * rms;
+    feedthrough_[c] = equations.feedthrough(channel);
+  }
+  const EstimatorVector none = EstimatorVector::Zero();
+  for (int open = 0; open <= equations.ducts(); ++open) {
+    PerCount& m = by_count_[static_cast<std::size_t>(open)];
+    const EstimatorMatrix a = equations.matrix(open);
+    {
+      const model::ExactDiscretisation<double, estimator_states> step(a, period);
+      m.transition = step.transition();
+      m.losses = step.continued<4>(equations.rates(none, open, 0.0, 0.0, 1.0));
+      m.actuator = step.straight(equations.rates(none, open, 0.0, 1.0));
+    }
+    gains.compute(open);
+    if (gains.unobservable() >= 0 && unobservable_.state < 0) unobservable_ = {gains.unobservable(), open};
+    for (int i = 0; i < channels_; ++i) {
+      auto& rows = m.rows[static_cast<std::size_t>(i)];
+      rows[0] = equations.row(equations.channel(i), open, true);
+      for (int order = 1; order < 3; ++order) {
+        EstimatorVector& row = rows[static_cast<std::size_t>(order)];
+        row.setZero();
+        for (int j = 0; j < states_; ++j) {
+          for (int k = 0; k < states_; ++k) row(j) += rows[static_cast<std::size_t>(order) - 1](k) * a(k, j);
+          row(j) /= order;
+        }
+      }
+    }
+    for (int lag = 0; lag <= longest_lag_; ++lag) m.priors[static_cast<std::size_t>(lag)] = gains.prior(lag);
+  }
+  wheel_load_row_ = equations.row(Channel::F_w, 0, false);
+  for (int j = 0; j < estimator_states; ++j) {
+    foot_velocity_row_(j) = j < states_ ? equations.foot_point_velocity(EstimatorVector::Unit(j)) : 0.0;
+  }
+}
+
+void KalmanFilter::restart() {
+  started_ = false;
+  anchor_ = newest_ = {};
+  nis_ = 0.0;
+  innovation_count_ = 0;
+  innovation_.fill(0.0);
+  monitor_ = InnovationMonitor(channels_, period_, false_alarms_);
+}
+
+double KalmanFilter::dot(const EstimatorVector& a, const EstimatorVector& b) const {
+  double sum = 0.0;
+  for (int i = 0; i < states_; ++i) sum += a(i) * b(i);
+  return sum;
+}
+
+KalmanFilter::Slot& KalmanFilter::slot(int lag) {
+  return slots_[static_cast<std::size_t>((newest_slot_ + slot_count - lag) % slot_count)];
+}
+
+void KalmanFilter::step(const hal::Frame& frame, std::uint32_t bad, hal::Time now) {
+  const auto actuator_index = model::index(Channel::F_act);
+  const hal::Reading& actuator = frame.channels[actuator_index];
+  const bool acts = actuator.quality == hal::Quality::good && (bad >> actuator_index & 1U) == 0;
+  const double force = acts ? actuator.value : 0.0;
+  if (!started_) {
+    started_ = true;
+    for (Slot& s : slots_) s = {.open = first_open_, .actuator = force};
+    anchor_.ducts.start(static_cast<model::OpenDucts>(first_open_.bits()));
+    last_taken_.fill(hal::never);
+    push(force);
+  } else {
+    // A late period leaves instants out; the filter does not.
+    const double passed = (now - last_).seconds() / period_ + 0.5;
+    const int periods = passed < 1.0 ? 1 : passed > longest_history ? longest_history : static_cast<int>(passed);
+    for (int i = 1; i < periods; ++i) {
+      push(force);
+      move_anchor();
+    }
+    push(force);
+  }
+  last_ = now;
+  place(frame, bad, now);
+  move_anchor();
+  newest_ = anchor_;
+  for (int lag = longest_lag_ - 1; lag >= 0; --lag) {
+    advance(newest_, slot(lag + 1), slot(lag));
+    correct(newest_.x, slot(lag), lag, nullptr);
+  }
+}
+
+void KalmanFilter::switch_to(hal::Openings open) {
+  first_open_ = open;
+  slot(0).open = open;
+}
+
+void KalmanFilter::push(double actuator) {
+  const hal::Openings still = slot(0).open;
+  newest_slot_ = (newest_slot_ + 1) % slot_count;
+  slot(0) = {.open = still, .actuator = actuator};
+}
+
+/// One period on: all samples of that instant are there, or will not come.
+void KalmanFilter::move_anchor() {
+  advance(anchor_, slot(longest_lag_ + 1), slot(longest_lag_));
+  innovation_.fill(0.0);
+  correct(anchor_.x, slot(longest_lag_), longest_lag_, &monitor_);
+}
+
+/// By stamp.
+void KalmanFilter::place(const hal::Frame& frame, std::uint32_t bad, hal::Time now) {
+  for (int i = 0; i < channels_; ++i) {
+    const auto c = static_cast<std::size_t>(i);
+    const hal::Reading& reading = frame.channels[channel_[c]];
+    if (reading.quality != hal::Quality::good || (bad >> channel_[c] & 1U) != 0) continue;
+    if (reading.taken == last_taken_[c]) continue;  // shown before
+    last_taken_[c] = reading.taken;
+    const double age = ((now - reading.taken).seconds() + delay_[c]) / period_;
+    const double whole = age < 0.0 ? 0.5 : age + 0.5;
+    if (whole >= longest_lag_ + 1) {
+      ++too_old_;
+      continue;
+    }
+    const int lag = static_cast<int>(whole);
+    Slot& at = slot(lag);
+    at.value[c] = (reading.value - offset_[c]) / gain_[c];
+    at.offset[c] = (lag - (age < 0.0 ? 0.0 : age)) * period_;
+    at.there[c] = true;
+  }
+}
+
+/// (2) at the instant `from`, then (1).
+void KalmanFilter::advance(Estimate& estimate, const Slot& from, const Slot& to) const {
+  EstimatorVector& x = estimate.x;
+  const int piston = core_[CoreIndex::piston_velocity];
+  const auto open = static_cast<model::OpenDucts>(from.open.bits());
+  if (piston >= 0 && open != estimate.ducts.open()) x(piston) = estimate.ducts.switch_to(open, x(piston), flow_step_);
+  const PerCount& m = by_count_[static_cast<std::size_t>(model::count(open))];
+  const std::array<double, 4> losses = model::newest_four(estimate.ducts.losses());
+  EstimatorVector next = EstimatorVector::Zero();
+  for (int j = 0; j < states_; ++j) {
+    const double factor = x(j);
+    for (int i = 0; i < states_; ++i) next(i) += m.transition(i, j) * factor;
+  }
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < states_; ++i) next(i) += m.losses(i, j) * losses[static_cast<std::size_t>(j)];
+  }
+  for (int i = 0; i < states_; ++i) {
+    next(i) += m.actuator(i, 0) * from.actuator;
+    next(i) += m.actuator(i, 1) * to.actuator;
+  }
+  x = next;
+  if (piston >= 0) estimate.ducts.advance(x(piston), flow_step_);
+}
+
+/// (3)
+void KalmanFilter::correct(EstimatorVector& x, const Slot& at, int lag, InnovationMonitor* monitor) {
+  const PerCount& m = by_count_[static_cast<std::size_t>(count(at.open))];
+  EstimatorMatrix p = m.priors[static_cast<std::size_t>(lag)];
+  double nis = 0.0;
+  int innovations = 0;
+  for (int i = 0; i < channels_; ++i) {
+    const auto c = static_cast<std::size_t>(i);
+    if (!at.there[c]) continue;
+    const auto& row = m.rows[c];
+    EstimatorVector projected = EstimatorVector::Zero();
+    for (int j = 0; j < states_; ++j) {
+      const double factor = row[0](j);
+      for (int k = 0; k < states_; ++k) projected(k) += p(k, j) * factor;
+    }
+    const double variance = dot(row[0], projected) + variance_[c];
+    const double delta = at.offset[c];
+    const double expected = dot(row[0], x) + delta * (dot(row[1], x) + delta * dot(row[2], x));
+    const double innovation = at.value[c] - expected - feedthrough_[c] * at.actuator;
+    for (int j = 0; j < states_; ++j) {
+      const double gain = projected(j) / variance;
+      x(j) += gain * innovation;
+      for (int k = 0; k < states_; ++k) p(k, j) -= gain * projected(k);
+    }
+    if (monitor == nullptr) continue;
+    const double normalised = innovation / std::sqrt(variance);
+    innovation_[c] = normalised;
+    nis += normalised * normalised;
+    ++innovations;
+    monitor->take(i, normalised);
+  }
+  if (monitor == nullptr) return;
+  nis_ = nis;
+  innovation_count_ = innovations;
+}
+
+}  // namespace firmware

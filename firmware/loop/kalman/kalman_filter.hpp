@@ -1,0 +1,124 @@
+// Kalman filter of the quarter car with its road.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/loop/kalman/estimator_equations.hpp"
+#include "firmware/loop/kalman/innovation_monitor.hpp"
+#include "firmware/loop/kalman/steady_gains.hpp"
+#include "hal/sensor_source.hpp"
+#include "hal/time.hpp"
+#include "hal/valve_bank.hpp"
+#include "model/duct_flows.hpp"
+
+namespace firmware {
+
+/// Estimates the states of EstimatorEquations with the covariances of SteadyGains, once a period:
+///
+///   (1)  predict  x ← Φ_n x + b_q Σ q|q| + b_F F_act      n ducts open; losses as in model::RigModel, fourth order
+///   (2)  switch   model::DuctFlows: the flow of a closing duct ends, an opening one begins at rest
+///   (3)  correct  e = y_i − (c_i + δ c_i A + ½ δ² c_i A²) x − d_i F_act,   k = P c_i/s,   s = c_iᵀ P c_i + r_i²,
+///                 x ← x + k e,   P ← P − k c_iᵀ P               channel by channel, those that are there
+///
+/// P in (3) begins every period at the steady state's for the lag and the number of ducts: a channel that is missing
+/// leaves the others the gains that they have without it. It is not carried along.
+///
+/// Samples count for the instant of their stamp: it chooses the period (the nearest) and δ, at most half a period. An
+/// anchor state runs longest_lag() periods behind, where all samples are there; from it the newest state is computed
+/// anew each period, with the samples that have come so far. So each period costs longest_lag() + 2 times (1)–(3),
+/// whatever the samples. A sample that is missing, bad or shown before (same stamp) is skipped; one that is too old for
+/// the history is counted and left out.
+/// The innovations of the anchor, all channels present, are white for a right model: InnovationMonitor.
+/// Memory: 190 KiB for 16 states, 8 channels, 8 late periods, 7 counts of ducts; no heap.
+class KalmanFilter {
+ public:
+  /// Settings that pass EstimatorEquations::check(); `gains` is room for the construction and may be forgotten.
+  KalmanFilter(const EstimatorEquations& equations, SteadyGains& gains, double period);
+
+  /// The first state that no gain holds, with the number of open ducts; both −1: none. Then the filter is of no use.
+  struct Unobservable {
+    int state = -1, open = -1;
+  };
+  [[nodiscard]] const Unobservable& unobservable() const { return unobservable_; }
+
+  /// One period: the samples that were read at `now`; bit i of `bad`: channel i is not to be used.
+  void step(const hal::Frame& frame, std::uint32_t bad, hal::Time now);
+  /// The ducts that are open from this instant on; before the first step: from the beginning.
+  void switch_to(hal::Openings open);
+
+  /// Forgets everything but its constants.
+  void restart();
+
+  [[nodiscard]] const EstimatorVector& state() const { return newest_.x; }
+  [[nodiscard]] double wheel_load() const { return dot(wheel_load_row_, newest_.x); }              ///< true F_w [N]
+  [[nodiscard]] double foot_point_velocity() const { return dot(foot_velocity_row_, newest_.x); }  ///< [m/s]
+  [[nodiscard]] double core(int entry) const {  ///< model::CoreIndex; 0 without that state
+    const int i = core_[static_cast<std::size_t>(entry)];
+    return i < 0 ? 0.0 : newest_.x(i);
+  }
+  /// Σ ν² of the anchor's last period and how many innovations that were.
+  [[nodiscard]] double nis() const { return nis_; }
+  [[nodiscard]] int innovations() const { return innovation_count_; }
+  [[nodiscard]] double innovation(int channel) const { return innovation_[static_cast<std::size_t>(channel)]; }
+  [[nodiscard]] const InnovationMonitor& monitor() const { return monitor_; }
+  [[nodiscard]] std::uint32_t too_old() const { return too_old_; }  ///< samples
+  [[nodiscard]] int longest_lag() const { return longest_lag_; }
+
+ private:
+  struct PerCount {
+    EstimatorMatrix transition;
+    model::Block<double, estimator_states, 4> losses;
+    model::Block<double, estimator_states, 2> actuator;
+    std::array<std::array<EstimatorVector, 3>, estimator_channels> rows;  ///< c, c A, ½ c A²
+    std::array<EstimatorMatrix, SteadyGains::lags> priors;                ///< P by lag
+  };
+  struct Estimate {
+    EstimatorVector x = EstimatorVector::Zero();
+    model::DuctFlows<double> ducts{};
+  };
+  struct Slot {
+    hal::Openings open{};
+    double actuator = 0.0;
+    std::array<double, estimator_channels> value{}, offset{};  ///< offset: δ [s]
+    std::array<bool, estimator_channels> there{};
+  };
+
+  [[nodiscard]] double dot(const EstimatorVector& a, const EstimatorVector& b) const;
+  [[nodiscard]] static int count(hal::Openings open) {
+    return model::count(static_cast<model::OpenDucts>(open.bits()));
+  }
+  [[nodiscard]] Slot& slot(int lag);
+  void push(double actuator);
+  void move_anchor();
+  void place(const hal::Frame& frame, std::uint32_t bad, hal::Time now);
+  void advance(Estimate& estimate, const Slot& from, const Slot& to) const;
+  void correct(EstimatorVector& x, const Slot& at, int lag, InnovationMonitor* monitor);
+
+  int states_, channels_, longest_lag_;
+  double period_;
+  model::DuctFlows<double>::Step flow_step_{};
+  std::array<int, model::core_states> core_{};
+  std::array<std::size_t, estimator_channels> channel_{};
+  std::array<double, estimator_channels> gain_{}, offset_{}, delay_{};  ///< of the sensors
+  std::array<double, estimator_channels> variance_{}, feedthrough_{};   ///< r², of F_act
+  std::array<PerCount, SteadyGains::counts> by_count_{};
+  EstimatorVector wheel_load_row_, foot_velocity_row_;
+  Unobservable unobservable_{};
+  InnovationMonitor monitor_;
+  double false_alarms_;
+
+  bool started_ = false;
+  hal::Time last_{};
+  std::array<hal::Time, estimator_channels> last_taken_{};
+  std::array<Slot, SteadyGains::lags + 1> slots_{};
+  int newest_slot_ = 0;
+  hal::Openings first_open_{};  ///< of the first instant
+  Estimate anchor_{}, newest_{};
+  double nis_ = 0.0;
+  int innovation_count_ = 0;
+  std::array<double, estimator_channels> innovation_{};
+  std::uint32_t too_old_ = 0;
+};
+
+}  // namespace firmware

@@ -1,0 +1,72 @@
+#include "host_sim/commands/fmu_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/sha256.hpp"
+#include "firmware/recording/output_file.hpp"
+#include "host_sim/compensation/compensated_stability.hpp"
+#include "host_sim/fmu/archive.hpp"
+#include "host_sim/fmu/model_description.hpp"
+#include "host_sim/fmu/variables.hpp"
+
+namespace host_sim {
+namespace {
+
+void make_fmu(const FmuOptions& options) {
+  const firmware::RigDescription rig = firmware::read_rig(options.rig);
+  compensation::refuse_unstable_compensation(rig);
+  const std::vector<fmu::Binary> binaries = fmu::built_binaries();
+  fmu::write_fmu(options.out, rig, binaries);
+
+  const std::string guid = firmware::sha256(fmu::description_in_fmu(rig));
+  const fmu::Variables variables(rig);
+  const auto count = [&](fmu::Causality causality) {
+    return std::ranges::count(variables.list(), causality, &fmu::Variable::causality);
+  };
+  std::vector<std::string> platforms;
+  std::string machines;
+  for (const fmu::Binary& binary : binaries) {
+    platforms.push_back(binary.platform);
+    machines += (machines.empty() ? "" : ", ") + binary.platform;
+  }
+  if (!options.json.empty()) {
+    const nlohmann::ordered_json json{{"fmu", options.out},
+                                      {"fmi_version", "2.0"},
+                                      {"guid", guid},
+                                      {"platforms", platforms},
+                                      {"step_size", rig.period()},
+                                      {"parameters", count(fmu::Causality::parameter)},
+                                      {"inputs", count(fmu::Causality::input)},
+                                      {"outputs", count(fmu::Causality::output)}};
+    if (options.json == "-") {
+      std::printf("%s\n", json.dump(1).c_str());
+      return;
+    }
+    firmware::write_file(options.json, json.dump(1) + "\n");
+  }
+  std::printf("%s: FMI 2.0 co-simulation, %s, step %.6g s, for %s\n", options.out.c_str(),
+              std::string(model::name(rig.rig.kind)).c_str(), rig.period(), machines.c_str());
+  std::printf("  guid %s\n  %td parameters, %td inputs, %td outputs\n", guid.c_str(), count(fmu::Causality::parameter),
+              count(fmu::Causality::input), count(fmu::Causality::output));
+  if (binaries.size() < 2) {
+    std::printf(
+        "  for one machine only: the library of the other was not built (cmake --preset aarch64; cmake --build "
+        "build/aarch64 --target rigtwin_fmu)\n");
+  }
+}
+
+}  // namespace
+
+void add_fmu(CLI::App& app, FmuOptions& options) {
+  CLI::App* command = app.add_subcommand("fmu", "Write a rig as an FMU: FMI 2.0 for co-simulation, with the same step");
+  command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
+  command->add_option("--out", options.out, "FMU to write")->required();
+  command->add_option("--json", options.json, "Write what was made as JSON (- for standard output)");
+  command->callback([&options] { make_fmu(options); });
+}
+
+}  // namespace host_sim

@@ -1,0 +1,20 @@
+// rigtwin fmu: a rig as a functional mock-up unit.
+#pragma once
+
+#include <string>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): not ours
+class App;
+}
+
+namespace host_sim {
+
+struct FmuOptions {
+  std::string rig;
+  std::string out;
+  std::string json;
+};
+
+void add_fmu(CLI::App& app, FmuOptions& options);
+
+}  // namespace host_sim

@@ -1,0 +1,74 @@
+#include "host_sim/commands/how_made.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/sha256.hpp"
+#include "host_sim/report/report.hpp"
+
+namespace host_sim {
+namespace {
+
+constexpr std::array<std::string_view, 4> output_options{"--out", "--json", "--report", "--uff"};
+
+/// The command line is one of the process.
+std::vector<std::string>& words_of_command() {
+  static std::vector<std::string> words;
+  return words;
+}
+
+bool is_output(std::string_view option) {
+  return std::find(output_options.begin(), output_options.end(), option) != output_options.end();
+}
+
+/// As a shell takes it.
+std::string quoted(const std::string& word) {
+  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,+-@%";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+void add_input(const std::string& name, std::vector<report::Origin::Input>& inputs) {
+  std::error_code error;
+  const bool known = std::any_of(inputs.begin(), inputs.end(), [&](const auto& i) { return i.file == name; });
+  if (known || name.empty() || !std::filesystem::is_regular_file(name, error)) return;
+  std::ifstream file(name, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (file) inputs.push_back({name, firmware::sha256(bytes)});
+}
+
+}  // namespace
+
+void remember_command_line(int argc, const char* const* argv) {
+  words_of_command().assign(argv + std::min(argc, 1), argv + argc);
+}
+
+std::string with_how_made(std::string page) {
+  report::Origin origin{"rigtwin"};
+  std::string option;
+  for (const std::string& word : words_of_command()) {
+    origin.command += " " + firmware::one_line(quoted(word));
+    const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+    if (equals != std::string::npos) {
+      if (!is_output(word.substr(0, equals))) add_input(word.substr(equals + 1), origin.inputs);
+    } else if (word.starts_with("--")) {
+      option = word;
+      continue;
+    } else if (!is_output(option)) {
+      add_input(word, origin.inputs);
+    }
+    option.clear();
+  }
+  return report::with_origin(std::move(page), origin);
+}
+
+}  // namespace host_sim

@@ -1,0 +1,16 @@
+// How the page of a command was made: the command line and the files it names.
+#pragma once
+
+#include <string>
+
+namespace host_sim {
+
+/// Keeps the command line of this process for with_how_made(). Called once, before a command runs.
+void remember_command_line(int argc, const char* const* argv);
+
+/// `page`, the text of a report, with version, command and the SHA-256 of each input file. Inputs are the files that
+/// exist among the words of the command line, but those after --out, --json, --report and --uff. A file that a
+/// description names (a law's table) is not among them; the description's own text stands in the page.
+[[nodiscard]] std::string with_how_made(std::string page);
+
+}  // namespace host_sim

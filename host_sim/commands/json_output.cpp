@@ -1,0 +1,25 @@
+#include "host_sim/commands/json_output.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "firmware/recording/output_file.hpp"
+
+namespace host_sim {
+
+void add_json_option(CLI::App& command, std::string& target, const std::string& what) {
+  command.add_option("--json", target, "Write " + what + " as JSON (- for standard output)");
+}
+
+bool write_json(const std::string& target, const nlohmann::ordered_json& json) {
+  if (target.empty()) return false;
+  const std::string text = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  if (target == "-") {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return true;
+  }
+  firmware::write_file(target, text);
+  return false;
+}
+
+}  // namespace host_sim

@@ -1,0 +1,85 @@
+#include "host_sim/commands/watch_command.hpp"
+
+#include <arpa/inet.h>
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "host_sim/watch/access.hpp"
+#include "host_sim/watch/receiver.hpp"
+#include "host_sim/watch/watch_server.hpp"
+
+namespace host_sim {
+namespace {
+
+/// Where rig_controller listens for its operator.
+std::string operators_socket(const WatchOptions& options) {
+  if (!options.socket.empty()) return options.socket;
+  std::string described;
+  if (!options.rig.empty()) described = firmware::read_rig(options.rig).hardware.schedule.socket;
+  return described.empty() ? "/run/rigtwin/control.sock" : described;
+}
+
+/// One address of this machine: a server that listened at all of them could not know its own name.
+void check_address(const std::string& address) {
+  in_addr four{};
+  in6_addr six{};
+  const bool is_four = ::inet_pton(AF_INET, address.c_str(), &four) == 1 && four.s_addr != INADDR_ANY;
+  const bool is_six = ::inet_pton(AF_INET6, address.c_str(), &six) == 1 && !IN6_IS_ADDR_UNSPECIFIED(&six);
+  if (is_four || is_six) return;
+  throw firmware::UsageError("--address " + firmware::in_quotes(address) +
+                             " does not fit, expected one address of this machine in numbers");
+}
+
+/// Blocks the signals that end the program in this thread and in those that it makes.
+sigset_t block_ending_signals() {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&signals, signal);
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+void watch_rig(const WatchOptions& options) {
+  check_address(options.address);
+  const std::string socket = operators_socket(options);
+  const watch::ReceiveAddress from = watch::parse_receive_address(options.receive);
+  const sigset_t ending = block_ending_signals();
+  watch::Feed feed;
+  const watch::Receiver receiver(from, feed);
+  const watch::WatchServer server({options.address, options.port, socket}, feed);
+  std::printf("%s\n", server.url().c_str());
+  std::printf("  values     from UDP %s:%d (rig_controller --publish)\n", from.host.c_str(), receiver.port());
+  std::printf("  requests   to %s\n", socket.c_str());
+  if (!watch::is_loopback(options.address)) {
+    std::printf("  NOTE: not encrypted. Whoever reads along on this network learns the token and can ask the rig.\n");
+  }
+  std::fflush(stdout);
+  int signal = 0;
+  ::sigwait(&ending, &signal);
+}
+
+}  // namespace
+
+void add_watch(CLI::App& app, WatchOptions& options) {
+  CLI::App* command = app.add_subcommand("watch", "A rig while it runs: a page with traces, states and margins");
+  command->add_option("--port", options.port, "Of the page; 0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--address", options.address,
+          "Of this machine, where the page is served; another than 127.0.0.1 lets others in the network see it")
+      ->capture_default_str();
+  command
+      ->add_option("--receive", options.receive, "Where the datagrams of rig_controller --publish come in: HOST:PORT")
+      ->capture_default_str();
+  command->add_option("--socket", options.socket, "Of the controller, for requests (/run/rigtwin/control.sock)");
+  command->add_option("--rig", options.rig, "Rig description (TOML) that names that socket ([controller] socket)");
+  command->callback([&options] { watch_rig(options); });
+}
+
+}  // namespace host_sim

@@ -1,0 +1,234 @@
+#include "host_sim/compensation/compensated_loop.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "firmware/description/compensation_setup.hpp"
+#include "host_sim/stability/roots/eigenvalues.hpp"
+#include "host_sim/stability/roots/linear_rig.hpp"
+#include "model/rig_model.hpp"
+
+namespace host_sim::compensation {
+namespace {
+
+using firmware::compensation::Compensator;
+using firmware::compensation::Kind;
+using firmware::compensation::Settings;
+using model::Channel;
+using Car = model::VirtualCar<double>;
+using Hardware = model::RigModel<>;
+
+/// Of the unit vectors: so small that rate and limits of a compensator do not act [m, m/s, N].
+constexpr double unit_size = 1e-6;
+
+/// The method as a linear one, with the coefficients or the damping that it arrives at.
+Settings arrived(Settings settings, const model::RigParameters<double>& rig) {
+  settings.start_ramp = 0.0;
+  settings.rate = 100.0;
+  if (settings.kind == Kind::adaptive_virtual_damping) settings.kind = Kind::virtual_damping;
+  if (settings.kind == Kind::adaptive_time_series) {
+    settings.kind = Kind::inverse;
+    settings.gain = 1.0;
+    model::MachinePath<double> path;
+    rig.effects.act_on(path);
+    settings.given = settings.order <= 2 ? firmware::compensation::inverse_at(path, 1.0, firmware::wheel_mode(rig))
+                                         : firmware::compensation::inverse_series(path, 1.0);
+    for (std::size_t i = 0; i < settings.given.size(); ++i) {
+      settings.given[i] = std::clamp(settings.given[i], settings.lowest[i], settings.highest[i]);
+    }
+  }
+  return settings;
+}
+
+/// Everything that changes in a period.
+struct State {
+  Car::State car;
+  Hardware::State hardware;
+  std::optional<Compensator> compensator;
+};
+
+class Loop {
+ public:
+  Loop(const model::RigParameters<double>& rig, double period, const Settings* settings, double force_factor)
+      : car_(rig, period, model::ModelledPart::virtual_car),
+        hardware_(std::make_unique<Hardware>(rig, period, model::ModelledPart::test_machine)),
+        origin_(std::make_unique<State>(State{car_.start(), hardware_->start(), std::nullopt})),
+        open_ducts_(rig.has_fdva ? rig.fdva.open_ducts : 0),
+        force_factor_(force_factor),
+        sensor_delay_(rig.effects.sensor_paths()[model::index(Channel::F)].delay) {
+    model::MachinePath<double> path;
+    rig.effects.act_on(path);
+    line_ = static_cast<std::size_t>(path.delay / period + 1e-9) + 2;
+    if (settings == nullptr) return;
+    origin_->compensator.emplace(arrived(*settings, rig), period);
+    static_cast<firmware::Compensation&>(*origin_->compensator).start(0.0);
+    origin_->compensator->state().begun = true;
+  }
+
+  [[nodiscard]] const State& origin() const { return *origin_; }
+
+  /// visit(value) for every value of a state that a period reads.
+  template <class Visit>
+  void for_each(State& x, const Visit& visit) const {
+    for (int i = 0; i < model::car_states; ++i) visit(x.car.core(i));
+    for (Eigen::Index i = model::car_states; i < x.hardware.core.size(); ++i) visit(x.hardware.core(i));
+    visit_all(x.hardware.machine, visit);
+    for (auto* stroke : {&x.hardware.command, &x.hardware.delayed, &x.hardware.reached}) visit_stroke(*stroke, visit);
+    for (std::size_t i = 0; i < line_; ++i) visit_stroke(x.hardware.line.ago(i), visit);
+    auto& sensor = x.hardware.sensors.channels[model::index(Channel::F)];
+    for (double* value : {&x.hardware.received_force, &sensor.lagged, &sensor.held}) visit(*value);
+    for (double& value : sensor.input) visit(value);
+    const auto samples = static_cast<std::size_t>(sensor_delay_ / car_.period() + 1e-9) + 3;
+    for (std::size_t i = 0; sensor_delay_ > 0.0 && i < samples; ++i) visit(x.hardware.sensors.lines[0].ago(i));
+    if (!x.compensator) return;
+    auto& c = x.compensator->state();
+    for (std::size_t i = 0; i < x.compensator->reach(); ++i) {
+      visit_stroke(c.past.ago(i), visit);
+      visit_stroke(c.specimen.line.ago(i), visit);
+    }
+    visit_all(c.feedback, visit);
+    visit_all(c.specimen.machine, visit);
+    visit_all(c.specimen.piston, visit);
+    for (auto* stroke : {&c.specimen.delayed, &c.specimen.reached, &c.specimen.difference})
+      visit_stroke(*stroke, visit);
+    for (double* value :
+         {&c.wanted.position, &c.wanted.velocity, &c.wanted.acceleration, &c.last_force, &c.last_feedback, &c.added}) {
+      visit(*value);
+    }
+  }
+
+  void step(State& x, const model::Motion<double>& road) const {
+    const auto shown = hardware_->measured(x.hardware);
+    double force = force_factor_ * shown[model::index(Channel::F)];
+    firmware::Compensation* compensation = x.compensator ? &*x.compensator : nullptr;
+    if (compensation != nullptr) force = compensation->force(force);
+    car_.receive_force(x.car, force);
+    car_.step(x.car, {.foot_point = road});
+    const auto x_wanted = car_.deflection(x.car);
+    model::Stroke<double> command = x_wanted;
+    if (compensation != nullptr) {
+      const auto signals = car_.signals(x.car);
+      const double acceleration = signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)];
+      const auto answer = compensation->command({.wanted = {x_wanted.position, x_wanted.velocity, acceleration},
+                                                 .commanded = x.hardware.command.position,
+                                                 .reached = shown[model::index(Channel::x_act)],
+                                                 .measured = true,
+                                                 .open_ducts = open_ducts_});
+      command = {answer.command.position, answer.command.velocity};
+    }
+    hardware_->step(x.hardware, {.command = command});
+  }
+
+  [[nodiscard]] Eigen::Vector3d outputs(const State& x) const {
+    return {car_.signals(x.car)[model::index(Channel::F_w)], car_.deflection(x.car).position,
+            x.hardware.reached.position};
+  }
+
+ private:
+  template <class Vector, class Visit>
+  static void visit_all(Vector& values, const Visit& visit) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) visit(values(i));
+  }
+  template <class Visit>
+  static void visit_stroke(model::Stroke<double>& stroke, const Visit& visit) {
+    visit(stroke.position);
+    visit(stroke.velocity);
+  }
+
+  Car car_;
+  std::unique_ptr<Hardware> hardware_;
+  std::unique_ptr<State> origin_;
+  int open_ducts_;
+  double force_factor_;
+  double sensor_delay_;
+  std::size_t line_ = 0;  ///< samples of the machine's line that are read
+};
+
+std::vector<Eigen::Index> kept_states(const CompensatedLoop& loop) {
+  const auto size = static_cast<std::size_t>(loop.a.rows());
+  std::vector<bool> driven(size), seen(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    driven[i] = !loop.b_before.row(at).isZero(0.0) || !loop.b_now.row(at).isZero(0.0);
+    seen[i] = !loop.c.col(at).isZero(0.0);
+  }
+  driven = stability::reached(loop.a, driven);
+  seen = stability::reached(loop.a.transpose(), seen);
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (driven[i] && seen[i]) kept.push_back(static_cast<Eigen::Index>(i));
+  }
+  return kept;
+}
+
+}  // namespace
+
+CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double period, const Settings* settings,
+                                 double force_factor) {
+  const Loop loop(rig, period, settings, force_factor);
+  const auto work = std::make_unique<State>(loop.origin());
+  Eigen::Index size = 0;
+  loop.for_each(*work, [&](double&) { ++size; });
+  const auto read = [&](State& x) {
+    Eigen::VectorXd values(size);
+    Eigen::Index i = 0;
+    loop.for_each(x, [&](double& value) { values(i++) = value; });
+    return values;
+  };
+  CompensatedLoop all;
+  all.period = period;
+  all.a.resize(size, size);
+  all.b_before.resize(size, 2);
+  all.b_now.resize(size, 2);
+  all.c.resize(3, size);
+  all.d.resize(3, 2);
+  for (Eigen::Index j = 0; j < size; ++j) {
+    *work = loop.origin();
+    Eigen::Index i = 0;
+    loop.for_each(*work, [&](double& value) { value = i++ == j ? unit_size : 0.0; });
+    all.c.col(j) = loop.outputs(*work) / unit_size;
+    loop.step(*work, {});
+    all.a.col(j) = read(*work) / unit_size;
+  }
+  for (int j = 0; j < 2; ++j) {
+    const model::Motion<double> unit{j == 0 ? unit_size : 0.0, j == 0 ? 0.0 : unit_size, 0.0};
+    *work = loop.origin();
+    work->car.foot_point = unit;
+    all.d.col(j) = loop.outputs(*work) / unit_size;
+    loop.step(*work, {});
+    all.b_before.col(j) = read(*work) / unit_size;
+    *work = loop.origin();
+    loop.step(*work, unit);
+    all.b_now.col(j) = read(*work) / unit_size;
+  }
+  const auto kept = kept_states(all);
+  CompensatedLoop result = all;
+  result.a = all.a(kept, kept);
+  result.b_before = all.b_before(kept, Eigen::all);
+  result.b_now = all.b_now(kept, Eigen::all);
+  result.c = all.c(Eigen::all, kept);
+  return result;
+}
+
+double CompensatedLoop::spectral_radius() const {
+  double radius = 0.0;
+  for (const auto& value : stability::eigenvalues(a)) radius = std::max(radius, std::abs(value));
+  return radius;
+}
+
+Eigen::Vector3cd CompensatedLoop::response(double omega) const {
+  const Complex z = std::polar(1.0, omega * period);
+  const Eigen::Vector2cd road(1.0, Complex(0.0, omega));
+  Eigen::MatrixXcd m = -a.cast<Complex>();
+  m.diagonal().array() += z;
+  const Eigen::VectorXcd x =
+      m.partialPivLu().solve(b_before.cast<Complex>() * road + z * (b_now.cast<Complex>() * road));
+  return c.cast<Complex>() * x + d.cast<Complex>() * road;
+}
+
+}  // namespace host_sim::compensation

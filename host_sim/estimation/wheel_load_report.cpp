@@ -1,0 +1,140 @@
+#include "host_sim/estimation/wheel_load_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/description/text/input_error.hpp"
+#include "host_sim/report/report.hpp"
+
+namespace host_sim::estimation {
+namespace {
+
+using model::Channel;
+using report::figure_text;
+
+constexpr double settling = 1.0;          ///< [s] left out of the errors: the filter starts from nothing
+constexpr std::size_t rows_shown = 4000;  ///< of the figure: 4 s at 1 kHz, a pixel each on a wide screen
+
+std::vector<double> tyre_deflection(const firmware::Recording& recording) {
+  if (recording.has(Channel::dz_w)) return recording[Channel::dz_w];
+  if (!recording.has(Channel::z_r) || !recording.has(Channel::z_w)) return {};
+  std::vector<double> result = recording[Channel::z_r];
+  for (std::size_t k = 0; k < result.size(); ++k) result[k] -= recording[Channel::z_w][k];
+  return result;
+}
+
+std::size_t first_row(const firmware::Recording& recording) {
+  return std::min(recording.size(), static_cast<std::size_t>(settling / recording.sample_period));
+}
+
+void compare(WheelLoad& load, const firmware::Recording& recording, const std::vector<double>& truth) {
+  double error = 0.0, signal = 0.0;
+  const std::size_t first = first_row(recording);
+  for (std::size_t k = first; k < truth.size(); ++k) {
+    const double e = load.values[k] - truth[k];
+    error += e * e;
+    signal += truth[k] * truth[k];
+  }
+  const double rows = std::max<double>(1.0, static_cast<double>(truth.size() - first));
+  load.error_rms = std::sqrt(error / rows);
+  if (signal > 0.0) load.error_share = std::sqrt(error / signal);
+}
+
+report::Curve curve(const std::string& name, const std::vector<double>& time, const std::vector<double>& values,
+                    std::size_t first, std::size_t last, int colour) {
+  const auto cut = [first, last](const std::vector<double>& v) {
+    return std::vector<double>(v.begin() + static_cast<std::ptrdiff_t>(first),
+                               v.begin() + static_cast<std::ptrdiff_t>(last));
+  };
+  report::Curve c;
+  c.name = name;
+  c.x = cut(time);
+  c.y = cut(values);
+  c.colour = colour;
+  c.dash = report::Dash::solid;
+  return c;
+}
+
+}  // namespace
+
+std::vector<WheelLoad> wheel_loads(const firmware::RigDescription& description, const firmware::Recording& recording,
+                                   const Estimate& estimate, const firmware::Recording* truth) {
+  std::vector<WheelLoad> loads;
+  if (std::vector<double> deflection = tyre_deflection(recording); !deflection.empty()) {
+    for (double& value : deflection) value *= description.rig.tyre.stiffness;
+    loads.push_back({"k_t dz_w", std::move(deflection), {}, {}});
+  }
+  if (recording.has(Channel::F_w)) loads.push_back({"sensor F_w", recording[Channel::F_w], {}, {}});
+  loads.push_back({"filter", estimate.column("F_w_est"), {}, {}});
+  if (truth == nullptr) return loads;
+  const std::vector<double>& right = truth->required(Channel::F_w, "as the truth");
+  for (WheelLoad& load : loads) {
+    if (load.values.size() != right.size()) {
+      throw firmware::InputError(truth->source, 0, "the truth has " + std::to_string(right.size()) + " rows",
+                                 std::to_string(load.values.size()) + " as the recording");
+    }
+    compare(load, recording, right);
+  }
+  return loads;
+}
+
+std::string report_page(const firmware::RigDescription& description, const firmware::Recording& recording,
+                        const Estimate& estimate, const std::vector<WheelLoad>& loads,
+                        const firmware::Recording* truth) {
+  report::Report page("Wheel load and states by the Kalman filter", description.source + ", " + recording.source);
+  if (estimate.alarms == 0) {
+    page.add_verdict(report::Verdict::good, "The innovations do not contradict the model: " +
+                                                std::to_string(estimate.blocks) + " blocks judged.");
+  } else {
+    page.add_verdict(report::Verdict::bad, "The model is wrong for this recording: " + estimate.last_alarm + ".");
+  }
+  page.add_section("Wheel load");
+  const std::size_t first = first_row(recording), last = std::min(recording.size(), first + rows_shown);
+  report::Figure figure;
+  figure.title = "Dynamic wheel load";
+  figure.note = truth != nullptr ? "Below: error against the truth." : "Below: sources against the filter.";
+  figure.x = {"time", "s"};
+  figure.height = 640;
+  report::Panel above, below;
+  above.y = {"wheel load", "N"};
+  below.y = {truth != nullptr ? "error" : "difference from the filter", "N"};
+  const std::vector<double>& reference = truth != nullptr ? (*truth)[Channel::F_w] : estimate.column("F_w_est");
+  int colour = 0;
+  for (const WheelLoad& load : loads) {
+    above.curves.push_back(curve(load.name, recording.time, load.values, first, last, colour));
+    std::vector<double> error = load.values;
+    for (std::size_t k = 0; k < error.size(); ++k) error[k] -= reference[k];
+    auto difference = curve(load.name, recording.time, error, first, last, colour++);
+    difference.in_legend = false;
+    if (truth != nullptr || load.name != "filter") below.curves.push_back(std::move(difference));
+  }
+  if (truth != nullptr) above.curves.push_back(curve("truth", recording.time, reference, first, last, 6));
+  figure.panels = {above};
+  if (!below.curves.empty()) figure.panels.push_back(below);
+  page.add_figure(figure);
+  if (truth != nullptr) {
+    report::Table table{"Error of the wheel load, from 1 s on", {"source", "rms [N]", "of the truth's rms"}, {}, 1};
+    for (const WheelLoad& load : loads) {
+      table.rows.push_back(
+          {load.name, figure_text(load.error_rms.value_or(0.0)), figure_text(load.error_share.value_or(0.0), 3)});
+    }
+    page.add_table(table);
+  }
+  page.add_text("The filter expects a standard deviation of " + figure_text(estimate.sigma_wheel_load, 3) +
+                " N of its wheel load and of " + figure_text(estimate.sigma_velocity, 3) +
+                " m/s of the deflection's velocity, if the model is right.");
+  page.add_section("Innovations");
+  report::Table table{"Normalised innovations; a right model has 1 and 0",
+                      {"channel", "samples", "rms", "correlation of neighbours"},
+                      {},
+                      1};
+  for (const ChannelInnovations& c : estimate.channels) {
+    table.rows.push_back({std::string(model::name(c.channel)), std::to_string(c.count), figure_text(c.rms, 3),
+                          figure_text(c.one_late, 2)});
+  }
+  page.add_table(table);
+  page.add_appendix("Rig description", description.text);
+  return page.html();
+}
+
+}  // namespace host_sim::estimation

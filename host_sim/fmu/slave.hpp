@@ -1,0 +1,107 @@
+// One instance of an FMU: states, values, steps.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_sim/fmu/fmi2.hpp"
+#include "host_sim/fmu/stepped_run.hpp"
+#include "host_sim/fmu/variables.hpp"
+
+namespace host_sim::fmu {
+
+/// What an importer does wrong, in words for its log; the call leaves everything as it was.
+class CallError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// An instance by the state machine of FMI 2.0 for co-simulation (2.0.4, figure 11). Every function throws CallError
+/// where the call is not allowed in this state or its arguments are wrong.
+///
+///   instantiated ─▶ initialising ─▶ stepping ─▶ terminated        reset(): back to instantiated from each of them
+///
+/// Time is counted in whole periods since the start, so communication points do not drift. A step that is no multiple
+/// of the period is taken: outputs are those of the newest sample at or before the communication point, as a controller
+/// of this rate shows them.
+class Slave {
+ public:
+  enum class Phase : unsigned char { instantiated, initialising, stepping, terminated };
+
+  /// Differences from a whole number of periods up to this are rounding, not time: an importer that adds up steps of
+  /// 1 ms is 1e-7 periods off after 1000 s. At half or twice: the same for every step that is meant to be a multiple.
+  static constexpr double period_rounding = 1e-6;
+  /// So far [periods] an importer's communication point may be from where its last step ended.
+  static constexpr double point_tolerance = 0.01;
+  /// More periods in one step are refused: at 1 kHz eleven days.
+  static constexpr double longest_step = 1e9;
+
+  /// `text`: the rig description. InputError.
+  explicit Slave(std::string text);
+
+  void set_up(double start);
+  void enter_initialisation();
+  void exit_initialisation();
+  void terminate();
+  void reset();
+
+  /// Values by reference; T: double, int, bool, std::string.
+  template <class T>
+  [[nodiscard]] T get(unsigned reference);
+  /// All or none. The references must be of variables of this type.
+  template <class T>
+  void set(std::span<const unsigned> references, const std::vector<T>& values);
+
+  /// False: the firmware has ended the run; time() says where.
+  [[nodiscard]] bool step(double current, double size);
+  [[nodiscard]] double time() const;  ///< of the communication point reached [s]
+  [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] std::string why_ended() const;
+
+  /// Everything, for set_state() of any instance with this description. A copy of the run itself makes it quick in the
+  /// instance that it came from; others repeat the run up to there, which gives the same bits.
+  struct State {
+    std::vector<Value> values{};
+    Phase phase = Phase::instantiated;
+    double start = 0.0, beyond = 0.0;
+    std::uint64_t samples = 0;
+    bool ended = false;
+    std::vector<firmware::Motion> given{};  ///< excitation from outside: at the beginning, then of each step
+    std::weak_ptr<SteppedRun> run{};
+    SteppedRun::Saved saved{};
+  };
+  [[nodiscard]] State state() const;
+  void set_state(const State& state);
+  [[nodiscard]] std::string serialise(const State& state) const;
+  [[nodiscard]] State deserialise(std::string_view bytes) const;
+
+  [[nodiscard]] const std::string& guid() const { return guid_; }
+  [[nodiscard]] const Variables& variables() const { return variables_; }
+
+ private:
+  void demand(bool allowed, const char* call) const;
+  void begin_run();
+  void ensure_run();
+  [[nodiscard]] firmware::Motion given() const;
+  [[nodiscard]] bool from_outside() const;
+  [[nodiscard]] Value value_of(unsigned reference);
+
+  firmware::RigDescription description_;
+  std::string guid_;
+  Variables variables_;
+  std::vector<Value> values_;  ///< parameters and inputs as set
+  Phase phase_ = Phase::instantiated;
+  double start_ = 0.0;         ///< [s]
+  std::uint64_t samples_ = 0;  ///< done since the start
+  double beyond_ = 0.0;        ///< the communication point, after the newest sample [periods]
+  bool ended_ = false;
+  std::vector<firmware::Motion> given_{};
+  std::shared_ptr<SteppedRun> run_{};
+};
+
+}  // namespace host_sim::fmu

@@ -1,0 +1,16 @@
+// A TDMS file as a table.
+#pragma once
+
+#include <string_view>
+
+#include "host_sim/recording_files/tables/raw_table.hpp"
+
+namespace host_sim {
+
+/// The channels of a TDMS file. Time: a channel of the group that is called time or holds time stamps, else the
+/// waveform properties wf_start_offset and wf_increment (and wf_start_time, where channels began at different times).
+/// Channels with different time axes keep their own. Units: property unit_string. InputError: no channel with numbers,
+/// no time.
+[[nodiscard]] RawTable table_of_tdms(std::string_view bytes, std::string_view source);
+
+}  // namespace host_sim

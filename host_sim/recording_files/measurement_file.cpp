@@ -1,0 +1,162 @@
+#include "host_sim/recording_files/measurement_file.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/quantity.hpp"
+#include "firmware/recording/column_targets.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/recording_files/binary/hdf5_leaves.hpp"
+#include "host_sim/recording_files/binary/leaf_table.hpp"
+#include "host_sim/recording_files/binary/tdms_table.hpp"
+#include "host_sim/recording_files/recording_mat.hpp"
+#include "host_sim/recording_files/tables/units.hpp"
+#include "host_sim/recording_files/text/text_table.hpp"
+#include "host_sim/recording_files/text/text_values.hpp"
+
+namespace host_sim {
+namespace {
+
+constexpr std::string_view hdf5_signature = "\x89HDF\r\n\x1a\n";
+
+bool has_hdf5_signature(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  for (std::streamoff at = 512; at <= 8192; at *= 2) {
+    std::string bytes(hdf5_signature.size(), '\0');
+    if (!stream.seekg(at) || !stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return false;
+    if (bytes == hdf5_signature) return true;
+  }
+  return false;
+}
+
+// The map's entry for a column; nullptr: none.
+const firmware::ColumnSource* entry_for(const firmware::Heading& heading, const firmware::ChannelMap& map,
+                                        std::string_view& quantity) {
+  for (const auto& [wanted, entry] : map) {
+    if (entry.column != heading.text && entry.column != heading.name) continue;
+    quantity = wanted;
+    return &entry;
+  }
+  return nullptr;
+}
+
+// Whether a column's unit is one that only the readers of this room convert.
+bool needs_conversion(const firmware::Heading& heading, std::string_view quantity,
+                      const firmware::ColumnSource* entry) {
+  if (!heading.unit) return false;
+  const std::optional<firmware::Quantity> of = firmware::find_quantity(quantity);
+  const std::optional<Unit> unit = find_unit(*heading.unit);
+  if (!of || !unit || unit->dimension != dimension_of(*of) || unit->scale == 1.0) return false;
+  return entry == nullptr || (!entry->scale_given && entry->scale == 1.0);
+}
+
+std::vector<std::string_view> between_commas(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    fields.push_back(firmware::trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+bool has_contract_header(std::string_view line, const firmware::ChannelMap& map) {
+  if (line.ends_with(',')) return false;
+  bool time = false;
+  bool channel = false;
+  for (const std::string_view field : between_commas(line)) {
+    const firmware::Heading heading = firmware::read_heading(field);
+    std::string_view quantity = heading.name;
+    const firmware::ColumnSource* entry = entry_for(heading, map, quantity);
+    if (!firmware::find_quantity(quantity)) continue;
+    if (needs_conversion(heading, quantity, entry)) return false;
+    (quantity == "t" ? time : channel) = true;
+  }
+  return time && channel;
+}
+
+}  // namespace
+
+FileKind kind_of_file(const std::filesystem::path& file, std::string_view head, bool is_matlab) {
+  if (is_matlab) return FileKind::matlab;
+  if (head.starts_with("TDSm")) return FileKind::tdms;
+  if (head.starts_with(hdf5_signature)) return FileKind::hdf5;
+  return has_hdf5_signature(file) ? FileKind::hdf5 : FileKind::text;
+}
+
+bool is_contract_csv(std::string_view text, const firmware::ChannelMap& map) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  std::optional<std::size_t> columns;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    const std::string_view trimmed = firmware::trimmed(line);
+    if (trimmed.empty()) continue;
+    if (!columns) {
+      if (trimmed.front() == '#') {
+        if (firmware::trimmed(trimmed.substr(1)) == firmware::recording_mark) return true;
+        continue;
+      }
+      if (!has_contract_header(trimmed, map)) return false;
+      columns = between_commas(trimmed).size();
+      continue;
+    }
+    // The first row decides: units, clocks, decimal commas, quotes and separators at the end are for the other reader.
+    const std::vector<std::string_view> fields = between_commas(trimmed);
+    if (trimmed.find('"') != std::string_view::npos || trimmed.ends_with(',')) return false;
+    const bool first_is_number = read_text_number(fields.front(), '.').has_value() || is_missing_value(fields.front());
+    return fields.size() == *columns ? first_is_number
+                                     : fields.size() != 2 * *columns && fields.size() + 1 != 2 * *columns;
+  }
+  return columns.has_value();
+}
+
+RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string text) {
+  const std::string source = file.string();
+  switch (kind) {
+    case FileKind::matlab:
+      return table_of_mat(file, read_mat_leaves(file));
+    case FileKind::hdf5: {
+      std::optional<RawTable> table = table_of_leaves(read_hdf5_leaves(file), '/', source, "HDF5");
+      if (!table) {
+        throw firmware::InputError(source, 0, "no signals with a time are found",
+                                   "data sets beside one called time, or an attribute such as sample_rate");
+      }
+      return std::move(*table);
+    }
+    case FileKind::tdms:
+      return table_of_tdms(text, source);
+    case FileKind::text:
+      break;
+  }
+  return read_text_table(std::move(text), source);
+}
+
+std::string read_whole(int descriptor, std::string_view head, std::string_view source) {
+  std::string bytes(head);
+  constexpr std::size_t block = std::size_t{1} << 20U;
+  constexpr std::size_t most = std::size_t{2} << 30U;  // [byte] an hour at 20 kHz of thirty channels as text
+  for (;;) {
+    const std::size_t size = bytes.size();
+    if (size > most) throw firmware::InputError(source, 0, "the file is larger than 2 GiB", "a shorter recording");
+    bytes.resize(size + block);
+    const ssize_t got = ::read(descriptor, bytes.data() + size, block);
+    bytes.resize(size + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0)
+      throw firmware::InputError(source, 0, std::string("cannot be read: ") + std::strerror(errno), "a readable file");
+    if (got == 0) return bytes;
+  }
+}
+
+}  // namespace host_sim

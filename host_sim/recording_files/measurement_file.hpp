@@ -1,0 +1,29 @@
+// Measurement files of any kind that rigtwin reads: which kind a file is, and its contents as a table.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "firmware/description/values/channel_map.hpp"
+#include "host_sim/recording_files/tables/raw_table.hpp"
+
+namespace host_sim {
+
+enum class FileKind : unsigned char { text, matlab, hdf5, tdms };
+
+/// By the first bytes: "TDSm"; MATLAB 5 or 7.3; the signature of HDF5 at 0, 512, 1024 … bytes; else text.
+[[nodiscard]] FileKind kind_of_file(const std::filesystem::path& file, std::string_view head, bool is_matlab);
+
+/// Whether text is a recording as the contract has it: own files by their mark; else commas, `t` and a known channel
+/// (by name or [channels]) in the first line that is no comment, units in SI, and a first row of as many plain numbers.
+/// Such text is left to firmware/recording, so that the controller and the workbench read the same file alike.
+[[nodiscard]] bool is_contract_csv(std::string_view text, const firmware::ChannelMap& map);
+
+/// The contents of a file that has not that form.
+[[nodiscard]] RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string text);
+
+/// The whole file. InputError if it cannot be read.
+[[nodiscard]] std::string read_whole(int descriptor, std::string_view head, std::string_view source);
+
+}  // namespace host_sim

@@ -1,0 +1,293 @@
+#include "host_sim/recording_files/tables/table_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/recording/sample_checks.hpp"
+#include "host_sim/recording_files/tables/resampling.hpp"
+#include "host_sim/recording_files/tables/units.hpp"
+
+namespace host_sim {
+namespace {
+
+using firmware::in_quotes;
+using firmware::InputError;
+using firmware::shortest;
+
+std::size_t line_of(const RawTable& table, std::size_t row) { return row < table.lines.size() ? table.lines[row] : 0; }
+
+std::vector<double> scaled(std::vector<double> values, double scale, double offset) {
+  if (scale == 1.0 && offset == 0.0) return values;
+  for (double& value : values) value = scale * value + offset;
+  return values;
+}
+
+// A time stamp that was printed in a unit: the double nearest to the printed value in seconds, where that is a product
+// of a decimal number and a power of ten.
+double in_seconds(double stamp, double scale) {
+  const double divisor = std::round(1.0 / scale);
+  return scale < 1.0 && std::abs(scale * divisor - 1.0) < 1e-12 ? stamp / divisor : stamp * scale;
+}
+
+class Builder {
+ public:
+  Builder(const RawTable& table, const Interpretation& meaning, const RigContext& rig, bool keep_others)
+      : table_(table), meaning_(meaning), rig_(rig), keep_others_(keep_others) {}
+
+  TableRecording run() {
+    firmware::Recording& recording = result_.recording;
+    recording.source = table_.source;
+    recording.time = shared_axis();
+    choose_axis();
+    for (const ColumnMeaning& channel : meaning_.channels) {
+      values(recording, channel.quantity) =
+          scaled(on_axis(table_.columns[channel.column]), channel.scale, channel.offset);
+    }
+    for (std::size_t c = 0; c < table_.columns.size(); ++c) take_other(c);
+    check_ducts();
+    if (recording.size() < 2) {
+      throw InputError(table_.source, line_of(table_, 0), "there is only one sample", "at least two");
+    }
+    firmware::check_time_rises(recording, {table_.source, 0});
+    return std::move(result_);
+  }
+
+ private:
+  // The time of the rows that the columns share; rows without a time stamp are left out.
+  std::vector<double> shared_axis() {
+    std::vector<double> time(table_.rows);
+    const TimeMeaning& axis = meaning_.time;
+    if (table_.rows == 0) return time;
+    if (!axis.column) return firmware::sample_times(table_.rows, axis.rate);
+    const std::vector<double>& stamps = table_.columns[*axis.column].values;
+    const bool clock = table_.columns[*axis.column].is_clock;
+    for (std::size_t k = 0; k < table_.rows; ++k) {
+      const double since_first = stamps[k] - stamps.front();
+      // Differences of clock times are whole nanoseconds; the subtraction left 10⁻¹¹ s of dirt.
+      time[k] = axis.counts ? since_first / axis.rate
+                : clock     ? std::round(1e9 * since_first) / 1e9
+                            : in_seconds(stamps[k], axis.scale) + axis.offset;
+    }
+    for (std::size_t k = 1; k < time.size(); ++k) {
+      if (time[k] > time[k - 1]) continue;
+      const bool falls = time[k] < time[k - 1];
+      if (std::isnan(time[k]) || std::isnan(time[k - 1])) break;
+      const std::string stamp = shortest(time[k]) + " s follows " + shortest(time[k - 1]) + " s";
+      throw InputError(table_.source, line_of(table_, k),
+                       (falls ? "time runs backwards: " : "time does not increase: ") + stamp,
+                       "a later time in each sample");
+    }
+    for (std::size_t k = 0; k < time.size(); ++k) {
+      if (std::isfinite(time[k])) continue;
+      throw InputError(table_.source, line_of(table_, k), "the time is missing in row " + std::to_string(k + 1),
+                       "a time stamp in each row");
+    }
+    return time;
+  }
+
+  // With several rates the recording's axis is one of theirs.
+  void choose_axis() {
+    const std::vector<double>* best = nullptr;
+    const auto period = [](const std::vector<double>& time) {
+      return time.size() < 2 ? INFINITY : (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+    };
+    const auto is_the_rigs = [&](const std::vector<double>& time) {
+      return rig_.rate && std::abs(period(time) * *rig_.rate - 1.0) < 1e-3;
+    };
+    const auto consider = [&](const std::vector<double>& time) {
+      if (time.size() < 2) return;
+      if (best == nullptr || (is_the_rigs(time) && !is_the_rigs(*best)) ||
+          (!is_the_rigs(*best) && period(time) < period(*best) * (1.0 - 1e-9))) {
+        best = &time;
+      }
+    };
+    std::vector<double>& axis = result_.recording.time;
+    const std::vector<double> shared = axis;
+    bool several = false;
+    for (const ColumnMeaning& channel : meaning_.channels) {
+      const std::vector<double>& own = table_.columns[channel.column].own_time;
+      several = several || !own.empty();
+      consider(own.empty() ? shared : own);
+    }
+    if (!several || best == nullptr) {
+      shared_ = axis;
+      even_out();
+      return;
+    }
+    // Only the span that every channel covers.
+    double begin = -INFINITY;
+    double end = INFINITY;
+    for (const ColumnMeaning& channel : meaning_.channels) {
+      const std::vector<double>& own = table_.columns[channel.column].own_time;
+      const std::vector<double>& time = own.empty() ? shared : own;
+      if (time.size() < 2) {
+        throw InputError(table_.source, 0, in_quotes(table_.columns[channel.column].name) + " has no time stamps",
+                         "at least two");
+      }
+      for (std::size_t k = 1; k < time.size(); ++k) {
+        if (time[k] > time[k - 1]) continue;
+        throw InputError(table_.source, 0,
+                         "the time of " + in_quotes(table_.columns[channel.column].name) +
+                             " does not increase: " + shortest(time[k]) + " follows " + shortest(time[k - 1]),
+                         "a later time in each sample");
+      }
+      begin = std::max(begin, time.front());
+      end = std::min(end, time.back());
+    }
+    std::vector<double> kept;
+    for (const double t : *best) {
+      if (t >= begin && t <= end) kept.push_back(t);
+    }
+    if (kept.size() < 2) throw InputError(table_.source, 0, "the columns have no common time", "columns that overlap");
+    shared_ = shared;
+    axis = std::move(kept);
+  }
+
+  // Uneven steps become an even grid.
+  void even_out() {
+    std::vector<double>& axis = result_.recording.time;
+    if (axis.size() < 3 || !meaning_.time.column) return;
+    const std::optional<EvenGrid> grid = even_grid(axis, rig_.rate);
+    if (!grid) return;
+    firmware::StampRounding rounding = stamps();
+    firmware::Recording trial;
+    trial.source = table_.source;
+    trial.time = axis;
+    if (firmware::recover_grid(trial, rounding, rig_.rate)) return;  // an even grid, rounded: left to the reader
+    result_.notes.push_back(
+        "the steps in time are uneven (" + shortest(std::round(1e6 * grid->shortest_step) / 1e3) + " … " +
+        shortest(std::round(1e6 * grid->longest_step) / 1e3) + " ms): interpolated linearly onto a grid of " +
+        shortest(std::round(1e3 / grid->period) / 1e3) + " Hz" +
+        (grid->gaps == 0 ? std::string()
+                         : ", " + std::to_string(grid->gaps) + (grid->gaps == 1 ? " gap is kept" : " gaps are kept")));
+    axis = grid->time;
+  }
+
+  std::vector<double> on_axis(const RawColumn& column) {
+    const std::vector<double>& axis = result_.recording.time;
+    const std::vector<double>& own = column.own_time.empty() ? shared_ : column.own_time;
+    if (own == axis) return column.values;
+    const Resampled resampled = resample(own, column.values, axis);
+    if (!column.own_time.empty() && !resampled.how.empty()) {
+      result_.notes.push_back(in_quotes(column.name) + ": " + resampled.how);
+    }
+    return resampled.values;
+  }
+
+  void take_other(std::size_t c) {
+    const RawColumn& column = table_.columns[c];
+    const bool is_time = meaning_.time.column == c;
+    const bool is_channel = std::any_of(meaning_.channels.begin(), meaning_.channels.end(),
+                                        [&](const ColumnMeaning& channel) { return channel.column == c; });
+    if (is_time || is_channel) return;
+    result_.recording.ignored_columns.push_back(column.text);
+    const bool numbers = !column.is_clock && std::any_of(column.values.begin(), column.values.end(),
+                                                         [](double v) { return !std::isnan(v); });
+    if (!keep_others_ || !numbers) return;
+    if (column.own_time.empty() && column.values.size() != shared_.size()) return;
+    if (!column.own_time.empty() && !strictly_rises(column.own_time)) return;
+    const std::optional<Unit> unit = find_unit(column.unit);
+    std::string name;
+    for (const char ch : column.name)
+      name += ch == ',' || ch == '"' || static_cast<unsigned char>(ch) < 0x20 ? '_' : ch;
+    // A name that a reader takes for a channel is one only where the channel is this column.
+    if (name.empty() || firmware::find_quantity(name) || name == "late" || name == "mode") name += "_raw";
+    const bool known = unit && unit->dimension != Dimension::none;
+    result_.recording.extra.push_back({name, known ? std::string(si_unit(unit->dimension)) : column.unit,
+                                       scaled(on_axis(column), known ? unit->scale : 1.0, 0.0)});
+  }
+
+  void check_ducts() const {
+    for (firmware::Quantity q = firmware::first_duct; q < firmware::quantity_count; ++q) {
+      const std::vector<double>& duct = values(result_.recording, q);
+      for (std::size_t k = 0; k < duct.size(); ++k) {
+        if (std::isnan(duct[k])) continue;
+        if (const firmware::Objection objection = firmware::object_to(q, duct[k])) {
+          throw InputError(table_.source, line_of(table_, k), objection.wrong, objection.expected);
+        }
+      }
+    }
+  }
+
+ public:
+  // How the stamps were printed.
+  [[nodiscard]] firmware::StampRounding stamps() const {
+    const TimeMeaning& axis = meaning_.time;
+    if (!axis.column || axis.counts) return {};
+    const RawColumn& column = table_.columns[*axis.column];
+    return {column.decimals, column.significant_digits, std::abs(axis.scale)};
+  }
+
+ private:
+  static bool strictly_rises(const std::vector<double>& time) {
+    return std::adjacent_find(time.begin(), time.end(), std::greater_equal<>()) == time.end();
+  }
+
+  const RawTable& table_;
+  const Interpretation& meaning_;
+  const RigContext& rig_;
+  bool keep_others_;
+  std::vector<double> shared_;
+  TableRecording result_;
+};
+
+}  // namespace
+
+TableRecording to_recording(const RawTable& table, const Interpretation& meaning, const RigContext& rig,
+                            bool keep_others) {
+  return Builder(table, meaning, rig, keep_others).run();
+}
+
+firmware::Recording read_table_recording(const RawTable& table, const RigContext& rig, firmware::Missing missing) {
+  const Interpretation meaning = interpret(table, rig);
+  if (missing == firmware::Missing::refuse && !table.faults.empty()) {
+    const RawFault& fault = table.faults.front();
+    throw InputError(table.source, fault.line, fault.wrong, fault.expected);
+  }
+  Builder builder(table, meaning, rig, false);
+  TableRecording built = builder.run();
+  firmware::Recording& recording = built.recording;
+  const std::size_t first_line = table.lines.empty() ? 0 : table.lines.front();
+  const firmware::RecordingLocation location{table.source, first_line};
+
+  for (const ColumnMeaning& channel : meaning.channels) {
+    const std::vector<double>& column = values(recording, channel.quantity);
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      if (std::isfinite(column[k]) || (missing == firmware::Missing::mark && std::isnan(column[k]))) continue;
+      throw InputError(table.source, line_of(table, k),
+                       in_quotes(table.columns[channel.column].name) + " is " + shortest(column[k]), "a finite number");
+    }
+  }
+  std::optional<double> expected_rate = rig.rate;
+  firmware::StampRounding rounding = builder.stamps();
+  if (missing == firmware::Missing::mark) {
+    if (firmware::recover_grid(recording, rounding, expected_rate)) rounding = {};
+    expected_rate = firmware::rate_if_usual(recording.time, rounding, expected_rate);
+    const double period = expected_rate ? 1.0 / *expected_rate : firmware::median_step(recording.time);
+    fill_gaps(recording, {}, location, expected_rate, missing, firmware::stamp_error(recording.time, rounding, period));
+  }
+  firmware::check_time(recording, rounding, location, expected_rate);
+
+  std::string remark;
+  for (const std::vector<std::string>* notes :
+       {&std::as_const(meaning.notes), &std::as_const(built.notes), &std::as_const(table.notes)}) {
+    for (const std::string& note : *notes) remark += (remark.empty() ? "" : "; ") + note;
+  }
+  if (!table.faults.empty()) {
+    remark += (remark.empty() ? "line " : "; line ") + std::to_string(table.faults.front().line) + ": " +
+              table.faults.front().wrong;
+    if (table.faults.size() > 1) remark += " and " + std::to_string(table.faults.size() - 1) + " more like it";
+  }
+  const std::string source = firmware::one_line(table.source) + ": ";
+  if (recording.remark.starts_with(source)) recording.remark.erase(0, source.size());
+  if (!remark.empty() || !recording.remark.empty()) {
+    recording.remark = source + firmware::one_line(remark) + (remark.empty() || recording.remark.empty() ? "" : "; ") +
+                       recording.remark;
+  }
+  return std::move(recording);
+}
+
+}  // namespace host_sim

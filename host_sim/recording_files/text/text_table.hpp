@@ -1,0 +1,17 @@
+// Text files of measurement programs as tables.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "host_sim/recording_files/tables/raw_table.hpp"
+
+namespace host_sim {
+
+/// Reads text of any of the encodings (text_encoding.hpp) with the layout that most of its lines have
+/// (text_layout.hpp). Between the rows these lines are passed over, counted and noted: empty ones, comments, repeated
+/// headers, heads of further blocks (MTS Station Manager). A row that is too short, and a value that is no number, is a
+/// fault with its line; the missing values are NaN. InputError: no table, a line longer than 1 MiB.
+[[nodiscard]] RawTable read_text_table(std::string bytes, std::string_view source);
+
+}  // namespace host_sim

@@ -1,0 +1,84 @@
+// rigtwin init, completion and manpage: the first steps of a user.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "firmware/description/rig_description.hpp"
+#include "tests/support/program.hpp"
+#include "tests/support/rig_texts.hpp"
+
+namespace {
+
+using support::Ended;
+using support::rigtwin;
+using support::TemporaryFolder;
+
+// Every kind that init writes is a rig that simulate takes, with the numbers that were given.
+TEST(Init, WritesARigThatRuns) {
+  for (const char* kind : {"quarter_car", "hil", "component_bench"}) {
+    SCOPED_TRACE(kind);
+    const TemporaryFolder folder;
+    const std::string rig = folder / "rig.toml";
+    const Ended made = rigtwin(
+        {"init", "--kind", kind, "--suspension-stiffness", "28000", "--sample-rate", "500", "--fdva", "--out", rig});
+    ASSERT_EQ(made.status, 0) << made.errors;
+    const firmware::RigDescription description = firmware::read_rig(rig);
+    EXPECT_EQ(description.rig.suspension.stiffness, 28000.0);
+    EXPECT_EQ(description.sample_rate, 500.0);
+    EXPECT_TRUE(description.rig.has_fdva);
+    const Ended run = rigtwin({"simulate", "--rig", rig, "--duration", "0.2", "--out", folder / "run.csv"});
+    EXPECT_EQ(run.status, 0) << run.errors;
+  }
+}
+
+// What cannot be a rig is refused before anything is written; a description that somebody has is never replaced.
+TEST(Init, LeavesNothingBehindAnError) {
+  const TemporaryFolder folder;
+  const std::string rig = folder / "rig.toml";
+  EXPECT_EQ(rigtwin({"init", "--kind", "car", "--out", rig}).status, 2);
+  EXPECT_EQ(rigtwin({"init", "--kind", "quarter_car", "--body-mass", "0", "--out", rig}).status, 3);
+  EXPECT_EQ(rigtwin({"init", "--kind", "quarter_car", "--body-mass", "nan", "--out", rig}).status, 2);
+  EXPECT_EQ(folder.count(), 0U);
+  folder.write("rig.toml", "mine\n");
+  EXPECT_EQ(rigtwin({"init", "--kind", "quarter_car", "--out", rig}).status, 4);
+  EXPECT_EQ(TemporaryFolder::read(rig), "mine\n");
+}
+
+// Completion and manual page know every command that the help knows, and bash takes the completion.
+TEST(Shell, KnowsEveryCommand) {
+  const TemporaryFolder folder;
+  const Ended help = rigtwin({"--help"}), completion = rigtwin({"completion"}), page = rigtwin({"manpage"});
+  EXPECT_EQ(completion.status, 0);
+  EXPECT_EQ(page.status, 0);
+  for (const char* command : {"simulate", "compare", "stability", "frf", "diagnose", "plan", "sweep", "fmu", "init"}) {
+    EXPECT_NE(help.output.find(command), std::string::npos);
+    EXPECT_NE(page.output.find(".SS rigtwin " + std::string(command) + "\n"), std::string::npos) << command;
+  }
+  const auto script = folder.write("completion.bash", completion.output + R"(
+COMP_WORDS=(rigtwin sim) COMP_CWORD=1; _rigtwin; [ "${COMPREPLY[*]}" = simulate ] || exit 1
+COMP_WORDS=(rigtwin simulate --dur) COMP_CWORD=2; _rigtwin; [ "${COMPREPLY[*]}" = --duration ] || exit 1
+)");
+  EXPECT_EQ(std::system(("bash '" + script.string() + "'").c_str()), 0);
+  EXPECT_EQ(page.output.rfind(".TH RIGTWIN 1", 0), 0U);
+}
+
+// --json - is the only thing on standard output, for a run that a script reads.
+TEST(Simulate, SaysTheRunAsJson) {
+  const TemporaryFolder folder;
+  const std::string rig = support::source / "host_sim" / "rigs" / "paper_linear.toml";
+  const Ended run =
+      rigtwin({"simulate", "--rig", rig, "--duration", "0.5", "--out", folder / "run.csv", "--json", "-"});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  EXPECT_EQ(run.output.rfind("{\n", 0), 0U);
+  EXPECT_EQ(run.output.substr(run.output.size() - 2), "}\n");
+  for (const char* key : {"\"samples\": 500", "\"trace\": \"", "\"trip\": null", "\"F_w\": {"}) {
+    EXPECT_NE(run.output.find(key), std::string::npos) << key;
+  }
+  const Ended file = rigtwin(
+      {"simulate", "--rig", rig, "--duration", "0.5", "--out", folder / "again.csv", "--json", folder / "run.json"});
+  EXPECT_NE(file.output.find("trace     "), std::string::npos);
+  EXPECT_EQ(TemporaryFolder::read(folder / "run.json").find("{\n"), 0U);
+}
+
+}  // namespace

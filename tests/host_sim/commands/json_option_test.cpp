@@ -1,0 +1,92 @@
+// --json FILE is an option of every command; "-" is standard output, and then nothing else stands there.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/program.hpp"
+#include "tests/support/rig_texts.hpp"
+
+namespace {
+
+using nlohmann::json;
+using support::Ended;
+using support::rigtwin;
+using support::TemporaryFolder;
+
+std::string rig_file(const std::string& name) { return support::source / "host_sim" / "rigs" / (name + ".toml"); }
+
+TEST(Json, IsAnOptionOfEveryCommand) {
+  const Ended ended = rigtwin({"manpage", "--json", "-"});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  const json all = json::parse(ended.output);
+  EXPECT_GE(all["commands"].size(), 17U);
+  for (const json& command : all["commands"]) {
+    const std::string name = command["name"];
+    if (name == "watch") continue;  // it serves a page and has no result
+    std::string help;
+    for (const json& option : command["options"]) {
+      if (option["name"] == "--json") help = option["description"];
+    }
+    EXPECT_TRUE(help.starts_with("Write ") && help.ends_with(" as JSON (- for standard output)"))
+        << name << ": " << help;
+  }
+}
+
+/// Runs a command with `--json -` and with `--json FILE`: the same JSON, alone on standard output, and beside the text.
+json json_of(std::vector<std::string> command) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "result.json";
+  command.insert(command.end(), {"--json", "-"});
+  const Ended alone = rigtwin(command);
+  EXPECT_EQ(alone.status, 0) << alone.errors;
+  command.back() = file;
+  const Ended beside = rigtwin(command);
+  EXPECT_EQ(beside.status, 0) << beside.errors;
+  EXPECT_FALSE(beside.output.empty());
+  EXPECT_NE(beside.output.front(), '{');
+  json written = json::parse(TemporaryFolder::read(file), nullptr, false),
+       printed = json::parse(alone.output, nullptr, false);
+  EXPECT_FALSE(printed.is_discarded()) << alone.output;
+  EXPECT_EQ(written, printed);
+  return printed;
+}
+
+TEST(Json, SaysTheCommands) { EXPECT_EQ(json_of({"completion"})["program"], "rigtwin"); }
+
+TEST(Json, SaysTheCardOfAnEffect) {
+  const json card = json_of({"diagnose", "--explain", "coulomb_friction"});
+  EXPECT_EQ(card["name"], "coulomb_friction");
+  EXPECT_EQ(card["parameters"][0]["unit"], "N");
+  EXPECT_EQ(card["rigs"].size(), 3U);
+}
+
+TEST(Json, SaysTheLimitsOfALoop) {
+  const TemporaryFolder folder;
+  const auto rig = folder.write("rig.toml", TemporaryFolder::read(rig_file("paper_hil_fdva")));
+  const json limits = json_of({"stability", "--write-limits", rig});
+  EXPECT_GT(limits["allowed_delay"], 0.0);
+  EXPECT_NE(TemporaryFolder::read(rig).find(limits["proven"]), std::string::npos);
+}
+
+TEST(Json, SaysTheWorkOfAShard) {
+  const TemporaryFolder folder;
+  folder.write("rig.toml", TemporaryFolder::read(rig_file("paper_linear")));
+  const auto plan = folder.write(
+      "plan.toml", "rig = \"rig.toml\"\n[run]\nduration = 0.2\n[vary]\nspeed = [10.0, 15.0, 20.0, 30.0]\n");
+  const Ended ended = rigtwin({"sweep", plan, "--out", folder / "results", "--shard", "1/2", "--json", "-"});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  const json work = json::parse(ended.output);
+  EXPECT_EQ(work["cases"], 2);
+  EXPECT_EQ(work["computed"], 2);
+  EXPECT_EQ(work["all_cases"], 4);
+}
+
+TEST(Json, SaysThePaper) {
+  const TemporaryFolder folder;
+  const json paper = json_of({"paper", "--out", folder / "paper"});
+  EXPECT_EQ(paper, json::parse(TemporaryFolder::read(folder.path() / "paper" / "paper.json")));
+}
+
+}  // namespace

@@ -1,0 +1,75 @@
+// rigtwin_transfer_calibration: do the bands of rigtwin transfer hold as often as they say?
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "tests/transfer_calibration/calibration.hpp"
+
+namespace {
+
+namespace calibration = transfer_calibration;
+
+void print_prior(std::size_t rigs, std::uint64_t seed) {
+  std::printf("ranks of %zu rigs from the prior, seed %llu, %zu bins, χ² of %zu degrees of freedom\n", rigs,
+              static_cast<unsigned long long>(seed), calibration::Ranks::bins, calibration::Ranks::bins - 1);
+  for (const auto& [name, ranks] : calibration::calibrate_on_prior(rigs, seed).ranks) {
+    std::printf("  %-26s χ² %6.2f  p %.3f  ", name.c_str(), ranks.chi_squared(), ranks.p());
+    for (const std::size_t count : ranks.counts) std::printf(" %3zu", count);
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+}
+
+void print_truth(std::size_t pairs, std::uint64_t seed, bool outside, double duration) {
+  double coverage50 = 0.0, coverage95 = 0.0, quantities = 0.0;
+  std::size_t count = 0, holds = 0, said = 0;
+  for (std::size_t i = 0; i < pairs; ++i) {
+    const auto one = calibration::transfer_truth(seed + 10 * i, outside, duration);
+    if (!one.failure.empty()) {
+      std::printf("  seed %llu: %s\n", static_cast<unsigned long long>(one.seed), one.failure.c_str());
+      continue;
+    }
+    ++count;
+    coverage50 += one.coverage50;
+    coverage95 += one.coverage95;
+    quantities += one.load;
+    holds += one.holds ? 1 : 0;
+    said += one.said ? 1 : 0;
+    std::printf("  seed %llu: %s 50 %% %.2f, 95 %% %.2f, quantities %.2f, %s\n",
+                static_cast<unsigned long long>(one.seed), one.outside.c_str(), one.coverage50, one.coverage95,
+                one.load, one.holds ? "holds" : "does not hold");
+    std::fflush(stdout);
+  }
+  if (count == 0) return;
+  const auto n = static_cast<double>(count);
+  std::printf(
+      "%zu pairs of tests/truth%s, seed %llu: coverage %.3f of 50 %% bands, %.3f of 95 %% bands, %.3f of the "
+      "quantities; %zu hold%s\n",
+      count, outside ? " with an effect of the second rig alone" : "", static_cast<unsigned long long>(seed),
+      coverage50 / n, coverage95 / n, quantities / n, holds,
+      outside ? (", said of " + std::to_string(said)).c_str() : "");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Holds the bands of rigtwin transfer against rigs whose truth is known");
+  std::size_t rigs = 200, pairs = 40, outside = 40;
+  std::uint64_t seed = 7001;
+  double duration = 20.0;
+  app.add_option("--rigs", rigs, "Rigs from the prior")->capture_default_str();
+  app.add_option("--pairs", pairs, "Pairs of rigs of tests/truth")->capture_default_str();
+  app.add_option("--outside", outside, "Pairs with an effect of the second rig alone")->capture_default_str();
+  app.add_option("--seed", seed, "First seed")->capture_default_str();
+  app.add_option("--duration", duration, "Length of their recordings [s]")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    if (rigs > 0) print_prior(rigs, seed);
+    if (pairs > 0) print_truth(pairs, seed, false, duration);
+    if (outside > 0) print_truth(outside, seed, true, duration);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rigtwin_transfer_calibration: %s\n", error.what());
+    return 1;
+  }
+}
