@@ -10,6 +10,7 @@
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/loop/command_guard.hpp"
+#include "firmware/simulation/compensated_period.hpp"
 #include "model/rig_model.hpp"
 
 namespace firmware {
@@ -130,7 +131,7 @@ class WholeRig {
   std::unique_ptr<Model::State> state_;
 };
 
-/// The same with a compensation between car and machine, in the order of ControlLoop.
+/// The same with a compensation between car and machine.
 class CompensatedRig {
  public:
   CompensatedRig(const RigDescription& description, double start)
@@ -146,22 +147,8 @@ class CompensatedRig {
 
   LoopPeriod step(const model::Motion<double>& foot_point, model::OpenDucts open) {
     if (hardware_->parameters().has_fdva && open != state_->ducts.open()) hardware_->open_ducts(*state_, open);
-    const auto shown = hardware_->measured(*state_);
-    const double measured = shown[model::index(model::Channel::F)];
-    car_.receive_force(car_state_, compensation_->force(measured));
-    car_.step(car_state_, {.foot_point = foot_point});
-    const auto wanted = car_.deflection(car_state_);
-    const auto signals = car_.signals(car_state_);
-    const double acceleration =
-        signals[model::index(model::Channel::zdd_w)] - signals[model::index(model::Channel::zdd_b)];
-    Compensation::Instant instant;
-    instant.wanted = {wanted.position, wanted.velocity, acceleration};
-    instant.commanded = state_->command.position;
-    instant.reached = shown[model::index(model::Channel::x_act)];
-    instant.measured = true;
-    instant.open_ducts = std::popcount(static_cast<unsigned>(open));
-    const Compensation::Answer answer = compensation_->command(instant);
-    hardware_->step(*state_, {.command = {answer.command.position, answer.command.velocity}});
+    const auto [measured, answer] = step_compensated({car_, car_state_, *hardware_, *state_, compensation_.get()},
+                                                     foot_point, std::popcount(static_cast<unsigned>(open)));
     LoopPeriod period{{answer.command.position, answer.command.velocity, answer.command.acceleration}, measured};
     if (answer.excess) {
       const bool of_force = answer.excess->of_force;

@@ -6,18 +6,17 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/compensation/comparison_report.hpp"
 #include "host_sim/compensation/machine_record.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
+#include "host_sim/report/formatted.hpp"
 
 namespace host_sim {
 namespace {
 
 std::string error_text(const std::optional<double>& value) {
-  if (!value) return "unstable";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g %%", 100.0 * *value);
-  return text;
+  return value ? formatted("%.3g %%", 100.0 * *value) : "unstable";
 }
 
 void print_comparison(const std::string& rig, const compensation::MethodComparison& comparison) {
@@ -65,15 +64,7 @@ void examine_record(const CompensationOptions& options, const firmware::RigDescr
   const firmware::Recording recording = read_recording(*options.data, description.channels);
   const auto record = compensation::machine_record(description, recording);
   if (options.out) write_recording(*options.out, compensation::compensated_command(record, recording));
-  if (options.json) {
-    const std::string bytes =
-        compensation::to_json(record).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (*options.json == "-") {
-      std::fwrite(bytes.data(), 1, bytes.size(), stdout);
-      return;
-    }
-    firmware::write_file(*options.json, bytes);
-  }
+  if (write_json(options.json, compensation::to_json(record))) return;
   print_record(*options.data, record);
   if (options.out) std::printf("command %s\n", options.out->c_str());
 }
@@ -95,15 +86,7 @@ void compare_compensation(const CompensationOptions& options) {
   if (options.report) {
     firmware::write_file(*options.report, with_how_made(compensation::comparison_page(comparison, description)));
   }
-  if (options.json) {
-    const std::string bytes =
-        compensation::to_json(comparison).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (*options.json == "-") {
-      std::fwrite(bytes.data(), 1, bytes.size(), stdout);
-      return;
-    }
-    firmware::write_file(*options.json, bytes);
-  }
+  if (write_json(options.json, compensation::to_json(comparison))) return;
   print_comparison(options.rig, comparison);
   if (options.report) std::printf("report %s\n", options.report->c_str());
 }

@@ -11,15 +11,19 @@ void add_json_option(CLI::App& command, std::string& target, const std::string& 
   command.add_option("--json", target, "Write " + what + " as JSON (- for standard output)");
 }
 
-bool write_json(const std::string& target, const nlohmann::ordered_json& json) {
-  if (target.empty()) return false;
+bool write_json(const std::optional<std::filesystem::path>& target, const nlohmann::ordered_json& json) {
+  if (!target) return false;
   const std::string text = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  if (target == "-") {
+  if (*target == "-") {
     std::fwrite(text.data(), 1, text.size(), stdout);
     return true;
   }
-  firmware::write_file(target, text);
+  firmware::write_file(*target, text);
   return false;
+}
+
+bool write_json(const std::string& target, const nlohmann::ordered_json& json) {
+  return write_json(target.empty() ? std::nullopt : std::optional<std::filesystem::path>(target), json);
 }
 
 }  // namespace host_sim

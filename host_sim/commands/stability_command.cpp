@@ -14,6 +14,7 @@
 #include "host_sim/commands/loop_limits.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/compensation/stability_section.hpp"
+#include "host_sim/report/formatted.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/report/json.hpp"
 #include "host_sim/stability/report/stability_report.hpp"
@@ -25,14 +26,7 @@ namespace {
 using stability::Complex;
 using stability::StabilityAnalysis;
 
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char line[240];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
-
-std::string milliseconds(double seconds) { return text("%.4g ms", 1e3 * seconds); }
+std::string milliseconds(double seconds) { return formatted("%.4g ms", 1e3 * seconds); }
 
 std::string joined(const std::vector<std::string>& words) {
   std::string list;
@@ -54,8 +48,8 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
   std::printf("margins\n");
   if (m.critical_delay) {
     std::printf("  critical delay            %s at %.4g Hz, given %s\n",
-                text("%.6g ms", 1e3 * *m.critical_delay).c_str(), m.critical_omega / full_turn,
-                text("%.6g ms", 1e3 * a.delay).c_str());
+                formatted("%.6g ms", 1e3 * *m.critical_delay).c_str(), m.critical_omega / full_turn,
+                formatted("%.6g ms", 1e3 * a.delay).c_str());
   } else {
     std::printf("  critical delay            none up to 1 s\n");
   }
@@ -90,7 +84,7 @@ void print_sampled(const StabilityAnalysis& a) {
   if (s.added_delay) {
     std::printf("  sampling and hold add %s of delay (%.2f steps): critical delay %s\n",
                 milliseconds(*s.added_delay).c_str(), *s.added_delay / s.period,
-                text("%.6g ms", 1e3 * *s.critical_delay).c_str());
+                formatted("%.6g ms", 1e3 * *s.critical_delay).c_str());
   }
 }
 
@@ -116,7 +110,7 @@ std::string border_text(const stability::LocatedBorder& border) {
 void print_locations(const StabilityAnalysis& a) {
   std::printf("interface location: critical delay, and with the component's force times a factor\n  %-20s %12s",
               "hardware", "as given");
-  for (const double factor : stability::component_factors) std::printf(" %11s", text("× %.4g", factor).c_str());
+  for (const double factor : stability::component_factors) std::printf(" %11s", formatted("× %.4g", factor).c_str());
   std::printf("\n");
   for (const auto& map : a.locations) {
     std::printf("  %-20s %12s", std::string(stability::interface_names[static_cast<std::size_t>(map.location)]).c_str(),
@@ -195,7 +189,7 @@ void print_amplitudes(const stability::OverAmplitude& over) {
   for (const auto& at : over.rows) {
     std::printf("  %11.4g %9.4f %12.5g %12.5g %12.5g %15s\n", 1e3 * at.amplitude, at.omega / full_turn,
                 at.suspension.stiffness, at.suspension.damping, at.root.real(),
-                at.critical_delay ? text("%.6g ms", 1e3 * *at.critical_delay).c_str() : "none");
+                at.critical_delay ? formatted("%.6g ms", 1e3 * *at.critical_delay).c_str() : "none");
   }
   for (const auto& cycle : over.limit_cycles) std::printf("  %s\n", stability::in_words(cycle).c_str());
   if (!over.left_out.empty()) std::printf("  not counted: %s\n", joined(over.left_out).c_str());
@@ -210,7 +204,7 @@ void print_compensated(const compensation::CompensatedStability& s) {
     std::printf("  %14.7g %14.7g %10.4f\n", s.roots[i].real(), s.roots[i].imag(), s.roots[i].imag() / full_turn);
   }
   const auto factor = [](const std::optional<double>& gain) {
-    return gain ? text("%.4g", *gain) : std::string("none");
+    return gain ? formatted("%.4g", *gain) : std::string("none");
   };
   if (s.stable) {
     std::printf("  force factor at the border: %s above 1, %s below\n", factor(s.upper_gain).c_str(),
@@ -233,32 +227,42 @@ void write_limits(const firmware::RigDescription& description, const std::string
               fingerprint.c_str());
 }
 
-}  // namespace
-
-void examine_stability(const StabilityOptions& options) {
+/// The rig that the options ask about. UsageError, InputError where they or the rig do not allow it.
+firmware::RigDescription examined_rig(const StabilityOptions& options) {
   if (options.write_limits && !options.rig.empty() && options.rig != *options.write_limits) {
     throw firmware::UsageError("--rig and --write-limits name different files, expected one");
   }
   if (!options.write_limits && options.rig.empty()) throw firmware::UsageError("--rig is required");
-  const firmware::RigDescription description = firmware::read_rig(options.write_limits.value_or(options.rig));
+  firmware::RigDescription description = firmware::read_rig(options.write_limits.value_or(options.rig));
   if (options.amplitude && !(*options.amplitude >= 1e-6 && *options.amplitude <= 1.0)) {
     throw firmware::UsageError("--amplitude is not a deflection, expected 1e-6 … 1 m");
   }
-  if (!(options.line < 0.0))
+  if (!(options.line < 0.0)) {
     throw firmware::UsageError("--right-of is not below 0, expected a negative real part, such as -60");
+  }
   if (description.rig.kind != model::RigKind::hil) {
     throw firmware::InputError(
         description.source, 0,
         "stability analysis needs the loop of a hil rig, this is a " + std::string(model::name(description.rig.kind)),
         "kind = \"hil\"");
   }
-  if (options.write_limits) {
-    write_limits(description, options.json ? options.json->string() : "");
-    return;
-  }
   if (options.report && options.json == options.report) {
     throw firmware::UsageError("--json and --report name the same file, expected two files");
   }
+  return description;
+}
+
+/// Everything that was asked for.
+struct StabilityResults {
+  StabilityAnalysis analysis;
+  std::vector<stability::PoleSweep> sweeps{};
+  std::optional<stability::StabilityMap> map{};
+  std::optional<stability::OverAmplitude> over{};
+  std::optional<compensation::CompensatedStability> compensated{};
+  std::optional<compensation::MismatchMap> mismatch{};  ///< for the page, with a compensation
+};
+
+StabilityResults results_of(const StabilityOptions& options, const firmware::RigDescription& description) {
   std::optional<std::pair<stability::Axis, stability::Axis>> axes;
   if (options.map) axes = stability::parse_map(*options.map, description.rig, description.period());
   std::vector<stability::Axis> sweeps;
@@ -266,89 +270,100 @@ void examine_stability(const StabilityOptions& options) {
     sweeps.push_back(stability::parse_axis(sweep, description.rig, description.period()));
   }
 
-  StabilityAnalysis analysis = stability::analyse(description, options.line);
-  analysis.locations = stability::compare_locations(description.rig);
-  nlohmann::ordered_json json = stability::to_json(analysis, description);
-  const stability::LoopFamily family(description.rig, description.delay_budget.sum());
-  std::vector<stability::PoleSweep> swept;
-  for (const stability::Axis& axis : sweeps) swept.push_back(stability::pole_sweep(family, axis, options.line));
-  std::optional<stability::StabilityMap> map;
+  StabilityResults found{.analysis = stability::analyse(description, options.line)};
+  found.analysis.locations = stability::compare_locations(description.rig);
+  const double delay_outside = description.delay_budget.sum();
+  const stability::LoopFamily family(description.rig, delay_outside);
+  for (const stability::Axis& axis : sweeps) found.sweeps.push_back(pole_sweep(family, axis, options.line));
   if (axes) {
     Progress progress("stability map");
-    map = stability::stability_map(family, axes->first, axes->second, 0, [&](double share) { progress.show(share); });
+    found.map = stability_map(family, axes->first, axes->second, 0, [&](double share) { progress.show(share); });
   }
-
-  std::optional<stability::OverAmplitude> over;
-  if (options.amplitude) over = stability::over_amplitude(description, *options.amplitude);
-
-  std::optional<compensation::CompensatedStability> compensated;
-  std::optional<compensation::MismatchMap> mismatch;
-  if (description.compensation) {
-    compensated = compensation::compensated_stability(description, description.delay_budget.sum());
-    if (options.report) {
-      Progress progress("map of assumed and true delay");
-      mismatch = compensation::mismatch_map(description, description.delay_budget.sum(),
-                                            [&](double share) { progress.show(share); });
-    }
-    json["stable_without_compensation"] = json["stable"];
-    json["stable"] = compensated->stable;
-    json["compensation"] = compensation::to_json(*compensated, mismatch);
-  }
-
+  if (options.amplitude) found.over = stability::over_amplitude(description, *options.amplitude);
+  if (!description.compensation) return found;
+  found.compensated = compensation::compensated_stability(description, delay_outside);
   if (options.report) {
-    stability::StabilityFindings findings{description, analysis, swept, map, over};
-    if (compensated) {
-      findings.compensated =
-          "With compensation " + std::string(name(compensated->kind)) + " the loop is " + in_words(*compensated) + ".";
-      findings.compensated_stable = compensated->stable;
-    }
-    report::Report page = stability::stability_report(findings);
-    if (compensated) compensation::add_stability_section(page, *compensated, *mismatch);
-    firmware::write_file(*options.report, with_how_made(page.html()));
+    Progress progress("map of assumed and true delay");
+    found.mismatch =
+        compensation::mismatch_map(description, delay_outside, [&](double share) { progress.show(share); });
   }
-  const bool only_json = options.json && *options.json == "-";
-  if (options.json) {
-    if (!swept.empty()) json["sweeps"] = nlohmann::ordered_json::array();
-    for (const auto& sweep : swept) json["sweeps"].push_back(stability::to_json(sweep));
-    if (map) json["map"] = stability::to_json(*map);
-    if (over) json["over_amplitude"] = stability::to_json(*over);
-    if (options.responses) {
-      json["bode"] = stability::to_json(stability::bode(analysis.rig, analysis.delay, analysis.machine_delay,
-                                                        stability::frequencies(0.1, 100.0, 600, analysis.roots.roots)));
-      json["nyquist"] = stability::to_json(stability::nyquist(analysis.equation(), analysis.roots.roots));
-    }
-    const std::string bytes = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (only_json) {
-      std::fwrite(bytes.data(), 1, bytes.size(), stdout);
-      return;
-    }
-    firmware::write_file(*options.json, bytes);
-  }
+  return found;
+}
+
+void write_page(const std::filesystem::path& file, const firmware::RigDescription& description,
+                const StabilityResults& found) {
+  stability::StabilityFindings findings{description, found.analysis, found.sweeps, found.map, found.over};
+  const auto& compensated = found.compensated;
   if (compensated) {
-    std::printf("%s: with compensation %s %s\n", options.rig.c_str(), std::string(name(compensated->kind)).c_str(),
-                in_words(*compensated).c_str());
-    print_compensated(*compensated);
-    std::printf("without it: %s\n", stability::verdict(analysis).c_str());
+    findings.compensated =
+        "With compensation " + std::string(name(compensated->kind)) + " the loop is " + in_words(*compensated) + ".";
+    findings.compensated_stable = compensated->stable;
+  }
+  report::Report page = stability::stability_report(findings);
+  if (compensated) compensation::add_stability_section(page, *compensated, *found.mismatch);
+  firmware::write_file(file, with_how_made(page.html()));
+}
+
+nlohmann::ordered_json json_of(const StabilityResults& found, const firmware::RigDescription& description,
+                               bool responses) {
+  const StabilityAnalysis& a = found.analysis;
+  nlohmann::ordered_json json = stability::to_json(a, description);
+  if (found.compensated) {
+    json["stable_without_compensation"] = json["stable"];
+    json["stable"] = found.compensated->stable;
+    json["compensation"] = compensation::to_json(*found.compensated, found.mismatch);
+  }
+  if (!found.sweeps.empty()) json["sweeps"] = nlohmann::ordered_json::array();
+  for (const auto& sweep : found.sweeps) json["sweeps"].push_back(stability::to_json(sweep));
+  if (found.map) json["map"] = stability::to_json(*found.map);
+  if (found.over) json["over_amplitude"] = stability::to_json(*found.over);
+  if (responses) {
+    json["bode"] = stability::to_json(
+        stability::bode(a.rig, a.delay, a.machine_delay, stability::frequencies(0.1, 100.0, 600, a.roots.roots)));
+    json["nyquist"] = stability::to_json(stability::nyquist(a.equation(), a.roots.roots));
+  }
+  return json;
+}
+
+void print_results(const std::string& rig, const firmware::RigDescription& description, const StabilityResults& found) {
+  const StabilityAnalysis& a = found.analysis;
+  if (found.compensated) {
+    std::printf("%s: with compensation %s %s\n", rig.c_str(), std::string(name(found.compensated->kind)).c_str(),
+                in_words(*found.compensated).c_str());
+    print_compensated(*found.compensated);
+    std::printf("without it: %s\n", stability::verdict(a).c_str());
   } else {
-    std::printf("%s: %s\n", options.rig.c_str(), stability::verdict(analysis).c_str());
+    std::printf("%s: %s\n", rig.c_str(), stability::verdict(a).c_str());
   }
-  print_roots(analysis);
-  print_border(analysis, description.rig.machine.virtual_damping);
-  print_sampled(analysis);
-  print_varying(analysis);
-  print_locations(analysis);
-  print_pade(analysis);
-  print_budget(analysis);
-  print_sensitivities(analysis);
-  if (!analysis.rig.left_out.empty()) {
-    std::printf("not in the linear analysis (no linear part): %s\n", joined(analysis.rig.left_out).c_str());
+  print_roots(a);
+  print_border(a, description.rig.machine.virtual_damping);
+  print_sampled(a);
+  print_varying(a);
+  print_locations(a);
+  print_pade(a);
+  print_budget(a);
+  print_sensitivities(a);
+  if (!a.rig.left_out.empty()) {
+    std::printf("not in the linear analysis (no linear part): %s\n", joined(a.rig.left_out).c_str());
   }
-  if (!analysis.rig.outside_loop.empty()) {
-    std::printf("not part of the loop: %s\n", joined(analysis.rig.outside_loop).c_str());
+  if (!a.rig.outside_loop.empty()) std::printf("not part of the loop: %s\n", joined(a.rig.outside_loop).c_str());
+  for (const auto& sweep : found.sweeps) print_sweep(sweep);
+  if (found.map) print_map(*found.map);
+  if (found.over) print_amplitudes(*found.over);
+}
+
+}  // namespace
+
+void examine_stability(const StabilityOptions& options) {
+  const firmware::RigDescription description = examined_rig(options);
+  if (options.write_limits) {
+    write_limits(description, options.json ? options.json->string() : "");
+    return;
   }
-  for (const auto& sweep : swept) print_sweep(sweep);
-  if (map) print_map(*map);
-  if (over) print_amplitudes(*over);
+  const StabilityResults found = results_of(options, description);
+  if (options.report) write_page(*options.report, description, found);
+  if (options.json && write_json(options.json, json_of(found, description, options.responses))) return;
+  print_results(options.rig, description, found);
   if (options.report) std::printf("report %s\n", options.report->c_str());
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/description/compensation_setup.hpp"
+#include "firmware/simulation/compensated_period.hpp"
 #include "host_sim/stability/roots/eigenvalues.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "model/rig_model.hpp"
@@ -38,9 +39,7 @@ Settings arrived(Settings settings, const model::RigParameters<double>& rig) {
     rig.effects.act_on(path);
     settings.given = settings.order <= 2 ? firmware::compensation::inverse_at(path, 1.0, firmware::wheel_mode(rig))
                                          : firmware::compensation::inverse_series(path, 1.0);
-    for (std::size_t i = 0; i < settings.given.size(); ++i) {
-      settings.given[i] = std::clamp(settings.given[i], settings.lowest[i], settings.highest[i]);
-    }
+    keep_within_bounds(settings);
   }
   return settings;
 }
@@ -103,25 +102,8 @@ class Loop {
   }
 
   void step(State& x, const model::Motion<double>& road) const {
-    const auto shown = hardware_->measured(x.hardware);
-    double force = force_factor_ * shown[model::index(Channel::F)];
     firmware::Compensation* compensation = x.compensator ? &*x.compensator : nullptr;
-    if (compensation != nullptr) force = compensation->force(force);
-    car_.receive_force(x.car, force);
-    car_.step(x.car, {.foot_point = road});
-    const auto x_wanted = car_.deflection(x.car);
-    model::Stroke<double> command = x_wanted;
-    if (compensation != nullptr) {
-      const auto signals = car_.signals(x.car);
-      const double acceleration = signals[model::index(Channel::zdd_w)] - signals[model::index(Channel::zdd_b)];
-      const auto answer = compensation->command({.wanted = {x_wanted.position, x_wanted.velocity, acceleration},
-                                                 .commanded = x.hardware.command.position,
-                                                 .reached = shown[model::index(Channel::x_act)],
-                                                 .measured = true,
-                                                 .open_ducts = open_ducts_});
-      command = {answer.command.position, answer.command.velocity};
-    }
-    hardware_->step(x.hardware, {.command = command});
+    firmware::step_compensated({car_, x.car, *hardware_, x.hardware, compensation}, road, open_ducts_, force_factor_);
   }
 
   [[nodiscard]] Eigen::Vector3d outputs(const State& x) const {
@@ -167,6 +149,12 @@ std::vector<Eigen::Index> kept_states(const CompensatedLoop& loop) {
 }
 
 }  // namespace
+
+void keep_within_bounds(Settings& settings) {
+  for (std::size_t i = 0; i < settings.given.size(); ++i) {
+    settings.given[i] = std::clamp(settings.given[i], settings.lowest[i], settings.highest[i]);
+  }
+}
 
 CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double period, const Settings* settings,
                                  double force_factor) {

@@ -31,6 +31,9 @@ struct CompensatedLoop {
   [[nodiscard]] Eigen::Vector3cd response(double omega) const;
 };
 
+/// Coefficients of a time series, each within the bounds of its adaptation.
+void keep_within_bounds(firmware::compensation::Settings& settings);
+
 /// \param settings      nullptr: no compensation
 /// \param force_factor  of the measured force, before the compensator: for gain margins
 [[nodiscard]] CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double period,

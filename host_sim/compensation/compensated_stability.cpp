@@ -4,11 +4,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "host_sim/report/formatted.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/roots/eigenvalues.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
@@ -22,20 +22,11 @@ constexpr double gain_step = 1.1;  ///< of the search for a border of the gain, 
 constexpr int gain_bisections = 40;
 constexpr std::size_t assumed_points = 21, actual_points = 31;  ///< of the map
 
-template <class... Values>
-std::string words_of(const char* format, Values... values) {
-  std::array<char, 240> line{};
-  std::snprintf(line.data(), line.size(), format, values...);
-  return line.data();
-}
-
 /// The coefficients that a time series begins with, as they stand.
 Settings at_the_start(Settings settings) {
   if (settings.kind != Kind::adaptive_time_series) return settings;
   settings.given = settings.assumed();
-  for (std::size_t i = 0; i < settings.given.size(); ++i) {
-    settings.given[i] = std::clamp(settings.given[i], settings.lowest[i], settings.highest[i]);
-  }
+  keep_within_bounds(settings);
   settings.gain = 1.0;
   settings.kind = Kind::inverse;
   return settings;
@@ -46,11 +37,12 @@ Rig late_rig(const firmware::RigDescription& description, double delay_outside) 
   return with_delay_change(stability::linear_part(description.rig), delay_outside);
 }
 
-double larger_radius(const Rig& rig, double period, const Settings& settings) {
-  double radius = compensated_loop(rig, period, &settings).spectral_radius();
+/// Of `loop`, that of `rig` with `settings`, and of the same with the coefficients that a time series begins with.
+double larger_radius(const CompensatedLoop& loop, const Rig& rig, const Settings& settings) {
+  double radius = loop.spectral_radius();
   if (settings.kind == Kind::adaptive_time_series) {
     const Settings start = at_the_start(settings);
-    radius = std::max(radius, compensated_loop(rig, period, &start).spectral_radius());
+    radius = std::max(radius, compensated_loop(rig, loop.period, &start).spectral_radius());
   }
   return radius;
 }
@@ -94,12 +86,6 @@ firmware::RigDescription assuming(const firmware::RigDescription& description, d
   return other;
 }
 
-double pure_delay(const Rig& rig) {
-  model::MachinePath<double> path;
-  rig.effects.act_on(path);
-  return path.delay;
-}
-
 }  // namespace
 
 std::set<int> duct_counts(const firmware::RigDescription& description) {
@@ -119,9 +105,10 @@ CompensatedStability compensated_stability(const firmware::RigDescription& descr
   const Rig rig = late_rig(description, delay_outside);
   result.delay = machine_delay(rig);
   result.pure_delay = pure_delay(rig);
-  result.spectral_radius = larger_radius(rig, period, result.settings);
+  const CompensatedLoop loop = compensated_loop(rig, period, &result.settings);
+  result.spectral_radius = larger_radius(loop, rig, result.settings);
   result.stable = result.spectral_radius < 1.0;
-  result.roots = roots_of(compensated_loop(rig, period, &result.settings));
+  result.roots = roots_of(loop);
   result.mismatch = delay_mismatch(rig, period, &result.settings);
   if (result.stable) {
     result.upper_gain = gain_border(rig, period, result.settings, gain_step);
@@ -133,22 +120,22 @@ CompensatedStability compensated_stability(const firmware::RigDescription& descr
 std::string in_words(const CompensatedStability& s) {
   if (s.stable) {
     const auto side = [](const std::optional<double>& change, const char* word) {
-      return change ? words_of("%.3g ms %s", 1e3 * std::abs(*change), word) : words_of("any amount %s", word);
+      return change ? formatted("%.3g ms %s", 1e3 * std::abs(*change), word) : formatted("any amount %s", word);
     };
     return "stable; the machine's delay may be " + side(s.mismatch.later, "longer") + " or " +
            side(s.mismatch.earlier, "shorter") + " than described";
   }
   std::string text = "unstable";
   if (!s.roots.empty() && s.roots.front().real() > 0.0) {
-    text += words_of(" at %.3g Hz, doubling every %.3g s", s.roots.front().imag() / full_turn,
-                     std::numbers::ln2 / s.roots.front().real());
+    text += formatted(" at %.3g Hz, doubling every %.3g s", s.roots.front().imag() / full_turn,
+                      std::numbers::ln2 / s.roots.front().real());
   } else if (s.kind == Kind::adaptive_time_series) {
     text += " with the coefficients that it begins with";
   }
-  text += words_of(" (spectral radius %.5g)", s.spectral_radius);
+  text += formatted(" (spectral radius %.5g)", s.spectral_radius);
   if (s.mismatch.nearest_stable) {
-    text += words_of(", stable with a machine that is %.3g ms %s", 1e3 * std::abs(*s.mismatch.nearest_stable),
-                     *s.mismatch.nearest_stable < 0.0 ? "earlier" : "later");
+    text += formatted(", stable with a machine that is %.3g ms %s", 1e3 * std::abs(*s.mismatch.nearest_stable),
+                      *s.mismatch.nearest_stable < 0.0 ? "earlier" : "later");
   } else {
     text += ", stable with no delay of the machine that was tried";
   }
@@ -156,8 +143,9 @@ std::string in_words(const CompensatedStability& s) {
 }
 
 double compensated_radius(const firmware::RigDescription& description, double delay_outside) {
-  return larger_radius(late_rig(description, delay_outside), description.period(),
-                       *firmware::compensation_settings(description));
+  const Rig rig = late_rig(description, delay_outside);
+  const Settings settings = *firmware::compensation_settings(description);
+  return larger_radius(compensated_loop(rig, description.period(), &settings), rig, settings);
 }
 
 void refuse_unstable_compensation(const firmware::RigDescription& description) {
@@ -172,7 +160,7 @@ void refuse_unstable_compensation(const firmware::RigDescription& description) {
         description.source, description.line_of("compensation"),
         "the loop with compensation " + std::string(name(unstable.kind)) + ducts + " is " + in_words(unstable),
         "a compensation that fits the machine: " +
-            words_of("it assumes %.4g ms of %.4g ms of delay", 1e3 * unstable.assumed_delay, 1e3 * unstable.delay));
+            formatted("it assumes %.4g ms of %.4g ms of delay", 1e3 * unstable.assumed_delay, 1e3 * unstable.delay));
   }
 }
 

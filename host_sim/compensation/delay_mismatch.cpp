@@ -33,6 +33,12 @@ double machine_delay(const Rig& rig) {
   return firmware::compensation::inverse_series(path, 1.0)[1];
 }
 
+double pure_delay(const Rig& rig) {
+  model::MachinePath<double> path;
+  rig.effects.act_on(path);
+  return path.delay;
+}
+
 /// A machine without a delay of its own gets one.
 Rig with_delay_change(Rig rig, double change) {
   model::MachinePath<double> path;
@@ -51,12 +57,10 @@ std::optional<double> DelayMismatch::smallest() const {
 
 DelayMismatch delay_mismatch(const Rig& rig, double period, const Settings* settings) {
   DelayMismatch result;
-  model::MachinePath<double> path;
-  rig.effects.act_on(path);
   const double unit = std::max(machine_delay(rig), period);
   for (int i = -steps_of_mismatch; i <= steps_of_mismatch; ++i) {
     const double error = i == 0 ? 0.0 : widest_mismatch * unit * i / steps_of_mismatch;
-    if (path.delay + error < 0.0) continue;
+    if (pure_delay(rig) + error < 0.0) continue;
     result.error.push_back(error);
     result.radius.push_back(radius_at(rig, period, settings, error));
   }

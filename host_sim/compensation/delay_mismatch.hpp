@@ -14,6 +14,8 @@ using firmware::compensation::Settings;
 
 /// The delay of the machine at low frequencies: delay, lag and resonance [s].
 [[nodiscard]] double machine_delay(const Rig& rig);
+/// The pure part of it [s].
+[[nodiscard]] double pure_delay(const Rig& rig);
 /// The same rig with a machine whose pure delay is `change` longer [s]; not below none.
 [[nodiscard]] Rig with_delay_change(Rig rig, double change);
 

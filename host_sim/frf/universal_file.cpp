@@ -1,23 +1,16 @@
 #include "host_sim/frf/universal_file.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <utility>
 
 #include "firmware/description/text/quantity.hpp"
+#include "host_sim/report/formatted.hpp"
 
 namespace host_sim::frf {
 namespace {
 
 using model::Channel;
-
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char line[160];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
 
 // Header records fill 80 columns. Data lines end with their last number and delimiters with −1, because some readers
 // take blanks for numbers.
@@ -28,7 +21,7 @@ void put(std::string& file, std::string record) {
 
 void begin(std::string& file, int dataset) {
   file += "    -1\n";
-  put(file, text("%6d", dataset));
+  put(file, formatted("%6d", dataset));
 }
 
 void end(std::string& file) { file += "    -1\n"; }
@@ -69,13 +62,13 @@ Quantity quantity(Channel channel) {
 }
 
 void put_axis(std::string& file, const Quantity& q) {
-  put(file, text("%10d%5d%5d%5d %-20s %-20s", q.type, q.length, q.force, 0, q.label, q.unit));
+  put(file, formatted("%10d%5d%5d%5d %-20s %-20s", q.type, q.length, q.force, 0, q.label, q.unit));
 }
 
 void put_numbers(std::string& file, std::span<const double> numbers) {
   std::string record;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    record += text("%20.12E", numbers[i]);
+    record += formatted("%20.12E", numbers[i]);
     if (i % 4 == 3 || i + 1 == numbers.size()) file += std::exchange(record, {}) + "\n";
   }
 }
@@ -88,16 +81,16 @@ void put_function(std::string& file, const Responses& r, const OutputResponse& o
   const std::string what = response ? std::string(name(r.request.estimator)) : "coherence";
   begin(file, 58);
   put(file, what + " " + output + " / " + input);
-  put(file, text("rigtwin frf, %zu averages worth %.1f, block %zu samples at %.9g Hz", r.averages, r.effective_averages,
-                 r.blocks.scheme.length, r.sample_rate));
+  put(file, formatted("rigtwin frf, %zu averages worth %.1f, block %zu samples at %.9g Hz", r.averages,
+                      r.effective_averages, r.blocks.scheme.length, r.sample_rate));
   put(file, "NONE");
   put(file, r.request.instrument ? "instrument " + std::string(model::name(*r.request.instrument)) : "NONE");
   put(file, "NONE");
-  put(file, text("%5d%10d%5d%10d %-10s%10d%4d %-10s%10d%4d", static_cast<int>(function), number, 0, 0, output.c_str(),
-                 node(o.output), 3, input.c_str(), node(r.request.input), 3));
+  put(file, formatted("%5d%10d%5d%10d %-10s%10d%4d %-10s%10d%4d", static_cast<int>(function), number, 0, 0,
+                      output.c_str(), node(o.output), 3, input.c_str(), node(r.request.input), 3));
   const double first = r.frequency.empty() ? 0.0 : r.frequency.front();
-  put(file,
-      text("%10d%10zu%10d%13.5E%13.5E%13.5E", response ? 6 : 4, r.frequency.size(), 1, first, r.resolution(), 0.0));
+  put(file, formatted("%10d%10zu%10d%13.5E%13.5E%13.5E", response ? 6 : 4, r.frequency.size(), 1, first, r.resolution(),
+                      0.0));
   put_axis(file, frequency);
   put_axis(file, response ? quantity(o.output) : Quantity{0, 0, 0, "Coherence", "NONE"});
   put_axis(file, response ? quantity(r.request.input) : nothing);
@@ -121,7 +114,7 @@ void put_function(std::string& file, const Responses& r, const OutputResponse& o
 std::string to_universal_file(const Responses& responses) {
   std::string file;
   begin(file, 164);
-  put(file, text("%10d%-20s%10d", 1, "SI: Metric Abs (SI)", 2));
+  put(file, formatted("%10d%-20s%10d", 1, "SI: Metric Abs (SI)", 2));
   put(file, "  1.00000000000000000D+00  1.00000000000000000D+00  1.00000000000000000D+00");
   put(file, "  2.73149999999999977D+02");
   end(file);

@@ -25,9 +25,8 @@ void replace(std::string& text, std::string_view from, std::string_view to) {
 void check_identifier(const std::string& name) {
   const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
   const auto part = [&](char c) { return lower(c) || (c >= '0' && c <= '9') || c == '_'; };
-  const bool fits = name.size() >= 3 && name.size() >= 3 && name.size() <= 48 && lower(name.front()) &&
-                    name.back() != '_' && std::all_of(name.begin(), name.end(), part) &&
-                    name.find("__") == std::string::npos;
+  const bool fits = name.size() >= 3 && name.size() <= 48 && lower(name.front()) && name.back() != '_' &&
+                    std::all_of(name.begin(), name.end(), part) && name.find("__") == std::string::npos;
   if (fits) return;
   throw firmware::UsageError(
       "NAME is " + firmware::in_quotes(name) +

@@ -19,4 +19,11 @@ struct SignalSummary {
   return {std::sqrt(squares / static_cast<double>(signal.size())), *low, *high};
 }
 
+/// max |x|; 0 of no sample.
+[[nodiscard]] inline double largest_magnitude(std::span<const double> signal) {
+  double largest = 0.0;
+  for (const double value : signal) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 }  // namespace host_sim

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "host_sim/identification/learn/excited_range.hpp"
 #include "host_sim/identification/learn/thresholds.hpp"
+#include "host_sim/report/formatted.hpp"
 #include "model/laws/curve.hpp"
 
 namespace host_sim::identification {
@@ -14,18 +14,11 @@ namespace {
 
 using model::Channel;
 
-template <class... Number>
-std::string text_of(const char* format, Number... numbers) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, numbers...);
-  return text;
-}
-
 /// Three figures, as a reader writes them: "9800", not "9.8e+03".
 std::string figures(double value) {
-  if (!(std::abs(value) >= 1000.0)) return text_of("%.3g", value);
+  if (!(std::abs(value) >= 1000.0)) return formatted("%.3g", value);
   const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
-  return text_of("%.0f", unit * std::round(value / unit));
+  return formatted("%.0f", unit * std::round(value / unit));
 }
 
 /// A law of a fit with what is known about its values.
@@ -107,7 +100,7 @@ class LawDescription {
     const LawNumber& p = out.numbers.front();
     const double half = 0.5 * (p.upper - p.lower);
     const int digits = half < 0.005 ? 3 : 2;
-    out.words = text_of("grows with |%s|^%.*f ± %.*f", symbol(), digits, p.value, digits, half);
+    out.words = formatted("grows with |%s|^%.*f ± %.*f", symbol(), digits, p.value, digits, half);
   }
 
   /// The force of rig and law together at x, towards rest.
@@ -135,15 +128,15 @@ class LawDescription {
     }
     const double more = harder(law_);
     out.numbers.push_back({"rebound_harder_by_per_cent", more, more - half, more + half});
-    out.words = text_of("rebound %.0f %% %s than compression", std::abs(more), more > 0.0 ? "harder" : "softer");
-    if (powers) out.words += text_of(", with |%s|^%.2f", symbol(), law_.values[2]);
+    out.words = formatted("rebound %.0f %% %s than compression", std::abs(more), more > 0.0 ? "harder" : "softer");
+    if (powers) out.words += formatted(", with |%s|^%.2f", symbol(), law_.values[2]);
   }
 
   void soft_sign(DescribedLaw& out) const {
     out.shape = "smooth friction";
     out.numbers = {number("force", 0), number("velocity", 1)};
-    out.words =
-        text_of("friction of %s N that sets in over %.2g mm/s", figures(law_.values[0]).c_str(), 1e3 * law_.values[1]);
+    out.words = formatted("friction of %s N that sets in over %.2g mm/s", figures(law_.values[0]).c_str(),
+                          1e3 * law_.values[1]);
   }
 
   void falling(DescribedLaw& out) const {
@@ -154,8 +147,8 @@ class LawDescription {
     }
     out.numbers = {
         {"break_away", friction, friction, friction}, number("sliding", 0, -1.0, friction), number("velocity", 1)};
-    out.words = text_of("breaks away at %s N, falls to %s N by %.2g mm/s (Stribeck)", figures(friction).c_str(),
-                        figures(friction - law_.values[0]).c_str(), 2e3 * law_.values[1]);
+    out.words = formatted("breaks away at %s N, falls to %s N by %.2g mm/s (Stribeck)", figures(friction).c_str(),
+                          figures(friction - law_.values[0]).c_str(), 2e3 * law_.values[1]);
   }
 
   void knee(DescribedLaw& out) const {
@@ -166,8 +159,8 @@ class LawDescription {
     out.shape = stiffer ? "progressive" : "degressive";
     out.numbers = {number("from", 2), number(one_sided ? "compression" : "slope_below", 0, 1.0 / law_.rms, slope_),
                    number(one_sided ? "rebound" : "slope_above", 1, 1.0 / law_.rms, slope_)};
-    out.words = text_of("%s from %.3g %s on", stiffer ? "stiffens" : "gives way", 1e3 * law_.values[2],
-                        law_.over == CurveOver::velocity ? "mm/s" : "mm");
+    out.words = formatted("%s from %.3g %s on", stiffer ? "stiffens" : "gives way", 1e3 * law_.values[2],
+                          law_.over == CurveOver::velocity ? "mm/s" : "mm");
   }
 
   /// The end of the curve, at which every slider slides.
@@ -186,11 +179,11 @@ class LawDescription {
       return half;
     };
     out.numbers.push_back({"half_travel", half_of(out.force), half_of(out.upper), half_of(out.lower)});
-    out.words = text_of("hysteresis of %s N independent of frequency (elastic sliders), half of it within %.2g mm",
-                        figures(all).c_str(), 1e3 * out.numbers.back().value);
+    out.words = formatted("hysteresis of %s N independent of frequency (elastic sliders), half of it within %.2g mm",
+                          figures(all).c_str(), 1e3 * out.numbers.back().value);
     if (!(law_.gap > 0.0)) return;
     out.numbers.push_back(number("lost_motion", law_.values.size()));
-    out.words += text_of(", after each reversal %.2g mm of lost motion", 1e3 * law_.gap);
+    out.words += formatted(", after each reversal %.2g mm of lost motion", 1e3 * law_.gap);
   }
 
   void maxwell(DescribedLaw& out) const {
@@ -203,15 +196,15 @@ class LawDescription {
       longest = std::max(longest, law_.at[i]);
     }
     out.numbers.push_back({"time_constant", std::sqrt(shortest * longest), shortest, longest});
-    out.words = shortest == longest ? text_of("relaxes within %.2g ms", 1e3 * longest)
-                                    : text_of("relaxes within %.2g to %.2g ms", 1e3 * shortest, 1e3 * longest);
+    out.words = shortest == longest ? formatted("relaxes within %.2g ms", 1e3 * longest)
+                                    : formatted("relaxes within %.2g to %.2g ms", 1e3 * shortest, 1e3 * longest);
   }
 
   void follows_load(DescribedLaw& out) const {
     out.shape = "follows the load";
     const double per_load = 1.0 / (law_.rms * fit_.hypothesis.rig.suspension.stiffness);
     out.numbers = {number("share_of_load", 0, per_load), number("velocity", 1)};
-    out.words = text_of("friction follows the load: %.2g %% of it", 100.0 * out.numbers.front().value);
+    out.words = formatted("friction follows the load: %.2g %% of it", 100.0 * out.numbers.front().value);
   }
 
   void along_stroke(DescribedLaw& out) const {
@@ -220,8 +213,8 @@ class LawDescription {
     out.numbers = {number("exponent", 1), number("damping_at_the_end", 0, end)};
     const double more = out.numbers.back().value;
     out.words =
-        text_of("damping %s along the stroke: %s N s/m %s at %.3g mm, with |x|^%.2g", more > 0.0 ? "grows" : "falls",
-                figures(std::abs(more)).c_str(), more > 0.0 ? "more" : "less", 1e3 * law_.largest, law_.values[1]);
+        formatted("damping %s along the stroke: %s N s/m %s at %.3g mm, with |x|^%.2g", more > 0.0 ? "grows" : "falls",
+                  figures(std::abs(more)).c_str(), more > 0.0 ? "more" : "less", 1e3 * law_.largest, law_.values[1]);
   }
 
   void add_curve(DescribedLaw& out) const {

@@ -9,6 +9,7 @@
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/signal/spectrum.hpp"
+#include "host_sim/signal/summary.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -237,10 +238,12 @@ ColourFit best_floor(const std::vector<BandLevel>& levels, double period) {
   return best;
 }
 
-double largest_magnitude(const std::vector<double>& samples) {
-  double largest = 0.0;
-  for (const double v : samples) largest = std::max(largest, std::abs(v));
-  return largest;
+/// Noise below the tail of a foot point's motion; none where rounding could make it.
+std::optional<ColourFit> floor_of_motion(const std::vector<BandLevel>& levels, const std::vector<double>& samples,
+                                         double period) {
+  const ColourFit floor = best_floor(levels, period);
+  if (std::sqrt(floor.level.square) > thresholds::least_floor * largest_magnitude(samples)) return floor;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -251,12 +254,10 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
   constexpr std::size_t fewest = 6;
   if (levels.size() < fewest) return std::nullopt;
   // A floor that rounding cannot make is judged in all bands; where there is none, a filter ends in rounding.
-  const ColourFit floor = best_floor(levels, period);
-  const bool is_noise =
-      is_foot_point && std::sqrt(floor.level.square) > thresholds::least_floor * largest_magnitude(samples);
+  const auto floor = is_foot_point ? floor_of_motion(levels, samples, period) : std::nullopt;
   ColourFit best;
-  if (is_noise && floor.price < best_colour(levels, period, expected).price + thresholds::other_corner_price) {
-    best = floor;
+  if (floor && floor->price < best_colour(levels, period, expected).price + thresholds::other_corner_price) {
+    best = *floor;
   } else {
     drop_rounding(levels);
     if (levels.size() < fewest) return std::nullopt;

@@ -1,32 +1,24 @@
 #include "host_sim/stability/report/verdict.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
+#include "host_sim/report/formatted.hpp"
 #include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::stability {
 namespace {
 
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  std::array<char, 240> line{};
-  std::snprintf(line.data(), line.size(), format, values...);
-  return line.data();
-}
-
-std::string milliseconds(double seconds) { return text("%.4g ms", 1e3 * seconds); }
+std::string milliseconds(double seconds) { return formatted("%.4g ms", 1e3 * seconds); }
 
 }  // namespace
 
 std::string verdict(const StabilityAnalysis& a) {
   const Complex worst = a.roots.rightmost();
   if (!a.stable) {
-    std::string line = text("unstable at %.4g Hz, doubling every %.3g s", worst.imag() / full_turn,
-                            std::numbers::ln2 / std::max(worst.real(), 1e-300));
+    std::string line = formatted("unstable at %.4g Hz, doubling every %.3g s", worst.imag() / full_turn,
+                                 std::numbers::ln2 / std::max(worst.real(), 1e-300));
     if (worst.real() == 0.0) line = "not stable: a root lies on the imaginary axis";
     if (a.margins.delay_margin) {
       const double change = *a.margins.delay_margin;
@@ -35,16 +27,16 @@ std::string verdict(const StabilityAnalysis& a) {
     return line;
   }
   if (a.varying && !a.varying->stable) {
-    return text("unstable within the range of its delay, %s … %s: stable at the mean, not at %s",
-                milliseconds(a.varying->lowest).c_str(), milliseconds(a.varying->highest).c_str(),
-                milliseconds(a.varying->worst_delay).c_str());
+    return formatted("unstable within the range of its delay, %s … %s: stable at the mean, not at %s",
+                     milliseconds(a.varying->lowest).c_str(), milliseconds(a.varying->highest).c_str(),
+                     milliseconds(a.varying->worst_delay).c_str());
   }
   if (!a.margins.delay_margin) return "stable at every delay from the given one up to 1 s";
   return "stable, " + milliseconds(*a.margins.delay_margin) + " of delay left";
 }
 
 std::string in_words(const LimitCycle& cycle) {
-  return text("limit cycle of %.3g mm at %.4g Hz: ", 1e3 * cycle.at.amplitude, cycle.at.omega / full_turn) +
+  return formatted("limit cycle of %.3g mm at %.4g Hz: ", 1e3 * cycle.at.amplitude, cycle.at.omega / full_turn) +
          (cycle.attracts ? "smaller oscillations grow to it, larger ones decay to it"
                          : "smaller oscillations decay, larger ones grow");
 }

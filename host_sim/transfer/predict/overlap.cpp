@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host_sim/signal/bands.hpp"
+#include "host_sim/signal/summary.hpp"
 
 namespace host_sim::transfer {
 namespace {
@@ -21,12 +22,6 @@ std::vector<double> velocity_power(const std::vector<std::vector<double>>& runs,
     }
   }
   return power;
-}
-
-double largest(const std::vector<double>& values) {
-  double peak = 0.0;
-  for (const double v : values) peak = std::max(peak, std::abs(v));
-  return peak;
 }
 
 }  // namespace
@@ -65,7 +60,7 @@ Overlap overlap_of(const identification::Identified& first, const SecondRig& sec
   }
   overlap.in_frequency = all > 0.0 ? covered / all : 1.0;
   double limit = 0.0, inside = 0.0, count = 0.0;
-  for (const auto& run : shown) limit = std::max(limit, largest(run));
+  for (const auto& run : shown) limit = std::max(limit, largest_magnitude(run));
   for (const auto& run : wanted) {
     for (const double v : run) inside += std::abs(v) <= limit ? 1.0 : 0.0;
     count += static_cast<double>(run.size());
