@@ -219,6 +219,14 @@ TEST(Confusion, KnowsWhatIsRightOnRoughRigs) {
   EXPECT_TRUE(outcome(d).right());
   d.effects[0].confidence = 0.6;
   EXPECT_FALSE(outcome(d).right());
+  // A law that the catalogue holds under another name is right by that name.
+  truth.unknown_parameters = {{"stribeck_force", 30.0}};
+  d = {};
+  d.verdict = Verdict::named;
+  d.effects = {named("stribeck_friction", std::nullopt, 30.0, 0.9)};
+  EXPECT_TRUE(outcome(d).right());
+  d.effects[0] = named("coulomb_friction", std::nullopt, 30.0, 0.9);
+  EXPECT_FALSE(outcome(d).right());
   EXPECT_EQ(rough_plan(1, 3, "").size(), 3 * truth::conditions().size());
   EXPECT_NE(rough_text({outcome(d)}).find("parameters_off"), std::string::npos);
 }

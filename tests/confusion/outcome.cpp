@@ -120,16 +120,6 @@ bool is_hidden_law(const truth::Truth& truth, const host_sim::identification::De
   return false;
 }
 
-/// Some unknowns of the generator are effects of the catalogue under another name.
-std::string_view name_in_catalogue(const truth::Truth& truth) {
-  for (const auto& [value, name] :
-       {std::pair("wen_force", "bouc_wen"), std::pair("stribeck_force", "stribeck_friction"),
-        std::pair("asymmetry", "asymmetric_damper")}) {
-    if (truth.unknown_parameters.contains(value)) return name;
-  }
-  return {};
-}
-
 /// JSON has no NaN: it is written as null.
 double number_from(const ordered_json& json) { return json.is_null() ? NAN : json.get<double>(); }
 
@@ -151,6 +141,15 @@ bool Outcome::right() const {
   if (asked.what() == "none") return verdict == "no_discrepancy" && named.empty();
   if (asked.what() == "unknown") return (flagged() || outside_said) && !wrong_name();
   return exact() && (verdict == "named" || verdict == "ambiguous");
+}
+
+std::string_view name_in_catalogue(const truth::Truth& truth) {
+  for (const auto& [value, name] :
+       {std::pair("wen_force", "bouc_wen"), std::pair("stribeck_force", "stribeck_friction"),
+        std::pair("asymmetry", "asymmetric_damper")}) {
+    if (truth.unknown_parameters.contains(value)) return name;
+  }
+  return {};
 }
 
 Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& diagnosis) {

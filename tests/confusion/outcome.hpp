@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_sim/identification/diagnosis.hpp"
@@ -62,6 +63,9 @@ struct Outcome {
   /// fault of the recording, and no wrong name. rough: as README.
   [[nodiscard]] bool right() const;
 };
+
+/// Some unknowns of the generator are effects of the catalogue under another name: that name; empty: they are not.
+[[nodiscard]] std::string_view name_in_catalogue(const truth::Truth& truth);
 
 /// What the diagnosis of a recording is worth, beside the truth.
 [[nodiscard]] Outcome judged(const Asked& asked, const truth::Truth& truth,

@@ -74,9 +74,16 @@ bool unseen_counts(const std::string& condition) {
   return condition == "drift" || condition == "events" || condition == "neighbour_laws";
 }
 
+/// Names of the catalogue for what hides outside the generator's own effects (1 or 0).
+std::size_t outside_named(const Outcome& o, const truth::Truth& truth) {
+  return static_cast<std::size_t>(std::count_if(o.named.begin(), o.named.end(), [&](const Named& named) {
+    return named.right && named.effect == name_in_catalogue(truth);
+  }));
+}
+
 bool is_right(const Outcome& o, const truth::Truth& truth) {
   if (o.wrong_rough) return false;
-  const bool all_effects = o.effects_found() == o.effects_hidden;
+  const bool all_effects = o.effects_found() - outside_named(o, truth) == o.effects_hidden;
   const bool all_parameters = o.off_found == o.off_hidden;
   if (!all_effects || !all_parameters) return false;
   // What stands beside the catalogue must at least be seen.

@@ -58,6 +58,27 @@ void add_acceleration(const PreparedRecording& recording, const SimulationInput&
   for (std::size_t k = 0; k < count; ++k) acceleration[k] = input.motion[k].acceleration;
 }
 
+/// F_w on a prescribed wheel. Its motion between samples is a cubic, at whose end a vibration of ω has (ωh)²/12 more
+/// acceleration than at the sample: m_w z̈_w is taken from there. Before the first sample there is no cubic.
+void correct_wheel_load(const Rig& rig, const SimulationInput& input, Response& response) {
+  if (!input.wheel_prescribed) return;
+  const double h = input.period;
+  auto& load = response[index(Channel::F_w)];
+  for (std::size_t k = 1; k < load.size(); ++k) {
+    const auto& from = input.motion[k - 1];
+    const auto& to = input.motion[k];
+    const double at_end = (6.0 * (from.position - to.position) / h + 2.0 * from.velocity + 4.0 * to.velocity) / h;
+    load[k] += rig.wheel.mass * (to.acceleration - at_end);
+  }
+}
+
+/// What a simulation leaves to be done.
+void complete(const Rig& rig, const PreparedRecording& recording, const SimulationInput& input, std::size_t samples,
+              Response& response) {
+  add_acceleration(recording, input, samples, response);
+  correct_wheel_load(rig, input, response);
+}
+
 /// Whether the model can step it; with a parameter that drifts, at both ends of the recording.
 bool is_no_rig(const Rig& bare, const std::vector<PlacedFault>& faults, double period) {
   const auto fails = [&](const Rig& rig) { return firmware::find_rig_fault(rig, period).has_value(); };
@@ -88,7 +109,7 @@ Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& re
                  }};
   }
   Response response = simulate(bare, input, start, samples, steps_of(bare, input.period, resolution), variation);
-  add_acceleration(recording, input, samples, response);
+  complete(bare, recording, input, samples, response);
   return response;
 }
 
@@ -127,7 +148,7 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
     for (std::size_t i = 0; i < chosen.size(); ++i) responses[chosen[i]] = std::move(simulated[i]);
   }
   for (std::size_t i = 0; i < rigs.size(); ++i) {
-    if (steps[i] > 0) add_acceleration(recording, *rigs[i].input, samples, responses[i]);
+    if (steps[i] > 0) complete(bare[i], recording, *rigs[i].input, samples, responses[i]);
   }
   return responses;
 }

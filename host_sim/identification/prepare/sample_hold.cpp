@@ -13,9 +13,12 @@ namespace {
 
 /// The mean time between renewals, without those that are two turns or more: of gaps of 2 and 3 samples neither is the
 /// period.
-double mean_single_gap(const std::vector<std::size_t>& renewed) {
+double mean_single_gap(const Renewals& r) {
   std::vector<std::size_t> gaps;
-  for (std::size_t i = 1; i < renewed.size(); ++i) gaps.push_back(renewed[i] - renewed[i - 1]);
+  for (std::size_t i = 1; i < r.at.size(); ++i) {
+    if (r.seen[i] && r.seen[i - 1]) gaps.push_back(r.at[i] - r.at[i - 1]);
+  }
+  if (gaps.empty()) return 0.0;
   std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
   const std::size_t longest_single = gaps[gaps.size() / 2] * 3 / 2;
   double sum = 0.0, count = 0.0;
@@ -27,18 +30,30 @@ double mean_single_gap(const std::vector<std::size_t>& renewed) {
   return sum / count;
 }
 
-/// Numbers the renewals, and finds the period that these numbers give: two rounds agree.
+/// Numbers the renewals that were seen, and finds the period that these numbers give: two rounds agree.
 void count_turns(Renewals& r) {
-  const auto span = static_cast<double>(r.at.back() - r.at.front());
+  const auto first = static_cast<std::size_t>(std::find(r.seen.begin(), r.seen.end(), true) - r.seen.begin());
   for (int round = 0; round < 2; ++round) {
-    r.turn.assign(1, 0.0);
-    for (std::size_t i = 1; i < r.at.size(); ++i) {
-      r.turn.push_back(r.turn.back() +
-                       std::max(1.0, std::round(static_cast<double>(r.at[i] - r.at[i - 1]) / r.period)));
+    r.turn.assign(r.at.size(), 0.0);
+    std::size_t last = first;
+    for (std::size_t i = first + 1; i < r.at.size(); ++i) {
+      if (!r.seen[i]) continue;
+      r.turn[i] = r.turn[last] + std::max(1.0, std::round(static_cast<double>(r.at[i] - r.at[last]) / r.period));
+      last = i;
     }
-    r.period = span / r.turn.back();
+    r.period = static_cast<double>(r.at[last] - r.at[first]) / r.turn[last];
   }
 }
+
+/// Of a renewal that was not seen only so much is known: its turn is the last before it shows.
+void count_unseen_turns(Renewals& r) {
+  for (std::size_t i = 0; i < r.at.size(); ++i) {
+    if (!r.seen[i]) r.turn[i] = std::floor((static_cast<double>(r.at[i]) - r.first) / r.period);
+  }
+}
+
+/// Turns over which the renewals that were seen extend.
+double span(const Renewals& r) { return *std::max_element(r.turn.begin(), r.turn.end()); }
 
 /// The range of t_0 that (1) leaves at a period; its width is concave in the period, negative: none.
 struct StartRange {
@@ -48,6 +63,7 @@ struct StartRange {
 StartRange start_range(const Renewals& r, double period) {
   StartRange range;
   for (std::size_t i = 0; i < r.at.size(); ++i) {
+    if (!r.seen[i]) continue;
     const double start = static_cast<double>(r.at[i]) - r.turn[i] * period;
     range.lowest = std::max(range.lowest, start - 1.0);
     range.highest = std::min(range.highest, start);
@@ -59,12 +75,12 @@ StartRange start_range(const Renewals& r, double period) {
 void find_period(Renewals& r) {
   const auto width = [&r](double period) { return start_range(r, period).width(); };
   constexpr int rounds = 60;  // of halving: to the last bit
-  const double reach = 1.5 / r.turn.back();
+  const double reach = 1.5 / span(r);
   const double widest =
       golden_section([&](double period) { return -width(period); }, r.period - reach, r.period + reach, rounds).at;
   r.regular = width(widest) > 0.0;
   if (!r.regular) {
-    r.period_slack = 1.0 / r.turn.back();
+    r.period_slack = 1.0 / span(r);
     return;
   }
   const auto border = [&](double outside) {
@@ -81,9 +97,11 @@ void find_period(Renewals& r) {
 }
 
 /// The median size of a change.
-double change_of_value(const std::vector<double>& samples, const std::vector<std::size_t>& renewed) {
+double change_of_value(const std::vector<double>& samples, const Renewals& r) {
   std::vector<double> changes;
-  for (const std::size_t k : renewed) changes.push_back(std::abs(samples[k] - samples[k - 1]));
+  for (std::size_t i = 0; i < r.at.size(); ++i) {
+    if (r.seen[i]) changes.push_back(std::abs(samples[r.at[i]] - samples[r.at[i] - 1]));
+  }
   const auto middle = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 2);
   std::nth_element(changes.begin(), middle, changes.end());
   return *middle;
@@ -91,26 +109,34 @@ double change_of_value(const std::vector<double>& samples, const std::vector<std
 
 }  // namespace
 
-std::optional<Renewals> renewals_of(const std::vector<double>& samples, double step) {
+std::optional<Renewals> renewals_of(const std::vector<double>& samples, double step, const std::vector<bool>& filled) {
+  const auto is_filled = [&](std::size_t k) { return k < filled.size() && filled[k]; };
   Renewals r;
+  double last = samples.empty() ? 0.0 : samples.front();
   for (std::size_t k = 1; k < samples.size(); ++k) {
-    if (samples[k] != samples[k - 1]) r.at.push_back(k);
+    if (is_filled(k) || samples[k] == last) continue;
+    r.at.push_back(k);
+    r.seen.push_back(!is_filled(k - 1));
+    last = samples[k];
   }
   const double held = thresholds::held_samples_per_value;
-  if (r.at.size() < 3 || static_cast<double>(samples.size()) < held * static_cast<double>(r.at.size())) {
+  if (std::count(r.seen.begin(), r.seen.end(), true) < 3 ||
+      static_cast<double>(samples.size()) < held * static_cast<double>(r.at.size())) {
     return std::nullopt;
   }
-  r.period = mean_single_gap(r.at);
+  r.period = mean_single_gap(r);
+  if (r.period <= 0.0) return std::nullopt;
   count_turns(r);
   // A limit stays at one value now and then, but is renewed with each sample in between.
   if (r.period < 0.95 * held) return std::nullopt;
   find_period(r);
-  if (step > 0.0 && !r.regular && change_of_value(samples, r.at) < thresholds::rounded_change * step) {
+  if (step > 0.0 && !r.regular && change_of_value(samples, r) < thresholds::rounded_change * step) {
     return std::nullopt;
   }
   const StartRange range = start_range(r, r.period);
   r.first = 0.5 * (range.lowest + range.highest);
   r.slack = std::max(0.5 * range.width(), 0.0);
+  count_unseen_turns(r);
   return r;
 }
 

@@ -25,6 +25,7 @@ struct HoldClock {
 /// (HoldClock).
 struct Renewals {
   std::vector<std::size_t> at;      ///< k_n
+  std::vector<bool> seen;           ///< the sample before k_n was recorded; else k_n may be too late: (1) says ≤ only
   std::vector<double> turn;         ///< n; turns that brought the same value again are skipped
   double period = 0.0;              ///< P [samples]
   double period_slack = 0.0;        ///< half width of what (1) allows
@@ -34,6 +35,8 @@ struct Renewals {
 
 /// nullopt: the samples do not repeat themselves, or do so without a period (a limit), or because they are rounded:
 /// half of the new values are one `step` (sample_faults.hpp) from the old ones, and their instants do not meet (1).
-[[nodiscard]] std::optional<Renewals> renewals_of(const std::vector<double>& samples, double step = 0.0);
+/// `filled`: samples that were not recorded (recording_gaps.hpp); each counts as the one before.
+[[nodiscard]] std::optional<Renewals> renewals_of(const std::vector<double>& samples, double step = 0.0,
+                                                  const std::vector<bool>& filled = {});
 
 }  // namespace host_sim::identification

@@ -102,7 +102,7 @@ std::array<Outliers, model::channel_count> leave_out_outliers(model::RigKind kin
   for (std::size_t c = 0; c < places.size(); ++c) {
     const model::Channel channel = model::channel_at(c);
     if (!recording.has(channel) || !may_have_outliers(kind, channel)) continue;
-    if (renewals_of(recording[channel], steps[c])) continue;
+    if (renewals_of(recording[channel], steps[c], recording.filled)) continue;
     places[c] = find_outliers(recording[channel], unusable[c], steps[c]);
     if (recording.sample_period < thresholds::knock_length) continue;
     deviations[c] = relative_deviations(recording[channel], unusable[c], steps[c]);
@@ -195,7 +195,7 @@ SampledRecording sampled(const firmware::RigDescription& description, firmware::
   }
   for (std::size_t c = 0; c < model::channel_count; ++c) {
     const model::Channel channel = model::channel_at(c);
-    if (recording.has(channel)) result.renewals[c] = renewals_of(recording[channel], steps[c]);
+    if (recording.has(channel)) result.renewals[c] = renewals_of(recording[channel], steps[c], recording.filled);
   }
   find_noise(result, description, recording, steps);
   result.recording = std::move(recording);

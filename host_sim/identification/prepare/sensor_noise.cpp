@@ -104,7 +104,7 @@ SensorNoise find_sensor_noise(const firmware::RigDescription& description, const
   const auto& declared = description.noise[index(channel)];
   const double rounding = rounding_noise(step);
   const auto& samples = recording[channel];
-  if (const auto renewals = renewals_of(samples, step)) {
+  if (const auto renewals = renewals_of(samples, step, recording.filled)) {
     if (declared) return {{std::hypot(*declared, rounding)}, std::nullopt};
     const NoiseEstimate estimate = noise_estimate(renewed_values(samples, *renewals));
     return {white(estimate, estimate.relative_error), std::nullopt};

@@ -35,6 +35,10 @@ class ModelFitter {
       : problem_(problem), common_(std::move(common)), criterion_(criterion), effort_(effort) {}
 
   [[nodiscard]] const IdentificationProblem& problem() const { return problem_; }
+  /// The same with other common parameters.
+  [[nodiscard]] ModelFitter with_common(std::vector<FreeParameter> common) const {
+    return {problem_, std::move(common), criterion_, effort_};
+  }
   /// Weights residuals anew for a hypothesis; what was fitted must be refitted. false: nothing changed.
   bool update_input_noise(const Hypothesis& hypothesis) { return problem_.update_input_noise(hypothesis); }
 

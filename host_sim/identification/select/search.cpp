@@ -1,6 +1,7 @@
 #include "host_sim/identification/select/search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
@@ -65,6 +66,10 @@ class Search {
   void rate_by_held_out(SearchResult& found) const;
   [[nodiscard]] CandidateModel promoted(const CandidateModel& best, std::size_t effect, const Rival& rival) const;
   [[nodiscard]] CandidateModel without(std::size_t effect, const SearchResult& found) const;
+  [[nodiscard]] std::optional<CandidateModel> in_two(const SearchResult& found, std::size_t effect,
+                                                     const std::vector<CandidateModel>& others) const;
+  [[nodiscard]] std::vector<CandidateModel> pairs_with(const firmware::PlacedEffect& first, const Hypothesis& start,
+                                                       const Scales& scales) const;
   [[nodiscard]] std::vector<Rival> rivals_of(const CandidateModel& best, const CandidateModel& reduced,
                                              std::size_t effect, const std::vector<CandidateModel>& others) const;
 
@@ -97,6 +102,7 @@ class Search {
   mutable Effort effort_;
   ModelFitter fitter_;
   std::map<std::size_t, CandidateModel> reduced_;  ///< the compared model without its effect i, fitted
+  bool has_split_ = false;                         ///< once: a rest could be split into ever smaller effects
   double first_share_;                             ///< of the windows, where candidates far above noise are told apart
 };
 
@@ -283,7 +289,7 @@ void Search::rate_by_held_out(SearchResult& found) const {
       CandidateModel better = promoted(found.best, i, rival);
       const double held_out_better = held_out_chi_squared(fitter_.problem(), better.fit.hypothesis);
       const double then = better.penalised_chi_squared(criterion_);
-      if (then + held_out_better >= now + held_out - thresholds::replaces) continue;
+      if (then + held_out_better >= now + held_out - thresholds::replaces || ends_at_bound(better.effects[i])) continue;
       found.gains[i] += found.best.fit.chi_squared - better.fit.chi_squared;
       found.best = std::move(better);
       rival = before;
@@ -334,7 +340,7 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     if (same_effect(other.effects.back(), best.effects[effect])) continue;
     if (other.penalised_chi_squared(criterion_) >= to_beat) continue;
     CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 6);
-    if (!(full.penalised_chi_squared(criterion_) < to_beat)) continue;
+    if (!(full.penalised_chi_squared(criterion_) < to_beat) || ends_at_bound(full.effects.back())) continue;
     if (!stays_finite(fitter_.problem(), full.fit.hypothesis)) continue;
     best = std::move(full);
     return true;
@@ -344,14 +350,91 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   // Refitted beside the other effects as they are now, a rival may be better after all.
   if (!found.rivals[effect].empty() && found.rivals[effect].front().penalised_chi_squared < to_beat) {
     CandidateModel better = promoted(best, effect, found.rivals[effect].front());
-    if (better.penalised_chi_squared(criterion_) < to_beat) {
+    if (better.penalised_chi_squared(criterion_) < to_beat && !ends_at_bound(better.effects[effect])) {
       best = std::move(better);
       return true;
     }
   }
+  if (auto two = in_two(found, effect, others)) {
+    best = std::move(*two);
+    has_split_ = true;
+    return true;
+  }
   drop_jacobian(reduced.fit);
   reduced_[effect] = std::move(reduced);
   return false;
+}
+
+/// Two effects in the place of one that leaves more than noise: a lag and a delay of a machine look like one overdamped
+/// resonance, and each alone is worse than that, so the forward selection has passed over them. Both are of the same
+/// part of the rig, the first is simpler. Everything else stands still until both have found their size: without the
+/// one it would move to where they are not seen. nullopt: no two are better.
+std::optional<CandidateModel> Search::in_two(const SearchResult& found, std::size_t effect,
+                                             const std::vector<CandidateModel>& others) const {
+  const CandidateModel& best = found.best;
+  const firmware::PlacedEffect& own = best.effects[effect];
+  if (has_split_ || own.channel || best.effects.size() >= thresholds::most_effects || fitter_.leaves_noise(best)) {
+    return std::nullopt;
+  }
+  std::vector<CandidateModel> pairs;
+  std::size_t tried = 0;
+  for (const CandidateModel& other : others) {
+    const firmware::PlacedEffect& first = other.effects.back();
+    if (first.channel || first.entry->subsystem != own.entry->subsystem || first.values.size() >= own.values.size()) {
+      continue;
+    }
+    if (++tried > thresholds::split_effects) break;
+    Hypothesis start = best.fit.hypothesis;
+    firmware::remove_effect(start.rig, *own.entry, own.channel);
+    firmware::put_effect(start.rig, first);
+    for (CandidateModel& pair : pairs_with(first, start, found.scales)) pairs.push_back(std::move(pair));
+  }
+  sort(pairs);
+  if (pairs.size() > thresholds::split_effects) pairs.resize(thresholds::split_effects);
+  const double to_beat = best.penalised_chi_squared(criterion_) - thresholds::replaces;
+  for (const CandidateModel& pair : pairs) {
+    std::vector<firmware::PlacedEffect> effects = best.effects;
+    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
+    effects.insert(effects.end(), pair.effects.begin(), pair.effects.end());
+    CandidateModel two = fitter_.refitted(pair.fit.hypothesis, std::move(effects), 12);
+    if (two.penalised_chi_squared(criterion_) < to_beat && !ends_at_bound(two.effects.back()) &&
+        stays_finite(fitter_.problem(), two.fit.hypothesis)) {
+      return two;
+    }
+  }
+  return std::nullopt;
+}
+
+/// An effect of `start` with each other one of the same part of the rig, fitted while all else stands still.
+std::vector<CandidateModel> Search::pairs_with(const firmware::PlacedEffect& first, const Hypothesis& start,
+                                               const Scales& scales) const {
+  std::vector<firmware::PlacedEffect> seconds;
+  for (const Candidate& candidate : candidates(fitter_.problem().samples(), start, scales)) {
+    const bool same_part = !candidate.channel && candidate.entry->subsystem == first.entry->subsystem;
+    if (!same_part || candidate.replaces != nullptr || (candidate.entry->imitates && !criterion_.imitating)) continue;
+    for (const Start& from : candidate.starts) seconds.push_back({candidate.entry, std::nullopt, from.values});
+  }
+  const ModelFitter alone = fitter_.with_common({});
+  std::vector<CandidateModel> pairs(seconds.size());
+  for_all(seconds.size(), [&](std::size_t i) {
+    Hypothesis hypothesis = start;
+    firmware::put_effect(hypothesis.rig, seconds[i]);
+    pairs[i] = alone.fitted(hypothesis, {first, seconds[i]}, 8);
+    drop_jacobian(pairs[i].fit);
+  });
+  std::erase_if(pairs, [](const CandidateModel& pair) {
+    return !std::isfinite(pair.fit.chi_squared) || ends_at_bound(pair.effects.front()) ||
+           ends_at_bound(pair.effects.back());
+  });
+  sort(pairs);
+  std::vector<CandidateModel> each;  // of the fits of an effect the best
+  for (CandidateModel& pair : pairs) {
+    if (std::none_of(each.begin(), each.end(), [&](const CandidateModel& better) {
+          return same_effect(better.effects.back(), pair.effects.back());
+        }))
+      each.push_back(std::move(pair));
+  }
+  return each;
 }
 
 /// The same of a fault of the recordings: without it, another fault in its place, effects in its place.
@@ -438,6 +521,8 @@ std::vector<Rival> Search::rivals_of(const CandidateModel& best, const Candidate
     rivals[r] = rival_of(fitter_.fitted(rivals[r].hypothesis, std::move(effects), 6));
   });
   sort_rivals(rivals);
+  // A resonance at the largest damping of its card is a lag: no other cause.
+  std::erase_if(rivals, [](const Rival& rival) { return ends_at_bound(rival.effect); });
   return rivals;
 }
 

@@ -36,6 +36,12 @@ bool holds(const std::vector<FreeParameter>& list, const FreeParameter& paramete
   return std::any_of(list.begin(), list.end(), [&](const FreeParameter& p) { return is_same(p, parameter); });
 }
 
+/// A model, and the parameters that no tolerance binds in it.
+struct FreedModel {
+  CandidateModel model;
+  std::vector<FreeParameter> freed;
+};
+
 /// Frees one parameter after the other.
 class ParameterSearch {
  public:
@@ -46,36 +52,59 @@ class ParameterSearch {
     return (criterion_.effect + criterion_.parameter + thresholds::violation) * static_cast<double>(count);
   }
   [[nodiscard]] const SelectionCriterion& criterion() const { return criterion_; }
+  [[nodiscard]] double value(const FreedModel& m) const {
+    return m.model.penalised_chi_squared(criterion_) + price(m.freed.size());
+  }
 
-  /// The model with one more freed parameter; its list of parameters grows. false: none is worth it.
-  bool free_one_more(CandidateModel& model, std::vector<FreeParameter>& freed, double least_gain) {
+  /// The models with one more freed parameter, of those that promise most; only what is worth it, best first.
+  [[nodiscard]] std::vector<FreedModel> one_more(const FreedModel& from, double least_gain) {
     std::vector<std::pair<double, FreeParameter>> suspects;
     for (const FreeParameter& parameter : space_.suspects) {
-      if (!holds(freed, parameter)) suspects.emplace_back(0.0, parameter);
+      if (!holds(from.freed, parameter)) suspects.emplace_back(0.0, parameter);
     }
-    find_promises(problem_, model.fit, suspects);
+    find_promises(problem_, from.model.fit, suspects);
     effort_.simulations += suspects.size();
     effort_.candidates += suspects.size();
     std::sort(suspects.begin(), suspects.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     if (suspects.size() > thresholds::fitted_suspects) suspects.resize(thresholds::fitted_suspects);
     std::erase_if(suspects, [&](const auto& s) { return s.first < thresholds::promising * least_gain; });
-    std::vector<CandidateModel> models(suspects.size());
+    std::vector<FreedModel> models(suspects.size());
     for_all(suspects.size(), [&](std::size_t i) {
-      std::vector<FreeParameter> longer = freed;
-      longer.push_back(suspects[i].second);
-      models[i] = fitted(model.fit.hypothesis, longer, model.effects);
+      models[i].freed = from.freed;
+      models[i].freed.push_back(suspects[i].second);
+      models[i].model = fitted(from.model.fit.hypothesis, models[i].freed, from.model.effects);
     });
-    std::size_t best = models.size();
-    for (std::size_t i = 0; i < models.size(); ++i) {
-      if (!std::isfinite(models[i].fit.chi_squared)) continue;
-      if (best == models.size() || models[i].fit.chi_squared < models[best].fit.chi_squared) best = i;
-    }
-    if (best == models.size()) return false;
-    const double gain = model.fit.chi_squared - models[best].fit.chi_squared;
-    if (gain < least_gain || gain <= price(1)) return false;
-    freed.push_back(suspects[best].second);
-    model = std::move(models[best]);
+    std::erase_if(models, [&](const FreedModel& m) {
+      const double gain = from.model.fit.chi_squared - m.model.fit.chi_squared;
+      return !std::isfinite(gain) || gain < least_gain || gain <= price(1);
+    });
+    std::stable_sort(models.begin(), models.end(), [](const FreedModel& a, const FreedModel& b) {
+      return a.model.fit.chi_squared < b.model.fit.chi_squared;
+    });
+    return models;
+  }
+
+  /// The best of them takes the place of `now`. false: none is worth it.
+  bool free_one_more(FreedModel& now, double least_gain) {
+    std::vector<FreedModel> models = one_more(now, least_gain);
+    if (models.empty()) return false;
+    now = std::move(models.front());
     return true;
+  }
+
+  /// Whether an effect of a model does what the last freed parameter of `other` does: a damper, a relaxation of
+  /// microseconds. From the model without either, their changes of the residuals point the same way
+  /// (thresholds::at_the_limit).
+  [[nodiscard]] bool is_at_its_limit(const CandidateModel& whole, std::size_t effect, const FreedModel& other) {
+    const firmware::PlacedEffect& left_out = whole.effects[effect];
+    std::vector<Variation> variations(2, {whole.fit.hypothesis, std::nullopt});
+    for (Variation& v : variations) firmware::remove_effect(v.hypothesis.rig, *left_out.entry, left_out.channel);
+    const FreeParameter& parameter = other.freed.back();
+    parameter.put(variations[1].hypothesis, parameter.get(other.model.fit.hypothesis));
+    const std::vector<Eigen::VectorXd> values = residuals_of_each(problem_, variations, false, &whole.fit.prediction);
+    effort_.simulations += variations.size();
+    const Eigen::VectorXd by_effect = whole.fit.residual - values[0], by_parameter = values[1] - values[0];
+    return by_effect.dot(by_parameter) >= thresholds::at_the_limit * by_effect.norm() * by_parameter.norm();
   }
 
   /// The model without one of its effects, these parameters free.
@@ -164,9 +193,7 @@ namespace {
 
 /// Effects that a parameter explains as well: each is left out and, where that costs something, a parameter freed in
 /// its place.
-struct Replacement {
-  CandidateModel model;
-  std::vector<FreeParameter> freed;
+struct Replacement : FreedModel {
   std::vector<std::size_t> effects, faults;  ///< what is left of the first model's, by their place in it
 };
 
@@ -174,40 +201,42 @@ struct Replacement {
 bool free_beside(ParameterSearch& search_for, Replacement& now) {
   if (now.freed.size() >= thresholds::most_freed || search_for.leaves_noise(now.model)) return false;
   const double least = search_for.criterion().later_share * beyond_noise(now.model.fit);
-  return search_for.free_one_more(now.model, now.freed, least);
-}
-
-double value_of(const ParameterSearch& search_for, const CandidateModel& model, std::size_t freed) {
-  return model.penalised_chi_squared(search_for.criterion()) + search_for.price(freed);
+  return search_for.free_one_more(now, least);
 }
 
 /// A parameter less, which everything else makes superfluous. false: each is worth its price.
 bool tie_again(ParameterSearch& search_for, Replacement& now) {
-  const double to_beat = value_of(search_for, now.model, now.freed.size());
+  const double to_beat = search_for.value(now);
   for (std::size_t i = 0; i < now.freed.size(); ++i) {
-    std::vector<FreeParameter> freed = now.freed;
-    freed.erase(freed.begin() + static_cast<std::ptrdiff_t>(i));
-    CandidateModel tied = search_for.tied(now.model, freed, now.freed[i]);
-    if (value_of(search_for, tied, freed.size()) > to_beat) continue;
-    now.model = std::move(tied);
-    now.freed = std::move(freed);
+    FreedModel fewer;
+    fewer.freed = now.freed;
+    fewer.freed.erase(fewer.freed.begin() + static_cast<std::ptrdiff_t>(i));
+    fewer.model = search_for.tied(now.model, fewer.freed, now.freed[i]);
+    if (search_for.value(fewer) > to_beat) continue;
+    now.FreedModel::operator=(std::move(fewer));
     return true;
   }
   return false;
 }
 
-/// The model without something, or with a parameter freed in its place. false: that is no better.
-bool free_instead(ParameterSearch& search_for, Replacement& now, CandidateModel reduced) {
-  const double to_beat = value_of(search_for, now.model, now.freed.size()) - thresholds::replaces;
-  std::vector<FreeParameter> freed = now.freed;
-  if (value_of(search_for, reduced, freed.size()) >= to_beat) {
-    const double needed = reduced.fit.chi_squared - now.model.fit.chi_squared;
-    if (freed.size() == thresholds::most_freed || !search_for.free_one_more(reduced, freed, 0.5 * needed)) return false;
-    if (value_of(search_for, reduced, freed.size()) >= to_beat) return false;
+/// The model without something, or with a parameter freed in its place. `effect`: what is left out, of the effects of
+/// `now`; none: a fault. false: that is no better.
+bool free_instead(ParameterSearch& search_for, Replacement& now, CandidateModel reduced,
+                  std::optional<std::size_t> effect) {
+  const double value = search_for.value(now);
+  FreedModel other;
+  other.model = std::move(reduced);
+  other.freed = now.freed;
+  if (search_for.value(other) >= value - thresholds::replaces) {
+    const double needed = other.model.fit.chi_squared - now.model.fit.chi_squared;
+    if (now.freed.size() == thresholds::most_freed || !search_for.free_one_more(other, 0.5 * needed)) return false;
+    const double worse = search_for.value(other) - value;
+    const bool limit = worse >= -thresholds::replaces && worse < thresholds::tie && effect &&
+                       search_for.is_at_its_limit(now.model, *effect, other);
+    if (worse >= -thresholds::replaces && !limit) return false;
   }
-  if (search_for.leaves_noise(now.model) && !search_for.leaves_noise(reduced)) return false;
-  now.model = std::move(reduced);
-  now.freed = std::move(freed);
+  if (search_for.leaves_noise(now.model) && !search_for.leaves_noise(other.model)) return false;
+  now.FreedModel::operator=(std::move(other));
   return true;
 }
 
@@ -216,7 +245,7 @@ bool replace_one(ParameterSearch& search_for, Replacement& now) {
   const SelectionCriterion& criterion = search_for.criterion();
   for (std::size_t f = 0; f < now.model.faults().size(); ++f) {
     if (now.model.faults()[f].kind != FaultKind::drift) continue;
-    if (!free_instead(search_for, now, search_for.without_fault(now.model, f, now.freed))) continue;
+    if (!free_instead(search_for, now, search_for.without_fault(now.model, f, now.freed), std::nullopt)) continue;
     now.faults.erase(now.faults.begin() + static_cast<std::ptrdiff_t>(f));
     return true;
   }
@@ -226,7 +255,7 @@ bool replace_one(ParameterSearch& search_for, Replacement& now) {
     const double own_price = criterion.effect + criterion.parameter * static_cast<double>(effect.values.size());
     // A clean effect that is cheaper than a parameter keeps its name.
     if (search_for.is_seen(effect) || (clean && now.freed.empty() && own_price < search_for.price(1))) continue;
-    if (!free_instead(search_for, now, search_for.without(now.model, i, now.freed))) continue;
+    if (!free_instead(search_for, now, search_for.without(now.model, i, now.freed), i)) continue;
     now.effects.erase(now.effects.begin() + static_cast<std::ptrdiff_t>(i));
     return true;
   }
@@ -244,7 +273,7 @@ std::vector<T> of_kept(const std::vector<T>& all, const std::vector<std::size_t>
 /// (4) of suspect_parameters.hpp: `found` becomes the better model.
 void exchange(IdentificationProblem& problem, const SearchSpace& space, SearchResult& found) {
   ParameterSearch search_for(problem, space);
-  Replacement now{found.best, found.freed, {}, {}};
+  Replacement now{{found.best, found.freed}, {}, {}};
   for (std::size_t i = 0; i < found.best.effects.size(); ++i) now.effects.push_back(i);
   for (std::size_t i = 0; i < found.best.faults().size(); ++i) now.faults.push_back(i);
   while (tie_again(search_for, now) || free_beside(search_for, now) || replace_one(search_for, now)) {
@@ -269,6 +298,105 @@ void exchange(IdentificationProblem& problem, const SearchSpace& space, SearchRe
   found.candidates += search_for.candidates();
 }
 
+/// The rig as it would be without effects or, with those that the values themselves show, with the recordings' faults.
+CandidateModel only_seen(ParameterSearch& search_for, const SearchResult& found, bool with_faults) {
+  Hypothesis start = found.nothing.fit.hypothesis;
+  if (with_faults) start.faults = found.best.faults();
+  std::vector<firmware::PlacedEffect> seen;  // what the values themselves show needs no other cause
+  for (const firmware::PlacedEffect& effect : found.best.effects) {
+    if (!search_for.is_seen(effect)) continue;
+    firmware::put_effect(start.rig, effect);
+    if (effect.channel) start.clocks[index(*effect.channel)] = found.best.fit.hypothesis.clocks[index(*effect.channel)];
+    seen.push_back(effect);
+  }
+  return search_for.fitted(start, {}, seen);
+}
+
+/// Parameters instead of effects.
+struct FreedInstead {
+  CandidateModel tied;              ///< with none
+  FreedModel best;                  ///< one after the other, the best each time
+  std::vector<FreedModel> singles;  ///< the first alone, and each that explains nearly as much
+};
+
+/// (1) of suspect_parameters.hpp, without the recordings' faults first: a parameter that is off may look like one.
+FreedInstead free_instead_of_effects(ParameterSearch& search_for, const SearchResult& found, bool clean) {
+  const SelectionCriterion& criterion = search_for.criterion();
+  FreedInstead result;
+  for (const bool with_faults : {false, true}) {
+    if (with_faults && (found.best.faults().empty() || search_for.leaves_noise(result.best.model))) break;
+    result = FreedInstead();
+    result.tied = only_seen(search_for, found, with_faults);
+    result.best.model = result.tied;
+    // Beside clean effects, parameters must explain as much as these; else as much as an effect must.
+    const double share = clean ? 0.5 * (result.tied.fit.chi_squared - found.best.fit.chi_squared)
+                               : criterion.first_share * std::max(beyond_noise(result.tied.fit), 0.0);
+    while (result.best.freed.size() < thresholds::most_freed && !search_for.leaves_noise(result.best.model)) {
+      const bool first = result.best.freed.empty();
+      std::vector<FreedModel> more =
+          search_for.one_more(result.best, first ? share : criterion.later_share * beyond_noise(result.best.model.fit));
+      if (more.empty()) break;
+      result.best = more.front();
+      if (!first) continue;
+      const double gain = result.tied.fit.chi_squared - result.best.model.fit.chi_squared;
+      std::erase_if(more, [&](const FreedModel& m) {
+        return result.tied.fit.chi_squared - m.model.fit.chi_squared < thresholds::equal_suspects * gain;
+      });
+      result.singles = std::move(more);
+    }
+  }
+  return result;
+}
+
+/// Effects that were found beside freed parameters.
+struct BesideFreed {
+  SearchResult result;
+  double advantage;  ///< how much lower (1) is than with effects alone
+};
+
+/// Effects beside freed parameters. nullopt: no better than effects alone.
+std::optional<BesideFreed> search_beside(IdentificationProblem& problem, const SearchSpace& space,
+                                         const ParameterSearch& search_for, const ProgressCallback& progress,
+                                         const FreedModel& start, const SearchResult& found) {
+  const SelectionCriterion& criterion = search_for.criterion();
+  SearchSpace space_of_freed = untied(space, start.freed);
+  space_of_freed.given = start.model.fit.hypothesis;
+  const SearchOptions options{{}, true, progress};
+  SearchResult other = search(problem, space_of_freed, options);
+  // Compared under the weights of that search; without a replacement those of the effects alone come back, since
+  // their rivals were rated under them.
+  const CandidateModel effects_alone = ModelFitter::refitted_in(problem, space, criterion, found.best);
+  const double to_beat = effects_alone.penalised_chi_squared(criterion) - search_for.price(start.freed.size());
+  // Leaving out its effects could save no more than their price.
+  if (other.best.fit.chi_squared >= to_beat) return std::nullopt;
+  compare(problem, space_of_freed, options, other);
+  const double value = other.best.penalised_chi_squared(criterion);
+  if (value >= to_beat ||
+      pooled_error(problem, other.best.fit.hypothesis) >
+          thresholds::parameters_replace_error * pooled_error(problem, effects_alone.fit.hypothesis)) {
+    return std::nullopt;
+  }
+  other.freed = start.freed;
+  return BesideFreed{std::move(other), to_beat - value};
+}
+
+/// (3) of suspect_parameters.hpp: the best of what is found beside each of these. nullopt: effects alone are better;
+/// the problem weights residuals for what is returned.
+std::optional<SearchResult> search_beside_each(IdentificationProblem& problem, const SearchSpace& space,
+                                               const ParameterSearch& search_for, const ProgressCallback& progress,
+                                               const FreedInstead& instead, const SearchResult& found) {
+  std::vector<FreedModel> starts = instead.singles;
+  if (instead.best.freed.size() > 1) starts.push_back(instead.best);
+  std::optional<BesideFreed> best;
+  for (const FreedModel& start : starts) {
+    std::optional<BesideFreed> other = search_beside(problem, space, search_for, progress, start, found);
+    if (other && (!best || other->advantage > best->advantage)) best = std::move(other);
+  }
+  problem.update_input_noise(best ? best->result.best.fit.hypothesis : found.best.fit.hypothesis);
+  if (!best) return std::nullopt;
+  return std::move(best->result);
+}
+
 /// (1) to (3) of suspect_parameters.hpp. true: `found` has become the better model.
 bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
                       SearchResult& found) {
@@ -281,75 +409,31 @@ bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, 
   if (clean && !has_faults && alone - found.best.fit.chi_squared <= search_for.price(1)) return false;
   if (progress) progress(0.92, "parameters off", found.simulations, found.candidates);
 
-  CandidateModel model;
-  double tied = 0.0;
-  std::vector<FreeParameter> freed;
-  // Without the recordings' faults first: a parameter that is off may look like one.
-  for (const bool with_faults : {false, true}) {
-    if (with_faults && (!has_faults || search_for.leaves_noise(model))) break;
-    Hypothesis start = found.nothing.fit.hypothesis;
-    if (with_faults) start.faults = found.best.faults();
-    std::vector<firmware::PlacedEffect> seen;  // what the values themselves show needs no other cause
-    for (const firmware::PlacedEffect& effect : found.best.effects) {
-      if (!search_for.is_seen(effect)) continue;
-      firmware::put_effect(start.rig, effect);
-      if (effect.channel)
-        start.clocks[index(*effect.channel)] = found.best.fit.hypothesis.clocks[index(*effect.channel)];
-      seen.push_back(effect);
-    }
-    freed.clear();
-    model = search_for.fitted(start, {}, seen);
-    tied = model.fit.chi_squared;
-    // Beside clean effects, parameters must explain as much as these; else as much as an effect must.
-    const double share = clean ? 0.5 * (tied - found.best.fit.chi_squared)
-                               : criterion.first_share * std::max(beyond_noise(model.fit), 0.0);
-    while (freed.size() < thresholds::most_freed && !search_for.leaves_noise(model)) {
-      const double least = freed.empty() ? share : criterion.later_share * beyond_noise(model.fit);
-      if (!search_for.free_one_more(model, freed, least)) break;
-    }
-  }
+  const FreedInstead instead = free_instead_of_effects(search_for, found, clean);
   found.simulations += search_for.simulations();
   found.candidates += search_for.candidates();
-  if (freed.empty()) return false;
+  if (instead.best.freed.empty()) return false;
 
   SearchResult other;
-  other.best = model;
-  other.scales = found.scales;
-  const bool explains = search_for.leaves_noise(model);
-  if (!explains && clean) return false;
-  const bool helps =
-      tied - model.fit.chi_squared > criterion.later_share * (tied - static_cast<double>(model.fit.residual.size()));
-  if (!explains) {
-    if (!helps) return false;
-    SearchSpace space_of_freed = untied(space, freed);
-    space_of_freed.given = model.fit.hypothesis;
-    const SearchOptions options{{}, true, progress};
-    other = search(problem, space_of_freed, options);
-    // Compared under the weights of that search; without a replacement those of the effects alone come back, since
-    // their rivals were rated under them.
-    const CandidateModel effects_alone = ModelFitter::refitted_in(problem, space, criterion, found.best);
-    const double to_beat = effects_alone.penalised_chi_squared(criterion) - search_for.price(freed.size());
-    // Leaving out its effects could save no more than their price.
-    const bool may_replace = other.best.fit.chi_squared < to_beat;
-    if (may_replace) compare(problem, space_of_freed, options, other);
-    const bool replaces =
-        may_replace && other.best.penalised_chi_squared(criterion) < to_beat &&
-        pooled_error(problem, other.best.fit.hypothesis) <=
-            thresholds::parameters_replace_error * pooled_error(problem, effects_alone.fit.hypothesis);
-    if (!replaces) {
-      problem.update_input_noise(found.best.fit.hypothesis);
-      return false;
-    }
-  } else if (model.penalised_chi_squared(criterion) + search_for.price(freed.size()) >= alone) {
-    return false;
+  if (search_for.leaves_noise(instead.best.model)) {
+    if (search_for.value(instead.best) >= alone) return false;
+    other.best = instead.best.model;
+    other.freed = instead.best.freed;
+    other.scales = found.scales;
+  } else {
+    const double tied = instead.tied.fit.chi_squared;
+    const double noise = static_cast<double>(instead.tied.fit.residual.size());
+    const bool helps = tied - instead.best.model.fit.chi_squared > criterion.later_share * (tied - noise);
+    if (clean || !helps) return false;
+    auto beside = search_beside_each(problem, space, search_for, progress, instead, found);
+    if (!beside) return false;
+    other = std::move(*beside);
   }
   other.rivals.resize(other.best.effects.size());
   other.gains.resize(other.best.effects.size());
   if (other.faults.empty()) other.faults = found.faults;
   other.faults.resize(other.best.faults().size());
-  other.freed = std::move(freed);
   other.nothing = std::move(found.nothing);
-  other.remarks = std::move(found.remarks);
   other.simulations += found.simulations;
   other.candidates += found.candidates;
   found = std::move(other);

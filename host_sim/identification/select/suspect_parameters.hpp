@@ -19,11 +19,13 @@ namespace host_sim::identification {
 ///   1  the parameter whose linear gain is largest is freed and fitted, then the next beside it, as long as (1) falls
 ///      and each explains the share of an effect
 ///   2  where effects alone leave nothing but noise, the parameters replace them only if (1) is lower
-///   3  where they do not: effects are searched for beside the freed parameters; the result replaces the effects alone
+///   3  where they do not: effects are searched for beside the freed parameters, and beside each suspect alone that
+///      explains nearly as much as the first (thresholds::equal_suspects); the best result replaces the effects alone
 ///      if (1) is lower and the error on the recordings falls by thresholds::parameters_replace_error
 ///   4  of the better one, a parameter that is not worth its price is bound again, one is freed if more than noise is
 ///      left, and one effect or drift after the other is left out, with a parameter in its place where that costs too
-///      much
+///      much; an effect that is a limit of its law does what a parameter does, which takes its place where the two
+///      cannot be told apart (thresholds::at_the_limit, tie)
 ///
 /// Holds that the values themselves show stay in all of these.
 ///

@@ -52,6 +52,9 @@ inline constexpr double second_start = 0.3;
 /// must explain to be. The others are further away than a few steps would bring them.
 inline constexpr std::size_t near_rivals = 2;
 inline constexpr double rival_explains = 0.3;
+/// Simpler effects of the same part of the rig that are tried in the place of an effect, and the second ones that are
+/// fitted beside each. One part has few: half is the nearest alone, twice are all.
+inline constexpr std::size_t split_effects = 2;
 /// [χ²] A rival that is further away in the fitted windows, three times the held-out ones, cannot come closer in these:
 /// of a rival 200 away they say 67 ± 2√67 more. Half: close calls are judged on the fitted windows alone. Twice: more
 /// simulations for the same names. Derived.
@@ -92,6 +95,13 @@ inline constexpr double imitated_share = 0.06;
 inline constexpr double violation = 9.2;
 /// Parameters that are freed at most, and suspects that are fitted for each.
 inline constexpr std::size_t most_freed = 3, fitted_suspects = 4;
+/// [1] Of what the best suspect explains, the share from which another is tried alone beside effects: beside an effect
+/// that is not there yet, the wrong one of two may explain more. Half: twice the searches. Twice: the best only.
+inline constexpr double equal_suspects = 0.5;
+/// [1] Cosine between what an effect and what a parameter change in the residuals from which the effect is a limit of
+/// its law that the parameter is, too. Derivation: √(1 − 0.99²) = 0.14 of what it changes is left, which an effect of
+/// 20 standard deviations shows; where it does not, the two are no more than a tie (above) apart.
+inline constexpr double at_the_limit = 0.99;
 /// Effects that are tried in the place of each.
 inline constexpr std::size_t suspect_rivals = 4;
 /// [1] Where neither leaves noise alone: error of the recordings with freed parameters, relative to that of effects

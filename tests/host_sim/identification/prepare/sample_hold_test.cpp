@@ -34,6 +34,31 @@ TEST(Renewals, GiveBackPeriodAndPhase) {
   }
 }
 
+// Rows that were not recorded are filled in with straight lines, whose values are no renewals. A renewal inside such a
+// gap shows late; it says nothing of t_0 and P, and has the number of the last turn before it shows.
+TEST(Renewals, PassOverMissingSamples) {
+  const double turn = 4.713;
+  const std::vector<double> whole = held_ramp(2.4, turn, 5000);
+  std::vector<double> samples = whole;
+  std::vector<bool> filled(samples.size(), false);
+  for (std::size_t k = 50; k + 60 < samples.size(); k += 97) {
+    const std::size_t length = 1 + k % 13;
+    for (std::size_t i = 0; i < length; ++i) {
+      filled[k + i] = true;
+      const double share = static_cast<double>(i + 1) / static_cast<double>(length + 1);
+      samples[k + i] = whole[k - 1] + share * (whole[k + length] - whole[k - 1]);
+    }
+  }
+  const auto found = renewals_of(samples, 0.0, filled);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->regular);
+  EXPECT_NEAR(found->period, turn, found->period_slack + 1e-9);
+  EXPECT_LT(found->period_slack, 2.0 / (5000.0 / turn));
+  EXPECT_NEAR(found->first, 2.4, found->slack + found->period_slack * found->turn.back() + 1e-9);
+  // held_ramp() counts its turns from 0, the renewals from the first that is seen, at turn 0.
+  for (std::size_t i = 0; i < found->at.size(); ++i) EXPECT_EQ(found->turn[i], whole[found->at[i]]) << i;
+}
+
 // A channel that is new with every sample is not held; one that is renewed without a period is not regular.
 TEST(Renewals, AreNoneOrIrregularWhereThereIsNoClock) {
   std::vector<double> free(1000);

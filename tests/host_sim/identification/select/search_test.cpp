@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,10 +21,12 @@ using namespace firmware;
 using namespace host_sim;
 using identification::Diagnosis;
 
-/// Ten seconds of a bench with these effects.
-Diagnosis of_bench(std::vector<truth::Effect> effects, std::uint64_t noise_seed) {
+/// Ten seconds of a bench with these effects, and perhaps a law that no catalogue holds.
+Diagnosis of_bench(std::vector<truth::Effect> effects, std::uint64_t noise_seed,
+                   std::map<std::string, double> unknown = {}) {
   truth::Truth truth = truth::draw("none:component_bench", 3);
   truth.effects = std::move(effects);
+  truth.unknown_parameters = std::move(unknown);
   truth.records.resize(1);
   truth.records[0].duration = 10.0;
   truth.records[0].warm = 0.0;
@@ -69,6 +72,23 @@ TEST(Search, NamesTheDriveRatherThanTheRecorder) {
                               [&](const auto& effect) { return effect.effect.entry->name == hidden.name; }))
           << hidden.name << ": " << said;
     }
+  }
+}
+
+// Journey. A machine that lags and is late moves a component whose friction no catalogue holds. Far above noise an
+// overdamped resonance is better than a lag or a delay alone, and what the friction leaves hides the rest of it: both
+// are found in its place. Tolerance: their intervals, which the friction widens.
+TEST(Search, FindsTwoEffectsThatLookLikeOne) {
+  const Diagnosis found =
+      of_bench({{"actuator_lag", "", {{"time_constant", 22e-3}}}, {"actuator_delay", "", {{"delay", 4.5e-3}}}}, 1,
+               {{"bristle", 300.0}, {"bristle_excess", 120.0}, {"bristle_stiffness", 2e5}, {"bristle_velocity", 0.02}});
+  const std::string said = identification::sentence(found);
+  for (const auto& [name, value] : {std::pair("actuator_lag", 22e-3), std::pair("actuator_delay", 4.5e-3)}) {
+    const auto it = std::find_if(found.effects.begin(), found.effects.end(),
+                                 [n = name](const auto& effect) { return effect.effect.entry->name == n; });
+    ASSERT_NE(it, found.effects.end()) << name << ": " << said;
+    EXPECT_LT(it->parameters[0].lower, value) << name << ": " << said;
+    EXPECT_GT(it->parameters[0].upper, value) << name << ": " << said;
   }
 }
 
