@@ -19,7 +19,7 @@ TEST(TransferCalibration, RanksOfTruePriorDrawsAreUniform) {
 // Journey. A rig of tests/truth, which shares no equation with the model, whose body guide rubs: the first rig cannot
 // know that. The prediction does not hold, or the friction is named on the second rig alone.
 TEST(TransferCalibration, AnEffectOfTheSecondRigIsSaid) {
-  const auto one = transfer_calibration::transfer_truth(7041, true, 12.0);
+  const auto one = transfer_calibration::transfer_truth(7041, transfer_calibration::Hidden::second_rig, 12.0);
   ASSERT_EQ(one.failure, "");
   EXPECT_EQ(one.outside, "body_guide_friction");
   EXPECT_TRUE(one.said);
