@@ -153,6 +153,12 @@ truth::Truth second_with(const truth::Truth& first, std::uint64_t seed, Hidden h
   for (const truth::Effect& effect : first.effects) {
     if (transfer::travels("effects." + effect.name + ".")) second.effects.push_back(effect);
   }
+  if (hidden == Hidden::component) {  // a car that is known, so that the bands are those of the component
+    std::erase_if(second.tolerance, [](const auto& entry) { return !of_component(entry.first); });
+    for (auto& [path, value] : second.actual) {
+      if (!of_component(path)) value = second.nominal.at(path);
+    }
+  }
   second.unknown = first.unknown;
   second.unknown_parameters = first.unknown_parameters;
   second.records.resize(1);
@@ -247,7 +253,10 @@ TruthCase transfer_truth(std::uint64_t seed, Hidden hidden, double duration) {
     one.said = !one.holds || std::any_of(found.both.second_only.begin(), found.both.second_only.end(),
                                          [&](const auto& e) { return e.name == one.outside; });
     one.confounded = found.posterior.confounded;
-    one.laws = found.posterior.diagnosed().hypothesis.laws.size();
+    for (const auto& band : found.validation->bands) one.deviation = std::max(one.deviation, band.deviation);
+    for (const auto& effect : found.both.travels) one.travels += (one.travels.empty() ? "" : ", ") + effect.name;
+    const std::size_t laws = found.posterior.diagnosed().hypothesis.laws.size();
+    if (laws > 0) one.travels += (one.travels.empty() ? "" : ", ") + std::to_string(laws) + " learned law";
     one.coverage50_without = one.coverage50;
     one.coverage95_without = one.coverage95;
     if (!found.posterior.discrepancy.any()) return one;

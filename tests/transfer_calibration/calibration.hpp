@@ -34,7 +34,7 @@ struct PriorResult {
 enum class Hidden : unsigned char {
   known,       ///< nothing, or on the first rig an effect of the catalogue
   second_rig,  ///< an effect of the second rig alone, which the first cannot know
-  component,   ///< a law of the component on both rigs that the catalogue does not hold
+  component,   ///< a law of the component on both rigs that the catalogue does not hold; the car is known exactly
 };
 
 /// A hil rig and a quarter car of tests/truth with one component, transferred by the whole of rigtwin transfer.
@@ -46,7 +46,8 @@ struct TruthCase {
   double coverage50_without = 0.0, coverage95_without = 0.0;  ///< without the discrepancy process; draws as they are
   double discrepancy = 0.0;                                   ///< largest share of the force over the bands
   double confounded = 0.0;  ///< largest share of a parameter's variance that stands for it
-  std::size_t laws = 0;     ///< learned on the first rig and carried over
+  double deviation = 0.0;   ///< largest of a band, relative
+  std::string travels;      ///< laws and effects that were learned on the first rig and carried over
   double load = 0.0;        ///< share of the quantities in their 95 % bands
   bool holds = false;       ///< the verdict
   bool said = false;        ///< does not hold, or the effect is named on the second rig

@@ -27,9 +27,10 @@ void print_case(const calibration::TruthCase& one, calibration::Hidden hidden) {
               one.holds ? "holds" : "does not hold");
   if (hidden == calibration::Hidden::component) {
     std::printf(
-        "; %zu laws learned, discrepancy up to %.1f %% of the force, %.2f of a parameter's variance; without "
-        "the process 50 %% %.2f, 95 %% %.2f",
-        one.laws, 100.0 * one.discrepancy, one.confounded, one.coverage50_without, one.coverage95_without);
+        "; carried over: %s; a band off by %.1f %% at most; discrepancy up to %.1f %% of the force, %.2f of a "
+        "parameter's variance; without the process 50 %% %.2f, 95 %% %.2f",
+        one.travels.empty() ? "nothing" : one.travels.c_str(), 100.0 * one.deviation, 100.0 * one.discrepancy,
+        one.confounded, one.coverage50_without, one.coverage95_without);
   }
   std::printf("\n");
   std::fflush(stdout);
