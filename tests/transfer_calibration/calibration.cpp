@@ -9,6 +9,7 @@
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/transfer/common/statistics.hpp"
+#include "host_sim/transfer/common/thresholds.hpp"
 #include "host_sim/transfer/posterior/component_part.hpp"
 #include "host_sim/transfer/transfer.hpp"
 #include "tests/truth/truth.hpp"
@@ -127,10 +128,11 @@ std::map<std::string, double> one_of_prior(std::uint64_t seed) {
 bool of_component(const std::string& path) { return path.starts_with("suspension.") || path.starts_with("fdva."); }
 
 /// The second rig of tests/truth with the component of the first.
-truth::Truth second_with(const truth::Truth& first, std::uint64_t seed, bool outside, const truth::Wanted& wanted) {
-  const std::string group = outside ? (seed / 10 % 2 == 0 ? "single:quarter_car:body_guide_friction"
-                                                          : "single:quarter_car:force_sensor_inertia")
-                                    : "none:quarter_car";
+truth::Truth second_with(const truth::Truth& first, std::uint64_t seed, Hidden hidden, const truth::Wanted& wanted) {
+  const std::string group =
+      hidden == Hidden::second_rig
+          ? (seed / 10 % 2 == 0 ? "single:quarter_car:body_guide_friction" : "single:quarter_car:force_sensor_inertia")
+          : "none:quarter_car";
   truth::Truth second = truth::draw(group, seed, wanted);
   second.fdva = first.fdva;
   for (auto* map : {&second.nominal, &second.actual, &second.tolerance}) {
@@ -151,8 +153,30 @@ truth::Truth second_with(const truth::Truth& first, std::uint64_t seed, bool out
   for (const truth::Effect& effect : first.effects) {
     if (transfer::travels("effects." + effect.name + ".")) second.effects.push_back(effect);
   }
+  if (hidden == Hidden::component) {  // a car that is known, so that the bands are those of the component
+    std::erase_if(second.tolerance, [](const auto& entry) { return !of_component(entry.first); });
+    for (auto& [path, value] : second.actual) {
+      if (!of_component(path)) value = second.nominal.at(path);
+    }
+  }
+  second.unknown = first.unknown;
+  second.unknown_parameters = first.unknown_parameters;
   second.records.resize(1);
   return second;
+}
+
+/// The first rig; its seed says what hides in it.
+truth::Truth first_with(std::uint64_t seed, Hidden hidden, const truth::Wanted& wanted) {
+  constexpr std::array<const char*, 3> known{"none:hil", "single:hil:actuator_delay", "single:hil:coulomb_friction"};
+  constexpr std::array<const char*, 12> laws{
+      "law:hil:power_law_low",  "law:hil:power_law_high",     "law:hil:smooth_friction",
+      "law:hil:lugre_friction", "law:hil:stribeck_friction",  "law:hil:cubic_damping",
+      "law:hil:hysteresis",     "law:hil:leaf_friction",      "law:hil:lopsided_spring",
+      "law:hil:blow_off",       "unknown:hil:stroke_damping", "unknown:hil:parasitic_mass"};
+  const char* const group = hidden == Hidden::component ? laws[seed / 10 % laws.size()] : known[seed % known.size()];
+  truth::Truth first = truth::draw(group, seed, wanted);
+  first.records.resize(1);
+  return first;
 }
 
 std::vector<id::Record> records_of(const truth::Truth& truth, const char* name) {
@@ -194,18 +218,17 @@ PriorResult calibrate_on_prior(std::size_t rigs, std::uint64_t seed) {
   return result;
 }
 
-TruthCase transfer_truth(std::uint64_t seed, bool outside, double duration) {
+TruthCase transfer_truth(std::uint64_t seed, Hidden hidden, double duration) {
   TruthCase one;
   one.seed = seed;
   try {
     truth::Wanted wanted;
     wanted.duration = duration;
     wanted.sample_rate = 1000.0;
-    constexpr std::array<const char*, 3> hidden{"none:hil", "single:hil:actuator_delay", "single:hil:coulomb_friction"};
-    truth::Truth first = truth::draw(hidden[seed % hidden.size()], seed, wanted);
-    first.records.resize(1);
-    const truth::Truth second = second_with(first, seed + 1, outside, wanted);
-    if (outside) one.outside = second.effects.front().name;
+    const truth::Truth first = first_with(seed, hidden, wanted);
+    const truth::Truth second = second_with(first, seed + 1, hidden, wanted);
+    if (hidden == Hidden::second_rig) one.outside = second.effects.front().name;
+    if (hidden == Hidden::component) one.outside = first.unknown;
     transfer::TransferInput input;
     input.from = firmware::parse_rig(truth::rig_toml(first), "first.toml");
     input.to = firmware::parse_rig(truth::rig_toml(second), "second.toml");
@@ -213,7 +236,8 @@ TruthCase transfer_truth(std::uint64_t seed, bool outside, double duration) {
     input.second = records_of(second, "second.csv");
     input.draws = 800;
     input.seed = seed;
-    const transfer::Transfer found = transfer::transfer_component(std::move(input));
+    const firmware::RigDescription from = input.from;
+    transfer::Transfer found = transfer::transfer_component(std::move(input));
     one.coverage50 = found.validation->coverage50;
     one.coverage95 = found.validation->coverage95;
     double inside = 0.0, count = 0.0;
@@ -228,6 +252,24 @@ TruthCase transfer_truth(std::uint64_t seed, bool outside, double duration) {
     one.holds = found.holds();
     one.said = !one.holds || std::any_of(found.both.second_only.begin(), found.both.second_only.end(),
                                          [&](const auto& e) { return e.name == one.outside; });
+    one.confounded = found.posterior.confounded;
+    for (const auto& band : found.validation->bands) one.deviation = std::max(one.deviation, band.deviation);
+    for (const auto& effect : found.both.travels) one.travels += (one.travels.empty() ? "" : ", ") + effect.name;
+    const std::size_t laws = found.posterior.diagnosed().hypothesis.laws.size();
+    if (laws > 0) one.travels += (one.travels.empty() ? "" : ", ") + std::to_string(laws) + " learned law";
+    one.coverage50_without = one.coverage50;
+    one.coverage95_without = one.coverage95;
+    if (!found.posterior.discrepancy.any()) return one;
+    for (const auto& band : found.posterior.discrepancy.bands) {
+      one.discrepancy = std::max(one.discrepancy, band.relative);
+    }
+    found.posterior.discrepancy.bands.clear();
+    const transfer::Validation without = transfer::validate(
+        transfer::predict_second_rig(from, found.posterior, found.second, seed, transfer::thresholds::predictive_draws,
+                                     transfer::thresholds::source_draws),
+        found.second);
+    one.coverage50_without = without.coverage50;
+    one.coverage95_without = without.coverage95;
   } catch (const std::exception& error) {
     one.failure = error.what();
   }

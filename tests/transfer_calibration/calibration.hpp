@@ -30,16 +30,28 @@ struct PriorResult {
 };
 [[nodiscard]] PriorResult calibrate_on_prior(std::size_t rigs, std::uint64_t seed);
 
+/// What hides in a pair of rigs of tests/truth beside what both descriptions say.
+enum class Hidden : unsigned char {
+  known,       ///< nothing, or on the first rig an effect of the catalogue
+  second_rig,  ///< an effect of the second rig alone, which the first cannot know
+  component,   ///< a law of the component on both rigs that the catalogue does not hold; the car is known exactly
+};
+
 /// A hil rig and a quarter car of tests/truth with one component, transferred by the whole of rigtwin transfer.
 struct TruthCase {
   std::uint64_t seed = 0;
-  std::string outside;  ///< effect of the second rig that the first cannot know; empty: none
+  std::string outside;  ///< effect of the second rig alone, or law of the component; empty: none
   std::string failure;  ///< why there is no result
   double coverage50 = 0.0, coverage95 = 0.0;
-  double load = 0.0;   ///< share of the quantities in their 95 % bands
-  bool holds = false;  ///< the verdict
-  bool said = false;   ///< does not hold, or the effect is named on the second rig
+  double coverage50_without = 0.0, coverage95_without = 0.0;  ///< without the discrepancy process; draws as they are
+  double discrepancy = 0.0;                                   ///< largest share of the force over the bands
+  double confounded = 0.0;  ///< largest share of a parameter's variance that stands for it
+  double deviation = 0.0;   ///< largest of a band, relative
+  std::string travels;      ///< laws and effects that were learned on the first rig and carried over
+  double load = 0.0;        ///< share of the quantities in their 95 % bands
+  bool holds = false;       ///< the verdict
+  bool said = false;        ///< does not hold, or the effect is named on the second rig
 };
-[[nodiscard]] TruthCase transfer_truth(std::uint64_t seed, bool outside, double duration);
+[[nodiscard]] TruthCase transfer_truth(std::uint64_t seed, Hidden hidden, double duration);
 
 }  // namespace transfer_calibration

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "firmware/simulation/gaussian.hpp"
@@ -73,67 +74,109 @@ std::vector<Outcome> outcomes_of(const SecondRig& second, const std::vector<Rig>
 
 bool is_finite(const Outcome& outcome) { return std::isfinite(outcome.quantity[0]); }
 
-/// G_y F_s/z_r by a probe: noise of the actuator force that acts beside the component.
-std::array<std::vector<Complex>, 2> force_effect_of(const SecondRig& second, const Rig& rig, const Outcome& centre) {
-  SecondRig probed = second;
+/// Response and spectrum of the stroke, which an Outcome does not have: as the second response of the result.
+Outcome stroke_of(const Analysis& analysis, std::vector<Response> runs) {
+  for (Response& run : runs) run[index(model::Channel::zdd_b)] = run[index(model::Channel::dz_b)];
+  return analysis.of(runs);
+}
+
+/// A force that acts beside the component, with a corner of 30 Hz that keeps it where the lines are; one for each
+/// drive.
+std::vector<std::vector<double>> probe_forces(const SecondRig& second, double size) {
   Dice dice(1, 81);
-  std::vector<std::vector<double>> probes;
-  const double size = 0.1 * rig.suspension.stiffness * std::max(centre.quantity[4], 1e-6);
-  for (auto& drive : probed.drives) {
+  std::vector<std::vector<double>> forces;
+  for (const auto& drive : second.drives) {
     std::vector<double> force(drive.input.size());
-    double slow = 0.0;  // a corner of 30 Hz keeps the probe where the lines are
-    const double share = std::min(1.0, 2.0 * 3.141592653589793 * 30.0 * drive.input.period);
+    double slow = 0.0;
+    const double share = std::min(1.0, 2.0 * std::numbers::pi * 30.0 * drive.input.period);
     for (double& f : force) f = slow += share * (size * dice.normal() / std::sqrt(share) - slow);
-    probes.push_back(force);
-    if (drive.input.actuator_force.empty()) drive.input.actuator_force.assign(force.size(), 0.0);
-    for (std::size_t k = 0; k < force.size(); ++k) drive.input.actuator_force[k] += force[k];
+    forces.push_back(std::move(force));
   }
-  const auto with = probed.run({rig}).front(), without = second.run({rig}).front();
-  std::vector<Response> differences = with;
-  for (std::size_t d = 0; d < with.size(); ++d) {
+  return forces;
+}
+
+/// (1), (2): G_y by a probe of the actuator force. `own_damping`: of the second rig beside the component.
+ForceEffect force_effect_of(const SecondRig& second, const Rig& rig, double own_damping, const Outcome& centre) {
+  const auto probes =
+      probe_forces(second, 0.1 * rig.suspension.stiffness *
+                               std::max(centre.quantity[static_cast<std::size_t>(Quantity::rms_dz_b)], 1e-6));
+  SecondRig probed = second;
+  for (std::size_t d = 0; d < probed.drives.size(); ++d) {
+    std::vector<double>& force = probed.drives[d].input.actuator_force;
+    if (force.empty()) force.assign(probes[d].size(), 0.0);
+    for (std::size_t k = 0; k < force.size(); ++k) force[k] += probes[d][k];
+  }
+  const auto without = second.run({rig}).front();
+  std::vector<Response> differences = probed.run({rig}).front();
+  for (std::size_t d = 0; d < differences.size(); ++d) {
     for (const model::Channel channel : outcome_channels) {
       auto& values = differences[d][index(channel)];
       for (std::size_t k = 0; k < values.size(); ++k) values[k] -= without[d][index(channel)][k];
     }
   }
   const Analysis analysis(probes, 1.0 / second.drives.front().input.period, 1.0);
-  const Outcome gains = analysis.of(differences);
-  std::array<std::vector<Complex>, 2> effect;
-  for (std::size_t i = 0; i < 2; ++i) {
-    for (std::size_t k = 0; k < centre.response[1].size(); ++k) {
-      effect[i].push_back(gains.response[i][k] * rig.body.mass * centre.response[1][k]);
-    }
+  const Outcome gains = analysis.of(differences), stroke_gain = stroke_of(analysis, differences),
+                stroke = stroke_of(*second.analysis, without);
+  ForceEffect effect;
+  effect.stroke_density = stroke.density[1];
+  for (std::size_t k = 0; k < stroke.response[1].size(); ++k) {
+    const Complex velocity =
+        Complex(0.0, 2.0 * std::numbers::pi * second.analysis->frequencies()[k]) * stroke.response[1][k];
+    const Complex force = rig.body.mass * centre.response[1][k] - own_damping * velocity;
+    for (std::size_t i = 0; i < 2; ++i) effect.response[i].push_back(gains.response[i][k] * force);
+    effect.stroke.push_back(stroke_gain.response[1][k] * force / stroke.response[1][k]);
   }
   return effect;
 }
 
-/// (1)–(3), and the error of the simulation.
-void add_discrepancy(const Discrepancy& discrepancy, const Analysis& analysis,
-                     const std::array<std::vector<Complex>, 2>& effect, Dice& dice, Outcome& outcome) {
+/// √(Σ S |factor|² ÷ Σ S): what lines that change make of an rms value.
+class ChangeOfRms {
+ public:
+  void add(double density, Complex factor) {
+    before_ += density;
+    after_ += density * std::norm(factor);
+  }
+  [[nodiscard]] double ratio() const { return before_ > 0.0 ? std::sqrt(after_ / before_) : 1.0; }
+
+ private:
+  double before_ = 0.0, after_ = 0.0;
+};
+
+/// (1)–(3).
+void add_discrepancy(const Discrepancy& discrepancy, const Analysis& analysis, const ForceEffect& effect, Dice& dice,
+                     Outcome& outcome) {
   std::vector<Complex> delta;
   for (const auto& band : discrepancy.bands) delta.push_back(band.relative * dice.complex_normal());
-  for (std::size_t i = 0; i < 2; ++i) {
-    double before = 0.0, after = 0.0;
-    for (std::size_t k = 0; k < outcome.response[i].size(); ++k) {
-      const double f = analysis.frequencies()[k];
-      Complex own = 0.0;
-      for (std::size_t b = 0; b < delta.size(); ++b) {
-        if (f >= discrepancy.bands[b].lowest && f < discrepancy.bands[b].highest) own = delta[b];
-      }
-      const Complex factor = 1.0 + own * effect[i][k] / outcome.response[i][k];
-      before += outcome.density[i][k];
-      outcome.response[i][k] *= factor;
-      outcome.density[i][k] *= std::norm(factor);
-      after += outcome.density[i][k];
+  const auto delta_at = [&](double frequency) {
+    for (std::size_t b = 0; b < delta.size(); ++b) {
+      if (frequency >= discrepancy.bands[b].lowest && frequency < discrepancy.bands[b].highest) return delta[b];
     }
-    const double ratio = before > 0.0 ? std::sqrt(after / before) : 1.0;
-    for (std::size_t q = 0; q < quantity_count; ++q) {
-      if (quantity_channel[q] == response_channel[i]) outcome.quantity[q] *= ratio;
+    return Complex(0.0);
+  };
+  ChangeOfRms load, body, weighted, stroke;
+  for (std::size_t k = 0; k < analysis.frequencies().size(); ++k) {
+    const double f = analysis.frequencies()[k];
+    const Complex own = delta_at(f);
+    std::array<Complex, 2> factor;
+    for (std::size_t i = 0; i < 2; ++i) {
+      factor[i] = 1.0 + own * effect.response[i][k] / outcome.response[i][k];
+      outcome.response[i][k] *= factor[i];
     }
-    // The stroke follows the body's force balance in the same bands.
-    if (i == 1) outcome.quantity[4] *= ratio;
-    if (i == 1) outcome.quantity[5] *= ratio;
+    load.add(outcome.density[0][k], factor[0]);
+    body.add(outcome.density[1][k], factor[1]);
+    weighted.add(std::pow(vertical_weighting(f), 2) * outcome.density[1][k], factor[1]);
+    stroke.add(effect.stroke_density[k], 1.0 + own * effect.stroke[k]);
+    for (std::size_t i = 0; i < 2; ++i) outcome.density[i][k] *= std::norm(factor[i]);
   }
+  const auto scale = [&](Quantity quantity, const ChangeOfRms& change) {
+    outcome.quantity[static_cast<std::size_t>(quantity)] *= change.ratio();
+  };
+  scale(Quantity::rms_F_w, load);
+  scale(Quantity::dynamic_load_coefficient, load);
+  scale(Quantity::rms_zdd_b, body);
+  scale(Quantity::weighted_zdd_b, weighted);
+  scale(Quantity::rms_dz_b, stroke);
+  scale(Quantity::peak_dz_b, stroke);
 }
 
 void add_simulation_error(Dice& dice, Outcome& outcome) {
@@ -287,7 +330,8 @@ Prediction predict_second_rig(const firmware::RigDescription& from, const Poster
   const Rig centre_rig = with_component(to.rig, from.rig, diagnosed.hypothesis);
   Prediction prediction;
   prediction.centre = outcomes_of(second, {centre_rig}).front();
-  prediction.force_effect = force_effect_of(second, centre_rig, prediction.centre);
+  prediction.force_effect =
+      force_effect_of(second, centre_rig, to.rig.suspension.damping - from.rig.suspension.damping, prediction.centre);
   Dice dice(seed, 82);
   const auto disturb = [&](Outcome& outcome) {
     if (posterior.discrepancy.any()) {

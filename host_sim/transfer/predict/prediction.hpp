@@ -20,14 +20,23 @@ inline constexpr std::array<std::string_view, source_count> source_names{"compon
 /// Shares of a variance, which sum up to 1; all 0 where there is none.
 using Budget = std::array<double, source_count>;
 
+/// What an extra force of the component changes on the second rig, as a share of the force it has: Prediction (1), (2).
+struct ForceEffect {
+  std::array<std::vector<std::complex<double>>, 2> response;  ///< G_y F_s/z_r, by line
+  std::vector<std::complex<double>> stroke;                   ///< of dz_b, ÷ its own response: a relative change
+  std::vector<double> stroke_density;                         ///< S of dz_b [m²/Hz]
+};
+
 /// Predictive draws. In each of them
 ///
 ///   component      a model with its probability, a draw of its posterior; put into the rig by with_component()
 ///   rig            the second rig's own tolerated parameters, uniform within their tolerances
 ///   discrepancy    δ_b, complex normal for each band:
 ///                    (1)  H_y ← H_y + G_y δ_b F_s/z_r     G_y: response of y to an extra force of the component
-///                    (F_act) (2)  F_s/z_r = m_b z̈_b/z_r           what accelerates the body (3)  S_y ← S_y |1 +
-///                    ΔH/H|²,  rms² by the change of the integral of S_y
+///                    (2)  F_s/z_r = m_b z̈_b/z_r − iω b_own dz_b/z_r   what accelerates the body, without the second
+///                                                                     rig's own damper b_own = b_to − b_from
+///                    (3)  S_y ← S_y |1 + ΔH_y/H_y|², rms² in proportion to ∫ S_y df; of the weighted acceleration to
+///                         ∫ W_k² S_y df
 ///   simulation     each line of H times 1 + thresholds::simulation_error z
 ///   noise          a line of H gets complex noise of variance S_n/(S_zz K), a spectrum S_n and what scatters of it,
 ///                  rms² the noise's variance
@@ -38,8 +47,8 @@ struct Prediction {
   Outcome centre;              ///< diagnosed model at its mode, second rig as described
   std::vector<Outcome> draws;  ///< of all sources together
   std::array<Budget, quantity_count> budget{};
-  std::array<std::vector<Budget>, 2> response_budget;             ///< of |H|, by line
-  std::array<std::vector<std::complex<double>>, 2> force_effect;  ///< G_y F_s/z_r, by line
+  std::array<std::vector<Budget>, 2> response_budget;  ///< of |H|, by line
+  ForceEffect force_effect;                            ///< of (1), (2) at the centre
 
   [[nodiscard]] Bands quantity(Quantity which) const;
   [[nodiscard]] std::vector<Bands> response(std::size_t which) const;  ///< of |H|, by line

@@ -42,6 +42,13 @@ std::string lines_text(const Validation& v) {
          figure_text(100.0 * v.coverage50, 3) + " % in the 50 % band";
 }
 
+/// Significant digits that tell the ends of an interval apart: two of its width, four at least.
+int digits_of(const LearnedValue& value) {
+  const double width = value.upper - value.lower;
+  if (!(width > 0.0) || !(std::abs(value.value) > 0.0)) return 4;
+  return std::clamp(static_cast<int>(std::ceil(std::log10(std::abs(value.value) / width))) + 2, 4, 8);
+}
+
 std::string prediction_text(const Transfer& t) {
   const Bands load = t.prediction.quantity(Quantity::rms_F_w);
   const Budget& budget = t.prediction.budget[0];
@@ -72,9 +79,10 @@ std::string words(const OwnedEffect& effect) {
   std::string text = effect.words.empty() ? effect.name : effect.words;
   std::string values;
   for (const LearnedValue& value : effect.parameters) {
-    values += (values.empty() ? "" : "; ") + value.path + " = " + figure_text(value.value, 4) +
-              (value.unit.empty() || value.unit == "1" ? "" : " " + value.unit) + ", " + figure_text(value.lower, 4) +
-              " … " + figure_text(value.upper, 4);
+    const int digits = digits_of(value);
+    values += (values.empty() ? "" : "; ") + value.path + " = " + figure_text(value.value, digits) +
+              (value.unit.empty() || value.unit == "1" ? "" : " " + value.unit) + ", " +
+              figure_text(value.lower, digits) + " … " + figure_text(value.upper, digits);
   }
   return values.empty() ? text : text + " (" + values + ")";
 }

@@ -39,10 +39,6 @@ bool is_positive(const FreeParameter& parameter) {
   return parameter.logarithmic || parameter.role == FreeParameter::Role::tolerated;
 }
 
-/// In the scale of (1): value and standard deviation.
-struct Estimate {
-  double value, deviation;
-};
 Estimate estimate_of(const ComponentModel& model, std::size_t i, bool logarithm) {
   const auto k = static_cast<Eigen::Index>(i);
   const FreeParameter& p = model.parameters[i];
@@ -62,6 +58,22 @@ bool holds(const std::vector<OwnedEffect>& list, const std::string& name) {
 }
 
 }  // namespace
+
+SharedValue shared_value(const std::string& path, const std::string& unit, Estimate first, Estimate second,
+                         bool logarithm) {
+  const double a = 1.0 / std::max(first.deviation * first.deviation, 1e-300),
+               b = 1.0 / std::max(second.deviation * second.deviation, 1e-300);
+  SharedValue shared;
+  shared.path = path;
+  shared.unit = unit;
+  shared.first = in_words(path, unit, first, logarithm);
+  shared.second = in_words(path, unit, second, logarithm);
+  shared.pooled =
+      in_words(path, unit, {(a * first.value + b * second.value) / (a + b), 1.0 / std::sqrt(a + b)}, logarithm);
+  shared.z = (first.value - second.value) / std::sqrt(1.0 / a + 1.0 / b);
+  shared.equal = std::abs(shared.z) < thresholds::equal_within;
+  return shared;
+}
 
 BothRigs sort_effects(const identification::Identified& first, const Posterior& posterior) {
   BothRigs both;
@@ -119,20 +131,11 @@ void compare_with_second(const identification::Identified& second, const Posteri
       if (b.parameters[j].path != a.parameters[i].path || a.parameters[i].path == "suspension.damping") continue;
       const bool logarithm = is_positive(a.parameters[i]);
       const Estimate x = estimate_of(a, i, logarithm), y = estimate_of(b, j, logarithm);
-      const double wx = 1.0 / std::max(x.deviation * x.deviation, 1e-300),
-                   wy = 1.0 / std::max(y.deviation * y.deviation, 1e-300);
-      SharedValue shared;
-      shared.path = a.parameters[i].path;
+      std::string unit;
       for (const LearnedValue& learned : posterior.learned) {
-        if (learned.path == shared.path) shared.unit = learned.unit;
+        if (learned.path == a.parameters[i].path) unit = learned.unit;
       }
-      shared.first = in_words(shared.path, shared.unit, x, logarithm);
-      shared.second = in_words(shared.path, shared.unit, y, logarithm);
-      shared.pooled = in_words(shared.path, shared.unit,
-                               {(wx * x.value + wy * y.value) / (wx + wy), 1.0 / std::sqrt(wx + wy)}, logarithm);
-      shared.z = (x.value - y.value) / std::sqrt(1.0 / wx + 1.0 / wy);
-      shared.equal = std::abs(shared.z) < thresholds::equal_within;
-      both.shared.push_back(shared);
+      both.shared.push_back(shared_value(a.parameters[i].path, unit, x, y, logarithm));
     }
   }
 }

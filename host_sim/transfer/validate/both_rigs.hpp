@@ -28,6 +28,14 @@ struct SharedValue {
   bool equal = true;  ///< |z| below thresholds::equal_within
 };
 
+/// A value, or the logarithm of one, and its standard deviation.
+struct Estimate {
+  double value, deviation;
+};
+/// `logarithm`: the estimates are those of logarithms.
+[[nodiscard]] SharedValue shared_value(const std::string& path, const std::string& unit, Estimate first,
+                                       Estimate second, bool logarithm);
+
 struct BothRigs {
   std::vector<OwnedEffect> travels;                   ///< component effects that the first rig shows
   std::vector<OwnedEffect> stays;                     ///< its own

@@ -66,7 +66,8 @@ BandCheck check_band(const Prediction& prediction, const SecondRig& second, cons
     for (const Outcome& o : prediction.draws) magnitudes.push_back(std::abs(o.response[response][k]));
     const Bands bands = bands_of(std::move(magnitudes));
     width += std::pow(0.5 * (bands.high95 - bands.low95), 2);
-    const Complex e = prediction.force_effect[response].empty() ? 0.0 : prediction.force_effect[response][k];
+    const auto& effects = prediction.force_effect.response[response];
+    const Complex e = effects.empty() ? 0.0 : effects[k];
     force += std::conj(e) * d;
     effect += std::norm(e);
   }

@@ -120,6 +120,11 @@ TEST(TransferCommand, PredictsOverARoadAndRefusesInOneLine) {
 
   std::filesystem::remove_all(paper.folder / "out");
   paper.folder.write("other.toml", with(rig_text("paper_rig_fdva"), "oil_viscosity = 32e-6", "oil_viscosity = 40e-6"));
+  paper.folder.write("empty.csv", "");
+  paper.folder.write("header.csv", "t,x_cmd,F\n");
+  std::string no_numbers = "t,z_r,x_cmd,x_act,F\n";
+  for (int k = 0; k < 4000; ++k) no_numbers += std::to_string(0.001 * k) + ",nan,nan,nan,nan\n";
+  paper.folder.write("no_numbers.csv", no_numbers);
   struct Wrong {
     std::vector<std::string> options;
     int status;
@@ -129,9 +134,17 @@ TEST(TransferCommand, PredictsOverARoadAndRefusesInOneLine) {
                                {{"--to", paper.at("hil.toml")}, 3, "kind is hil"},
                                {{"--data", paper.at("car.csv")}, 3, "car.csv"},
                                {{"--measured", paper.at("hil.csv")}, 3, "hil.csv"},
+                               {{"--from", paper.at("nowhere.toml")}, 3, "nowhere.toml"},
+                               {{"--data", paper.at("nowhere.csv")}, 3, "nowhere.csv"},
+                               {{"--data", paper.at("empty.csv")}, 3, "empty.csv: the file is empty"},
+                               {{"--data", paper.at("header.csv")}, 3, "header.csv"},
+                               {{"--data", paper.at("no_numbers.csv")}, 3, "no_numbers.csv:2"},
+                               {{"--measured", paper.at("empty.csv")}, 3, "empty.csv: the file is empty"},
+                               {{"--road", paper.at("nowhere.csv")}, 3, "nowhere.csv"},
                                {{"--draws", "10"}, 2, "--draws"},
                                {{"--road", "iso8608:Q"}, 2, "Q"},
-                               {{"--out", "/dev/null/x"}, 4, "/dev/null/x"}};
+                               {{"--out", "/dev/null/x"}, 4, "/dev/null/x"},
+                               {{"--out", paper.at("hil.csv")}, 4, "is not a folder"}};
   for (const Wrong& wrong : all) {
     std::vector<std::string> words{"transfer", "--draws", "400"};
     const auto add = [&](const std::string& option, const std::string& value) {
