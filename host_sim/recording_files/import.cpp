@@ -58,8 +58,8 @@ std::string toml_number(double value) {
 }
 
 std::string entry_line(const std::string& quantity, const firmware::ColumnSource& source) {
-  std::string line =
-      quantity + " = { column = " + toml_string(source.column) + ", scale = " + toml_number(source.scale);
+  std::string line = quantity + " = { column = " + toml_string(source.column);
+  if (source.scale) line += ", scale = " + toml_number(*source.scale);
   if (source.offset != 0.0) line += ", offset = " + toml_number(source.offset);
   return line + " }";
 }

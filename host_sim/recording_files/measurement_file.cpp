@@ -12,13 +12,13 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
+#include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/binary/hdf5_leaves.hpp"
 #include "host_sim/recording_files/binary/leaf_table.hpp"
 #include "host_sim/recording_files/binary/tdms_table.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
 #include "host_sim/recording_files/text/text_table.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
 
@@ -53,9 +53,9 @@ bool needs_conversion(const firmware::Heading& heading, std::string_view quantit
                       const firmware::ColumnSource* entry) {
   if (!heading.unit) return false;
   const std::optional<firmware::Quantity> of = firmware::find_quantity(quantity);
-  const std::optional<Unit> unit = find_unit(*heading.unit);
-  if (!of || !unit || unit->dimension != dimension_of(*of) || unit->scale == 1.0) return false;
-  return entry == nullptr || (!entry->scale_given && entry->scale == 1.0);
+  const std::optional<firmware::Unit> unit = firmware::find_unit(*heading.unit);
+  if (!of || !unit || unit->dimension != firmware::dimension_of(*of) || unit->scale == 1.0) return false;
+  return entry == nullptr || !entry->scale;
 }
 
 std::vector<std::string_view> between_commas(std::string_view line) {
