@@ -70,7 +70,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${CMAKE_MATCH_1}")
   add_custom_target(packages
     COMMAND "${CMAKE_CPACK_COMMAND}" --config "${PROJECT_BINARY_DIR}/CPackConfig.cmake" -B "${PROJECT_BINARY_DIR}/packages"
     DEPENDS rigtwin_documents model COMMENT "Debian packages in ${PROJECT_BINARY_DIR}/packages" VERBATIM)
-  foreach(target rigtwin_fmu rig_controller)
+  foreach(target rigtwin_fmu rigtwin_fmu_aarch64 rig_controller)
     if(TARGET ${target})
       add_dependencies(packages ${target})
     endif()

@@ -18,6 +18,7 @@
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/semi_active_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/internet_address.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
 
@@ -194,7 +195,7 @@ bool Session::open_recording() {
 bool Session::open_publisher(const cpu_set_t& cpus) {
   if (options_.publish.empty()) return true;
   std::string trouble;
-  datagrams_ = std::make_unique<DatagramSocket>(parse_publish_address(options_.publish).value(), trouble);
+  datagrams_ = std::make_unique<DatagramSocket>(parse_host_port("--publish", options_.publish), trouble);
   if (!trouble.empty()) {
     std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
     return false;

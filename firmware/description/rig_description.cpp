@@ -161,8 +161,7 @@ void read_sensors(DescriptionTable& top, RigDescription& description) {
       DescriptionTable entry = *channels->table(name);
       ColumnSource column;
       column.column = entry.text("column");
-      entry.optional_number("scale", column.scale);
-      column.scale_given = entry.has("scale");
+      if (entry.has("scale")) column.scale = entry.number("scale");
       entry.optional_number("offset", column.offset);
       if (column.scale == 0.0) entry.fail("scale", entry.path("scale") + " is 0", "a factor other than 0");
       entry.finish();
@@ -288,6 +287,16 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
 
 RigDescription read_rig(const std::filesystem::path& file) {
   return parse_rig(read_small_text(file, "a rig description in TOML"), file.string());
+}
+
+std::vector<std::filesystem::path> referenced_files(const RigDescription& description) {
+  std::vector<std::filesystem::path> files;
+  for (const LawDescription& law : description.laws) {
+    if (law.file.empty()) continue;
+    const std::filesystem::path file = law_file_path(description.source, law.file);
+    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+  }
+  return files;
 }
 
 }  // namespace firmware

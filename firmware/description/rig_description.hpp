@@ -140,6 +140,9 @@ struct ParameterPath {
 /// The same from text; `source` stands for the file in messages.
 [[nodiscard]] RigDescription parse_rig(std::string_view text, std::string_view source);
 
+/// The files that a description names beside itself (tables of laws), as they are opened, each once.
+[[nodiscard]] std::vector<std::filesystem::path> referenced_files(const RigDescription& description);
+
 /// InputError where a rig of devices lacks what makes it safe – stop button, heartbeat, drive enable – and no waiver
 /// says why it may.
 void check_wiring(const RigDescription& description);

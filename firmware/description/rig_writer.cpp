@@ -138,9 +138,9 @@ void write_sensors(Text& out, const RigDescription& description) {
   }
   out.table("channels");
   for (const auto& [key, source] : description.channels) {
-    const bool scaled = source.scale_given || source.scale != 1.0;  // a scale that is written is insisted on
-    out.line(key, "{ column = " + basic_string_of(source.column) + (scaled ? ", scale = " + real(source.scale) : "") +
-                      ", offset = " + real(source.offset) + " }");
+    out.line(key, "{ column = " + basic_string_of(source.column) +
+                      (source.scale ? ", scale = " + real(*source.scale) : "") + ", offset = " + real(source.offset) +
+                      " }");
   }
 }
 

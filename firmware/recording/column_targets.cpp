@@ -2,22 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/units.hpp"
 
 namespace firmware {
 namespace {
-
-// Whether a header's unit is the quantity's SI unit. m/s² is written in many ways; "\xb2" is ² in Latin-1.
-bool is_si_unit(std::string_view written, std::string_view si) {
-  constexpr std::array<std::string_view, 9> acceleration{"m/s²",  "m/s^2",  "m/s2",  "m/s**2", "m/s\xb2",
-                                                         "m s⁻²", "m s^-2", "m·s⁻²", "m*s^-2"};
-  constexpr std::array<std::string_view, 3> none{"–", "-", "1"};
-  if (si == "m/s²") return std::find(acceleration.begin(), acceleration.end(), written) != acceleration.end();
-  if (si.empty()) return std::find(none.begin(), none.end(), written) != none.end();
-  return written == si;
-}
 
 std::string known_quantities() {
   std::string list;
@@ -61,11 +53,33 @@ Heading read_heading(std::string_view text) {
   return heading;
 }
 
+double Target::in_seconds(double stamp, double scale) {
+  const double divisor = std::round(1.0 / scale);
+  return scale < 1.0 && std::abs(scale * divisor - 1.0) < 1e-12 ? stamp / divisor : stamp * scale;
+}
+
+double column_scale(std::optional<double> given, std::string_view unit, Quantity quantity, std::string_view column,
+                    std::string_view source, std::size_t line) {
+  if (given) return *given;
+  if (unit.empty()) return 1.0;
+  const std::optional<Unit> known = find_unit(unit);
+  if (known && known->dimension == dimension_of(quantity)) return known->scale;
+  const std::string_view si = quantity_unit(quantity);
+  throw InputError(
+      source, line,
+      in_quotes(column) + ", taken as " + std::string(quantity_name(quantity)) + ", has the unit " + in_quotes(unit),
+      (si.empty() ? std::string("none (1 open, 0 closed)") : "a unit of " + std::string(si)) +
+          ", or a scale in the rig description's [channels]");
+}
+
 std::vector<std::optional<Target>> find_targets(const std::vector<Heading>& headings, const ChannelMap& map,
                                                 std::string_view source, std::size_t line) {
   std::vector<std::optional<Target>> targets(headings.size());
   enum class Origin { none, by_map, by_own_name };
   std::array<Origin, quantity_count> origin{};
+  const auto scale_of = [&](const Heading& heading, Quantity quantity, std::optional<double> given) {
+    return column_scale(given, heading.unit.value_or(""), quantity, heading.name, source, line);
+  };
 
   for (const auto& [wanted, column] : map) {
     const std::optional<Quantity> q = find_quantity(wanted);
@@ -79,7 +93,7 @@ std::vector<std::optional<Target>> find_targets(const std::vector<Heading>& head
                            std::string(quantity_name(*q)) + " in [channels]",
                        "one channel for each column");
     }
-    targets[*c] = Target{*q, column.scale, column.offset};
+    targets[*c] = Target{*q, scale_of(headings[*c], *q, column.scale), column.offset};
     origin[*q] = Origin::by_map;
   }
 
@@ -90,12 +104,7 @@ std::vector<std::optional<Target>> find_targets(const std::vector<Heading>& head
     if (origin[*q] == Origin::by_own_name) {
       throw InputError(source, line, "two columns are called " + in_quotes(headings[c].name), "one");
     }
-    if (headings[c].unit && !is_si_unit(*headings[c].unit, quantity_unit(*q))) {
-      const std::string_view si = quantity_unit(*q).empty() ? "none (1 open, 0 closed)" : quantity_unit(*q);
-      throw InputError(source, line, headings[c].name + " has the unit " + in_quotes(*headings[c].unit),
-                       std::string(si) + ", or a scale in the rig description's [channels]");
-    }
-    targets[c] = Target{*q};
+    targets[c] = Target{*q, scale_of(headings[c], *q, std::nullopt)};
     origin[*q] = Origin::by_own_name;
   }
 

@@ -30,13 +30,24 @@ struct Target {
   double offset = 0.0;
 
   [[nodiscard]] double value(double column) const {
-    return scale == 1.0 && offset == 0.0 ? column : scale * column + offset;  // −0 stays −0
+    if (scale == 1.0 && offset == 0.0) return column;  // −0 stays −0
+    return (quantity == time_quantity ? in_seconds(column, scale) : scale * column) + offset;
   }
+
+  /// [s] A time stamp that was printed in a unit: the double nearest to the printed value in seconds, where the unit is
+  /// a whole part of a second (stamp ÷ 1000 for milliseconds, and not stamp × 0.001).
+  [[nodiscard]] static double in_seconds(double stamp, double scale);
 };
+
+/// The scale of a column, for every reader: `given` by its entry in [channels]; without one that of the unit which the
+/// heading states; 1 where it states none. InputError (at `line` of the file) for a unit of another dimension or an
+/// unknown one. `column`: its name, for the error.
+[[nodiscard]] double column_scale(std::optional<double> given, std::string_view unit, Quantity quantity,
+                                  std::string_view column, std::string_view source, std::size_t line);
 
 /// The target of each column: first by the entries of the map, then by the names of the quantities. Columns without a
 /// target are ignored. InputErrors (at `line` of the file): no column t, no known channel, two columns for one
-/// quantity, two quantities from one column, a unit that is not the SI unit.
+/// quantity, two quantities from one column, a unit that column_scale() refuses.
 [[nodiscard]] std::vector<std::optional<Target>> find_targets(const std::vector<Heading>& headings,
                                                               const ChannelMap& map, std::string_view source,
                                                               std::size_t line);

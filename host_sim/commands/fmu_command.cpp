@@ -20,7 +20,9 @@ void make_fmu(const FmuOptions& options) {
   const firmware::RigDescription rig = firmware::read_rig(options.rig);
   compensation::refuse_unstable_compensation(rig);
   const std::vector<fmu::Binary> binaries = fmu::built_binaries();
-  fmu::write_fmu(options.out, rig, binaries);
+  const fmu::Version version = options.fmi == 3 ? fmu::Version::fmi3 : fmu::Version::fmi2;
+  const std::string standard = options.fmi == 3 ? "3.0" : "2.0";
+  fmu::write_fmu(options.out, rig, binaries, version);
 
   const std::string guid = firmware::sha256(fmu::description_in_fmu(rig));
   const fmu::Variables variables(rig);
@@ -30,12 +32,12 @@ void make_fmu(const FmuOptions& options) {
   std::vector<std::string> platforms;
   std::string machines;
   for (const fmu::Binary& binary : binaries) {
-    platforms.push_back(binary.platform);
-    machines += (machines.empty() ? "" : ", ") + binary.platform;
+    platforms.push_back(fmu::folder_in_fmu(binary, version));
+    machines += (machines.empty() ? "" : ", ") + platforms.back();
   }
   if (!options.json.empty()) {
     const nlohmann::ordered_json json{{"fmu", options.out},
-                                      {"fmi_version", "2.0"},
+                                      {"fmi_version", standard},
                                       {"guid", guid},
                                       {"platforms", platforms},
                                       {"step_size", rig.period()},
@@ -48,7 +50,7 @@ void make_fmu(const FmuOptions& options) {
     }
     firmware::write_file(options.json, json.dump(1) + "\n");
   }
-  std::printf("%s: FMI 2.0 co-simulation, %s, step %.6g s, for %s\n", options.out.c_str(),
+  std::printf("%s: FMI %s co-simulation, %s, step %.6g s, for %s\n", options.out.c_str(), standard.c_str(),
               std::string(model::name(rig.rig.kind)).c_str(), rig.period(), machines.c_str());
   std::printf("  guid %s\n  %td parameters, %td inputs, %td outputs\n", guid.c_str(), count(fmu::Causality::parameter),
               count(fmu::Causality::input), count(fmu::Causality::output));
@@ -62,9 +64,13 @@ void make_fmu(const FmuOptions& options) {
 }  // namespace
 
 void add_fmu(CLI::App& app, FmuOptions& options) {
-  CLI::App* command = app.add_subcommand("fmu", "Write a rig as an FMU: FMI 2.0 for co-simulation, with the same step");
+  CLI::App* command =
+      app.add_subcommand("fmu", "Write a rig as an FMU: FMI 2.0 or 3.0 for co-simulation, with the same step");
   command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
   command->add_option("--out", options.out, "FMU to write")->required();
+  command->add_option("--fmi", options.fmi, "Version of FMI: 2 or 3")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
   command->add_option("--json", options.json, "Write what was made as JSON (- for standard output)");
   command->callback([&options] { make_fmu(options); });
 }

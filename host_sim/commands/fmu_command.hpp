@@ -13,6 +13,7 @@ struct FmuOptions {
   std::string rig;
   std::string out;
   std::string json;
+  int fmi = 2;  ///< version of the standard
 };
 
 void add_fmu(CLI::App& app, FmuOptions& options);

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/sha256.hpp"
 #include "host_sim/report/report.hpp"
@@ -37,13 +38,25 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+void add_input(const std::string& name, std::vector<report::Origin::Input>& inputs);
+
+/// If the file is a rig description: the tables that it names.
+void add_referenced_files(const std::string& name, std::vector<report::Origin::Input>& inputs) {
+  try {
+    for (const auto& file : firmware::referenced_files(firmware::read_rig(name))) add_input(file.string(), inputs);
+  } catch (const firmware::InputError&) {  // a recording, a plan: they name no tables
+  }
+}
+
 void add_input(const std::string& name, std::vector<report::Origin::Input>& inputs) {
   std::error_code error;
   const bool known = std::any_of(inputs.begin(), inputs.end(), [&](const auto& i) { return i.file == name; });
   if (known || name.empty() || !std::filesystem::is_regular_file(name, error)) return;
   std::ifstream file(name, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file) inputs.push_back({name, firmware::sha256(bytes)});
+  if (!file) return;
+  inputs.push_back({name, firmware::sha256(bytes)});
+  add_referenced_files(name, inputs);
 }
 
 }  // namespace

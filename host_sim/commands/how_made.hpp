@@ -9,8 +9,8 @@ namespace host_sim {
 void remember_command_line(int argc, const char* const* argv);
 
 /// `page`, the text of a report, with version, command and the SHA-256 of each input file. Inputs are the files that
-/// exist among the words of the command line, but those after --out, --json, --report and --uff. A file that a
-/// description names (a law's table) is not among them; the description's own text stands in the page.
+/// exist among the words of the command line, but those after --out, --json, --report and --uff, and the files that a
+/// rig description among them names (tables of laws).
 [[nodiscard]] std::string with_how_made(std::string page);
 
 }  // namespace host_sim

@@ -105,7 +105,7 @@ void add_import(CLI::App& app, ImportOptions& options) {
       ->required();
   command
       ->add_option("--out", options.out,
-                   "Recording to write; the ending decides: .csv, .mat, .mcap, .tsv and .de.csv (spreadsheets)")
+                   "Recording to write; the ending decides: .csv, .mat, .mcap, .uff, .tsv and .de.csv (spreadsheets)")
       ->required();
   command->add_option("--rig", options.rig,
                       "Rig description: its [channels] name columns; its kind and rate help to guess");

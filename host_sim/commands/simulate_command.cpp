@@ -138,7 +138,7 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
   command
       ->add_option("--out", options.out,
-                   "Recording to write; the ending decides: .csv, .mat, .mcap, .tsv and .de.csv (spreadsheets)")
+                   "Recording to write; the ending decides: .csv, .mat, .mcap, .uff, .tsv and .de.csv (spreadsheets)")
       ->required();
   command->add_option("--road", options.road, "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m]")
       ->capture_default_str();

@@ -1,6 +1,5 @@
 #include "host_sim/commands/watch_command.hpp"
 
-#include <arpa/inet.h>
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +7,7 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/internet_address.hpp"
 #include "host_sim/watch/access.hpp"
 #include "host_sim/watch/receiver.hpp"
 #include "host_sim/watch/watch_server.hpp"
@@ -23,15 +23,11 @@ std::string operators_socket(const WatchOptions& options) {
   return described.empty() ? "/run/rigtwin/control.sock" : described;
 }
 
-/// One address of this machine: a server that listened at all of them could not know its own name.
-void check_address(const std::string& address) {
-  in_addr four{};
-  in6_addr six{};
-  const bool is_four = ::inet_pton(AF_INET, address.c_str(), &four) == 1 && four.s_addr != INADDR_ANY;
-  const bool is_six = ::inet_pton(AF_INET6, address.c_str(), &six) == 1 && !IN6_IS_ADDR_UNSPECIFIED(&six);
-  if (is_four || is_six) return;
-  throw firmware::UsageError("--address " + firmware::in_quotes(address) +
-                             " does not fit, expected one address of this machine in numbers");
+/// One address of this machine, in numbers: a server that listened at all of them could not know its own name.
+std::string own_address(const std::string& text) {
+  if (const auto address = firmware::parse_host(text)) return address->host();
+  throw firmware::UsageError("--address " + firmware::in_quotes(text) +
+                             " does not fit, expected localhost or one address of this machine in numbers");
 }
 
 /// Blocks the signals that end the program in this thread and in those that it makes.
@@ -44,17 +40,18 @@ sigset_t block_ending_signals() {
 }
 
 void watch_rig(const WatchOptions& options) {
-  check_address(options.address);
+  const std::string address = own_address(options.address);
   const std::string socket = operators_socket(options);
-  const watch::ReceiveAddress from = watch::parse_receive_address(options.receive);
+  const firmware::InternetAddress from =
+      firmware::parse_host_port("--receive", options.receive, {.port_alone = true, .any_port = true});
   const sigset_t ending = block_ending_signals();
   watch::Feed feed;
   const watch::Receiver receiver(from, feed);
-  const watch::WatchServer server({options.address, options.port, socket}, feed);
+  const watch::WatchServer server({address, options.port, socket}, feed);
   std::printf("%s\n", server.url().c_str());
-  std::printf("  values     from UDP %s:%d (rig_controller --publish)\n", from.host.c_str(), receiver.port());
+  std::printf("  values     from UDP %s (rig_controller --publish)\n", receiver.address().text().c_str());
   std::printf("  requests   to %s\n", socket.c_str());
-  if (!watch::is_loopback(options.address)) {
+  if (!watch::is_loopback(address)) {
     std::printf("  NOTE: not encrypted. Whoever reads along on this network learns the token and can ask the rig.\n");
   }
   std::fflush(stdout);

@@ -12,7 +12,6 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/sha256.hpp"
 #include "firmware/recording/output_file.hpp"
-#include "host_sim/fmu/model_description.hpp"
 #include "host_sim/fmu/variables.hpp"
 
 namespace host_sim::fmu {
@@ -101,21 +100,25 @@ std::vector<Binary> built_binaries() {
   return found;
 }
 
+std::string folder_in_fmu(const Binary& binary, Version version) {
+  return version == Version::fmi3 && binary.platform == "linux64" ? "x86_64-linux" : binary.platform;
+}
+
 void write_fmu(const std::filesystem::path& file, const firmware::RigDescription& rig,
-               const std::vector<Binary>& binaries) {
+               const std::vector<Binary>& binaries, Version version) {
   if (binaries.empty()) {
     throw firmware::InputError("lib/rigtwin/fmu", 0, "holds no library for an FMU",
                                "the target rigtwin_fmu built, or the package rigtwin");
   }
   const std::string description = description_in_fmu(rig);
-  const std::string xml = model_description(rig, file.stem().string(), firmware::sha256(description));
+  const std::string xml = model_description(rig, file.stem().string(), firmware::sha256(description), version);
   std::vector<std::string> libraries;
   for (const Binary& binary : binaries) libraries.push_back(read_binary(binary.file));
 
   Archive archive(file);
   archive.add("modelDescription.xml", xml);
   for (std::size_t i = 0; i < binaries.size(); ++i) {
-    archive.add("binaries/" + binaries[i].platform + "/" + model_identifier + ".so", libraries[i]);
+    archive.add("binaries/" + folder_in_fmu(binaries[i], version) + "/" + model_identifier + ".so", libraries[i]);
   }
   archive.add(std::string("resources/") + description_resource, description);
   firmware::write_file(file, archive.finish());

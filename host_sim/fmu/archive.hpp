@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
+#include "host_sim/fmu/model_description.hpp"
 
 namespace host_sim::fmu {
 
-/// A machine that an FMU can run on: its folder under binaries/, by FMI 2.0.4, section 2.3.
+/// A machine that an FMU can run on.
 struct Binary {
-  std::string platform;  ///< "linux64" (x86-64), "aarch64-linux"
+  std::string platform;  ///< "linux64" (x86-64), "aarch64-linux": its folder beside the program
   std::filesystem::path file;
 };
 
@@ -19,9 +20,12 @@ struct Binary {
 /// tree, that of the neighbouring build for another machine (build/host beside build/aarch64).
 [[nodiscard]] std::vector<Binary> built_binaries();
 
+/// The folder of a binary under binaries/: that of FMI 2.0.4, section 2.3, or the tuple of FMI 3.0, section 2.5.1.4.
+[[nodiscard]] std::string folder_in_fmu(const Binary& binary, Version version);
+
 /// Writes the FMU: modelDescription.xml, binaries/, resources/. The same rig and libraries give the same bytes.
 /// InputError without any library; OutputError.
 void write_fmu(const std::filesystem::path& file, const firmware::RigDescription& rig,
-               const std::vector<Binary>& binaries);
+               const std::vector<Binary>& binaries, Version version);
 
 }  // namespace host_sim::fmu

@@ -16,7 +16,7 @@ namespace host_sim::fmu {
 namespace {
 
 constexpr std::string_view type_name(const Value& value) {
-  constexpr std::array<std::string_view, 4> names{"Real", "Integer", "Boolean", "String"};
+  constexpr std::array<std::string_view, 4> names{"Real (Float64)", "Integer (Int32)", "Boolean", "String"};
   return names[value.index()];
 }
 
@@ -46,25 +46,26 @@ void Slave::demand(bool allowed, const char* call) const {
   if (!allowed) throw CallError(std::string(call) + " is not allowed " + phases[static_cast<std::size_t>(phase_)]);
 }
 
-void Slave::set_up(double start) {
-  demand(phase_ == Phase::instantiated, "fmi2SetupExperiment");
+void Slave::set_up(double start, std::optional<double> stop) {
+  demand(phase_ == Phase::instantiated, "to set up the experiment");
   if (!std::isfinite(start)) throw CallError("startTime is not finite, expected seconds");
+  if (stop && !(*stop >= start)) throw CallError("stopTime is before startTime");
   start_ = start;
 }
 
 void Slave::enter_initialisation() {
-  demand(phase_ == Phase::instantiated, "fmi2EnterInitializationMode");
+  demand(phase_ == Phase::instantiated, "to enter initialisation mode");
   phase_ = Phase::initialising;
 }
 
 void Slave::exit_initialisation() {
-  demand(phase_ == Phase::initialising, "fmi2ExitInitializationMode");
+  demand(phase_ == Phase::initialising, "to leave initialisation mode");
   ensure_run();
   phase_ = Phase::stepping;
 }
 
 void Slave::terminate() {
-  demand(phase_ == Phase::stepping, "fmi2Terminate");
+  demand(phase_ == Phase::stepping, "to terminate");
   phase_ = Phase::terminated;
 }
 
@@ -126,7 +127,7 @@ void Slave::ensure_run() {
 }
 
 bool Slave::step(double current, double size) {
-  demand(phase_ == Phase::stepping, "fmi2DoStep");
+  demand(phase_ == Phase::stepping, "a step");
   const double rate = description_.sample_rate;
   if (!std::isfinite(current) || !std::isfinite(size) || !(size > 0.0) || !(size * rate <= longest_step)) {
     throw CallError("a step of " + firmware::shortest(size) + " s from " + firmware::shortest(current) +
@@ -312,7 +313,7 @@ Slave::State Slave::deserialise(std::string_view bytes) const {
   constexpr std::size_t digest = 64;
   if (bytes.size() < digest ||
       firmware::sha256(bytes.substr(0, bytes.size() - digest)) != bytes.substr(bytes.size() - digest)) {
-    throw CallError("a serialised state is damaged, expected the bytes that fmi2SerializeFMUstate gave");
+    throw CallError("a serialised state is damaged, expected the bytes that this library gave");
   }
   Reader reader{bytes.substr(0, bytes.size() - digest)};
   if (reader.take_bytes(guid_.size()) != guid_) {

@@ -3,13 +3,13 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "host_sim/fmu/fmi2.hpp"
 #include "host_sim/fmu/stepped_run.hpp"
 #include "host_sim/fmu/variables.hpp"
 
@@ -21,8 +21,9 @@ class CallError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// An instance by the state machine of FMI 2.0 for co-simulation (2.0.4, figure 11). Every function throws CallError
-/// where the call is not allowed in this state or its arguments are wrong.
+/// An instance by the state machine that co-simulation has in FMI 2.0 (2.0.4, figure 11) and, without its event mode,
+/// in FMI 3.0 (4.2.1). Every function throws CallError where the call is not allowed in this state or its arguments are
+/// wrong.
 ///
 ///   instantiated ─▶ initialising ─▶ stepping ─▶ terminated        reset(): back to instantiated from each of them
 ///
@@ -44,7 +45,7 @@ class Slave {
   /// `text`: the rig description. InputError.
   explicit Slave(std::string text);
 
-  void set_up(double start);
+  void set_up(double start, std::optional<double> stop);
   void enter_initialisation();
   void exit_initialisation();
   void terminate();

@@ -48,6 +48,9 @@ class Variables {
 
   [[nodiscard]] const std::vector<Variable>& list() const { return list_; }
 
+  /// The value reference of the time in FMI 3.0, where it is a variable.
+  [[nodiscard]] std::size_t time() const { return list_.size(); }
+
   /// Indices of parts of the list.
   std::size_t road, speed, seed, noise, bandwidth, cut_off;
   std::size_t first_number;  ///< of the rig description

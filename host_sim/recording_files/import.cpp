@@ -25,11 +25,10 @@ RawTable read_any_table(const std::filesystem::path& file) {
   const FileKind kind = kind_of_file(file, opened.head(), opened.is_matlab());
   std::string bytes;
   if (kind == FileKind::text && !looks_like_text(opened.head())) {
-    throw firmware::InputError(file.string(), 0, "the file is no text", "text, MATLAB 5 or 7.3, NI TDMS or HDF5");
+    throw firmware::InputError(file.string(), 0, "the file is no text",
+                               "text, MATLAB 5 or 7.3, NI TDMS, HDF5 or a universal file");
   }
-  if (kind == FileKind::text || kind == FileKind::tdms) {
-    bytes = read_whole(opened.descriptor(), opened.head(), file.string());
-  }
+  if (is_read_whole(kind)) bytes = read_whole(opened.descriptor(), opened.head(), file.string());
   return read_measurement(file, kind, std::move(bytes));
 }
 
@@ -58,8 +57,8 @@ std::string toml_number(double value) {
 }
 
 std::string entry_line(const std::string& quantity, const firmware::ColumnSource& source) {
-  std::string line =
-      quantity + " = { column = " + toml_string(source.column) + ", scale = " + toml_number(source.scale);
+  std::string line = quantity + " = { column = " + toml_string(source.column);
+  if (source.scale) line += ", scale = " + toml_number(*source.scale);
   if (source.offset != 0.0) line += ", offset = " + toml_number(source.offset);
   return line + " }";
 }

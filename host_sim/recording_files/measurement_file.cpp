@@ -12,15 +12,16 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
+#include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/binary/hdf5_leaves.hpp"
 #include "host_sim/recording_files/binary/leaf_table.hpp"
 #include "host_sim/recording_files/binary/tdms_table.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
 #include "host_sim/recording_files/text/text_table.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
+#include "host_sim/recording_files/text/universal_file.hpp"
 
 namespace host_sim {
 namespace {
@@ -53,9 +54,9 @@ bool needs_conversion(const firmware::Heading& heading, std::string_view quantit
                       const firmware::ColumnSource* entry) {
   if (!heading.unit) return false;
   const std::optional<firmware::Quantity> of = firmware::find_quantity(quantity);
-  const std::optional<Unit> unit = find_unit(*heading.unit);
-  if (!of || !unit || unit->dimension != dimension_of(*of) || unit->scale == 1.0) return false;
-  return entry == nullptr || (!entry->scale_given && entry->scale == 1.0);
+  const std::optional<firmware::Unit> unit = firmware::find_unit(*heading.unit);
+  if (!of || !unit || unit->dimension != firmware::dimension_of(*of) || unit->scale == 1.0) return false;
+  return entry == nullptr || !entry->scale;
 }
 
 std::vector<std::string_view> between_commas(std::string_view line) {
@@ -89,6 +90,7 @@ FileKind kind_of_file(const std::filesystem::path& file, std::string_view head, 
   if (is_matlab) return FileKind::matlab;
   if (head.starts_with("TDSm")) return FileKind::tdms;
   if (head.starts_with(hdf5_signature)) return FileKind::hdf5;
+  if (is_universal_file(head)) return FileKind::universal;
   return has_hdf5_signature(file) ? FileKind::hdf5 : FileKind::text;
 }
 
@@ -121,7 +123,7 @@ bool is_contract_csv(std::string_view text, const firmware::ChannelMap& map) {
   return columns.has_value();
 }
 
-RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string text) {
+RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string bytes) {
   const std::string source = file.string();
   switch (kind) {
     case FileKind::matlab:
@@ -135,11 +137,13 @@ RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std:
       return std::move(*table);
     }
     case FileKind::tdms:
-      return table_of_tdms(text, source);
+      return table_of_tdms(bytes, source);
+    case FileKind::universal:
+      return table_of_universal_file(bytes, source);
     case FileKind::text:
       break;
   }
-  return read_text_table(std::move(text), source);
+  return read_text_table(std::move(bytes), source);
 }
 
 std::string read_whole(int descriptor, std::string_view head, std::string_view source) {

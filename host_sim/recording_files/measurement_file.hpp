@@ -10,9 +10,10 @@
 
 namespace host_sim {
 
-enum class FileKind : unsigned char { text, matlab, hdf5, tdms };
+enum class FileKind : unsigned char { text, matlab, hdf5, tdms, universal };
 
-/// By the first bytes: "TDSm"; MATLAB 5 or 7.3; the signature of HDF5 at 0, 512, 1024 … bytes; else text.
+/// By the first bytes: "TDSm"; MATLAB 5 or 7.3; the signature of HDF5 at 0, 512, 1024 … bytes; the first lines of a
+/// universal file; else text.
 [[nodiscard]] FileKind kind_of_file(const std::filesystem::path& file, std::string_view head, bool is_matlab);
 
 /// Whether text is a recording as the contract has it: own files by their mark; else commas, `t` and a known channel
@@ -20,8 +21,13 @@ enum class FileKind : unsigned char { text, matlab, hdf5, tdms };
 /// Such text is left to firmware/recording, so that the controller and the workbench read the same file alike.
 [[nodiscard]] bool is_contract_csv(std::string_view text, const firmware::ChannelMap& map);
 
-/// The contents of a file that has not that form.
-[[nodiscard]] RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string text);
+/// Whether read_measurement() takes the bytes of such a file; the others are read from the disk by their libraries.
+[[nodiscard]] constexpr bool is_read_whole(FileKind kind) {
+  return kind == FileKind::text || kind == FileKind::tdms || kind == FileKind::universal;
+}
+
+/// The contents of a file that has not that form. `bytes`: those of the file if is_read_whole().
+[[nodiscard]] RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string bytes);
 
 /// The whole file. InputError if it cannot be read.
 [[nodiscard]] std::string read_whole(int descriptor, std::string_view head, std::string_view source);

@@ -14,6 +14,7 @@
 #include "firmware/recording/recording_gaps.hpp"
 #include "host_sim/recording_files/export/mcap_file.hpp"
 #include "host_sim/recording_files/export/spreadsheet.hpp"
+#include "host_sim/recording_files/export/universal_history.hpp"
 #include "host_sim/recording_files/measurement_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
 #include "host_sim/recording_files/tables/table_recording.hpp"
@@ -96,7 +97,7 @@ firmware::Recording read(const std::filesystem::path& file, const RigContext& ri
     throw firmware::InputError(source, 0, "is not a MATLAB 5 or 7.3 file", "one saved with -v6, -v7 or -v7.3");
   }
   if (kind != FileKind::text) {
-    std::string bytes = kind == FileKind::tdms ? read_whole(opened.descriptor(), opened.head(), source) : std::string();
+    std::string bytes = is_read_whole(kind) ? read_whole(opened.descriptor(), opened.head(), source) : std::string();
     return read_table_recording(read_measurement(file, kind, std::move(bytes)), rig, missing);
   }
   // What is no text is refused at its first line, however long it is: a device may be endless.
@@ -131,6 +132,8 @@ void write_recording(const std::filesystem::path& file, const firmware::Recordin
   const std::function<void(std::string_view)> take = [&](std::string_view bytes) { output.write(bytes); };
   if (is_called(file, ".mcap")) {
     format_mcap(recording, take);
+  } else if (is_called(file, ".uff") || is_called(file, ".unv")) {
+    format_universal(recording, file.string(), take);
   } else if (is_called(file, ".tsv")) {
     format_spreadsheet(recording, SpreadsheetStyle::decimal_point, take);
   } else if (is_called(file, ".de.csv")) {

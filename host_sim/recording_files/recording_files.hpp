@@ -12,9 +12,9 @@
 namespace host_sim {
 
 /// Reads a recording; the content decides the format. CSV and MATLAB files of the contract's form are read as they
-/// stand. Other files – text of other programs, structures in MATLAB files, NI TDMS, HDF5 – are interpreted first
-/// (tables/interpretation.hpp): units are converted, and a name that is no channel's is guessed. Every such step stands
-/// in the recording's remark. InputError unless:
+/// stand. Other files – text of other programs, structures in MATLAB files, NI TDMS, HDF5, universal files – are
+/// interpreted first (tables/interpretation.hpp): units are converted, and a name that is no channel's is guessed.
+/// Every such step stands in the recording's remark. InputError unless:
 ///
 ///   values     each used value is finite; ducts are 0 or 1; rows are complete
 ///   time       increases; each step is T ± (q + 10⁻³ T), their mean T ± 10⁻⁴ T, where T = 1/expected_rate and q is
@@ -42,10 +42,10 @@ namespace host_sim {
                                                           std::optional<double> usual_rate = std::nullopt,
                                                           std::optional<model::RigKind> kind = std::nullopt);
 
-/// Writes all columns present, `t` first, by the ending of the name: .mat MATLAB 5, .mcap MCAP with JSON messages, .tsv
-/// and .de.csv text for spreadsheet programs (with decimal point and comma), else CSV. Texts have the shortest decimals
-/// that read back to the same bits. The file appears complete or not at all (firmware/recording/output_file.hpp).
-/// OutputError if it cannot be written.
+/// Writes all columns present, `t` first, by the ending of the name: .mat MATLAB 5, .mcap MCAP with JSON messages,
+/// .uff and .unv universal file, .tsv and .de.csv text for spreadsheet programs (with decimal point and comma), else
+/// CSV. Texts have the shortest decimals that read back to the same bits. The file appears complete or not at all
+/// (firmware/recording/output_file.hpp). OutputError if it cannot be written.
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording);
 
 }  // namespace host_sim

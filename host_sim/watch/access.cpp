@@ -1,11 +1,12 @@
 #include "host_sim/watch/access.hpp"
 
-#include <arpa/inet.h>
 #include <sys/random.h>
 
 #include <array>
 #include <cstddef>
 #include <stdexcept>
+
+#include "firmware/description/text/internet_address.hpp"
 
 namespace host_sim::watch {
 
@@ -46,11 +47,8 @@ bool is_own_origin(std::string_view origin, std::string_view address, int port) 
 }
 
 bool is_loopback(std::string_view address) {
-  const std::string text(address);
-  in_addr four{};
-  in6_addr six{};
-  if (::inet_pton(AF_INET, text.c_str(), &four) == 1) return (ntohl(four.s_addr) >> 24U) == 127U;
-  return ::inet_pton(AF_INET6, text.c_str(), &six) == 1 && IN6_IS_ADDR_LOOPBACK(&six);
+  const auto parsed = firmware::parse_host(address);
+  return parsed && parsed->loopback;
 }
 
 }  // namespace host_sim::watch

@@ -21,6 +21,11 @@ complain() {
   flock 9
   cmake --build "$host" --parallel "$jobs" --target rigtwin rigtwin_fmu rig_controller model rigtwin_documents
 ) 9>"$builds/host.lock"
+arm=
+if command -v aarch64-linux-gnu-g++ >/dev/null; then  # as the target packages does
+  build aarch64 rigtwin_fmu
+  arm=lib/rigtwin/fmu/aarch64-linux/rigtwin.so
+fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cpack --config "$host/CPackConfig.cmake" -B "$folder" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
@@ -33,7 +38,7 @@ for package in "$program" "$development" "$controller"; do
   dpkg-deb -x "$package" "$folder/root"
 done
 dpkg-deb -I "$program" | grep -E 'Depends|Version|Description'
-for file in bin/rigtwin bin/rig_controller lib/rigtwin/fmu/linux64/rigtwin.so share/rigtwin/rigs/paper_hil_fdva.toml \
+for file in bin/rigtwin bin/rig_controller lib/rigtwin/fmu/linux64/rigtwin.so $arm share/rigtwin/rigs/paper_hil_fdva.toml \
   share/man/man1/rigtwin.1 share/man/man1/rig_controller.1 share/bash-completion/completions/rigtwin share/doc/rigtwin/LICENSE \
   share/doc/rigtwin/manual.html share/doc/rigtwin/tour.sh lib/rigtwin/libmodel.a lib/cmake/rigtwin/rigtwin-config.cmake \
   include/rigtwin/model/rig_model.hpp include/rigtwin/model/laws/placed_laws.hpp; do
@@ -101,6 +106,7 @@ done
 mkdir /tmp/tour && cd /tmp/tour
 rigtwin --version
 rigtwin fmu --rig /usr/share/rigtwin/rigs/paper_linear.toml --out rig.fmu
+rigtwin fmu --rig /usr/share/rigtwin/rigs/paper_linear.toml --out rig3.fmu --fmi 3
 sh -e /usr/share/doc/rigtwin/tour.sh
 END
 if [ "$(id -u)" -eq 0 ] && command -v unshare >/dev/null; then

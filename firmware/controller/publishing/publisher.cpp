@@ -13,8 +13,8 @@ namespace {
 constexpr hal::Time publishing_pause = hal::milliseconds(5);  // a page is drawn 25 times a second
 }
 
-DatagramSocket::DatagramSocket(const PublishAddress& to, std::string& trouble)
-    : to_(to), socket_(::socket(to.address.ss_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+DatagramSocket::DatagramSocket(const InternetAddress& to, std::string& trouble)
+    : to_(to), socket_(::socket(to.storage.ss_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
   if (socket_ >= 0) return;
   trouble = "--publish: no socket (" + std::string(std::strerror(errno)) +
             "), expected the right to use the network: as a service by the drop-in publish.conf";
@@ -26,8 +26,8 @@ DatagramSocket::~DatagramSocket() {
 
 // Not connected: the kernel does not tell it that nobody listens, so a reader may come and go.
 bool DatagramSocket::send(const std::string& datagram) const {
-  return ::sendto(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
-                  reinterpret_cast<const sockaddr*>(&to_.address), to_.length) == static_cast<ssize_t>(datagram.size());
+  return ::sendto(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL, to_.raw(), to_.length) ==
+         static_cast<ssize_t>(datagram.size());
 }
 
 Publisher::Publisher(const cpu_set_t& cpus, LiveTap& tap, const DatagramWriter& writer, const DatagramSocket& socket,

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <string>
 
-#include "firmware/controller/devices/publish_address.hpp"
 #include "firmware/controller/publishing/datagram.hpp"
 #include "firmware/controller/real_time/auxiliary_thread.hpp"
 #include "firmware/controller/recording/live_tap.hpp"
+#include "firmware/description/text/internet_address.hpp"
 
 namespace firmware::controller {
 
@@ -16,7 +16,7 @@ namespace firmware::controller {
 class DatagramSocket {
  public:
   /// `trouble`: why not.
-  DatagramSocket(const PublishAddress& to, std::string& trouble);
+  DatagramSocket(const InternetAddress& to, std::string& trouble);
   DatagramSocket(const DatagramSocket&) = delete;
   DatagramSocket& operator=(const DatagramSocket&) = delete;
   ~DatagramSocket();
@@ -25,7 +25,7 @@ class DatagramSocket {
   [[nodiscard]] bool send(const std::string& datagram) const;
 
  private:
-  PublishAddress to_;
+  InternetAddress to_;
   int socket_ = -1;
 };
 

@@ -68,6 +68,7 @@ std::string part_name(const std::string& file, std::uint64_t part) {
 
 Recorder::Recorder(const Setup& setup, const RigDescription& rig, const hal::SensorSetup& sensors, std::string& trouble)
     : setup_(setup), columns_(rig, sensors), description_(as_comments("description", rig.source)) {
+  for (const std::filesystem::path& file : referenced_files(rig)) description_ += as_comments("table", file.string());
   if (!setup.programme.empty()) description_ += as_comments("programme", setup.programme);
   if (open_part() && flush()) return;
   trouble = setup_.file + ": " + std::strerror(error()) +

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/units.hpp"
 
 namespace firmware {
 namespace {
@@ -52,14 +53,6 @@ std::optional<double> number_of(std::string_view cell, char separator) {
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
 }
-
-struct Unit {
-  std::string_view name;
-  double scale;
-};
-constexpr std::array velocity_units{Unit{"m/s", 1.0}, Unit{"mm/s", 1e-3}, Unit{"cm/s", 1e-2}};
-constexpr std::array length_units{Unit{"m", 1.0}, Unit{"mm", 1e-3}, Unit{"cm", 1e-2}};
-constexpr std::array force_units{Unit{"N", 1.0}, Unit{"kN", 1e3}, Unit{"daN", 10.0}};
 
 /// The text in brackets of a header cell; empty: it has none.
 std::string_view unit_in(std::string_view cell) {
@@ -118,19 +111,17 @@ class Reader {
     has_header_ = true;
     if (place_ == model::LawPlace::sensor) return;  // both columns in the unit of the channel
     const bool velocity = over_ == model::LawOver::velocity;
-    at_scale_ = velocity ? scale(cells[0], velocity_units, "m/s, mm/s or cm/s: the law is over the velocity")
-                         : scale(cells[0], length_units, "m, mm or cm: the law is over the deflection");
-    value_scale_ = scale(cells[1], force_units, "N, kN or daN");
+    at_scale_ = velocity ? scale(cells[0], Dimension::velocity, "m/s, mm/s or cm/s: the law is over the velocity")
+                         : scale(cells[0], Dimension::length, "m, mm or cm: the law is over the deflection");
+    value_scale_ = scale(cells[1], Dimension::force, "N, kN or daN");
   }
 
-  template <std::size_t N>
-  double scale(std::string_view cell, const std::array<Unit, N>& units, std::string_view expected) const {
-    const std::string_view unit = unit_in(cell);
-    if (unit.empty()) return 1.0;
-    for (const Unit& u : units) {
-      if (u.name == unit) return u.scale;
-    }
-    fail("the unit " + in_quotes(unit), expected);
+  double scale(std::string_view cell, Dimension dimension, std::string_view expected) const {
+    const std::string_view text = unit_in(cell);
+    if (text.empty()) return 1.0;
+    const std::optional<Unit> unit = find_unit(text);
+    if (unit && unit->dimension == dimension) return unit->scale;
+    fail("the unit " + in_quotes(text), expected);
   }
 
   [[noreturn]] void fail(std::string_view wrong, std::string_view expected) const {
@@ -167,6 +158,10 @@ LawPoints read_law_file(const std::filesystem::path& file, model::LawPlace place
     begin = end + 1;
   }
   return reader.take();
+}
+
+std::filesystem::path law_file_path(std::string_view description, std::string_view file) {
+  return std::filesystem::path(description).parent_path() / file;
 }
 
 }  // namespace firmware

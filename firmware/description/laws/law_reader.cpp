@@ -145,7 +145,7 @@ class LawReader {
       for (const std::string_view key : {"at", "value"}) {
         if (table_.has(key)) table_.fail(key, table_.path(key) + " beside a file", "either file, or at and value");
       }
-      points = read_law_file(std::filesystem::path(table_.source()).parent_path() / law_.file, place_, over_);
+      points = read_law_file(law_file_path(table_.source(), law_.file), place_, over_);
       demand_unit("file", points.at, largest_at(), unit_at());
     } else {
       points.at = ascending("at", model::curve_points, largest_at(), unit_at());

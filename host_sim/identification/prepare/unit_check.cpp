@@ -193,7 +193,7 @@ std::vector<std::string> check_units(const firmware::RigDescription& description
     const auto entry = description.channels.find(channel);
     const firmware::ColumnSource source =
         entry == description.channels.end() ? firmware::ColumnSource{channel} : entry->second;
-    if (source.scale_given) {
+    if (source.scale) {
       remarks.push_back(recording.source + ": " + unit_error_text(slip) + "; kept as [channels] says");
       continue;
     }
@@ -202,7 +202,7 @@ std::vector<std::string> check_units(const firmware::RigDescription& description
       continue;
     }
     char scale[32];
-    std::snprintf(scale, sizeof scale, "%.4g", source.scale / slip.factor);
+    std::snprintf(scale, sizeof scale, "%.4g", 1.0 / slip.factor);
     wrong += (wrong.empty() ? "" : "; ") + unit_error_text(slip);
     entries += (entries.empty() ? "" : " and ") + channel + " = { column = \"" + source.column +
                "\", scale = " + scale + (source.offset == 0.0 ? "" : ", offset = …") + " }";

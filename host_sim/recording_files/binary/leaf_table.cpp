@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/units.hpp"
 #include "host_sim/recording_files/tables/channel_guess.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
+#include "host_sim/recording_files/tables/headings.hpp"
 #include "host_sim/recording_files/text/text_preamble.hpp"
 
 namespace host_sim {
@@ -363,8 +364,8 @@ class LeafTable {
       }
       column.values = std::move(signal.values);
       if (!one_axis) {
-        const std::optional<Unit> unit = find_unit(signal.time_unit);
-        const double scale = unit && unit->dimension == Dimension::time ? unit->scale : 1.0;
+        const std::optional<firmware::Unit> unit = firmware::find_unit(signal.time_unit);
+        const double scale = unit && unit->dimension == firmware::Dimension::time ? unit->scale : 1.0;
         for (double& t : signal.time) t *= scale;
         column.own_time = std::move(signal.time);
       }

@@ -6,9 +6,10 @@
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/units.hpp"
 #include "host_sim/recording_files/binary/tdms_file.hpp"
 #include "host_sim/recording_files/tables/channel_guess.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
+#include "host_sim/recording_files/tables/headings.hpp"
 
 namespace host_sim {
 namespace {
@@ -66,8 +67,10 @@ RawTable table_of_tdms(std::string_view bytes, std::string_view source) {
     if (axis != file.channels.end()) {
       one.time = axis->values;
       const NameAndUnit heading = split_heading(axis->name);
-      const std::optional<Unit> unit = find_unit(unit_property(*axis).empty() ? heading.unit : unit_property(*axis));
-      const double scale = unit && unit->dimension == Dimension::time && !axis->is_time_stamp ? unit->scale : 1.0;
+      const std::optional<firmware::Unit> unit =
+          firmware::find_unit(unit_property(*axis).empty() ? heading.unit : unit_property(*axis));
+      const double scale =
+          unit && unit->dimension == firmware::Dimension::time && !axis->is_time_stamp ? unit->scale : 1.0;
       if (scale != 1.0) {
         for (double& t : one.time) t *= scale;
       }

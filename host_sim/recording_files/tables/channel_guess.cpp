@@ -280,14 +280,14 @@ std::optional<Channel> abbreviated(std::string_view text) {
 }
 
 // Kind of the quantity from unit and words; nullopt where they disagree or say nothing.
-std::optional<Dimension> kind_of_quantity(const Reading& reading, std::optional<Dimension> unit) {
-  std::optional<Dimension> by_words;
-  if (reading.has(Meaning::force) || reading.has(Meaning::wheel_force)) by_words = Dimension::force;
-  if (!by_words && reading.has(Meaning::acceleration)) by_words = Dimension::acceleration;
-  if (!by_words && reading.has(Meaning::velocity)) by_words = Dimension::velocity;
+std::optional<firmware::Dimension> kind_of_quantity(const Reading& reading, std::optional<firmware::Dimension> unit) {
+  std::optional<firmware::Dimension> by_words;
+  if (reading.has(Meaning::force) || reading.has(Meaning::wheel_force)) by_words = firmware::Dimension::force;
+  if (!by_words && reading.has(Meaning::acceleration)) by_words = firmware::Dimension::acceleration;
+  if (!by_words && reading.has(Meaning::velocity)) by_words = firmware::Dimension::velocity;
   if (!by_words && (reading.has(Meaning::displacement) || reading.has(Meaning::deflection)))
-    by_words = Dimension::length;
-  if (!unit || *unit == Dimension::none) return by_words;
+    by_words = firmware::Dimension::length;
+  if (!unit || *unit == firmware::Dimension::none) return by_words;
   // "Weg" of a force sensor in kN is a force: the unit is nearer to the numbers. Not so where both are clear and
   // differ.
   if (by_words && *by_words != *unit) return std::nullopt;
@@ -324,7 +324,7 @@ std::optional<Channel> force(const Reading& reading, model::RigKind kind) {
   return Channel::F_w;
 }
 
-std::string reason_of(const Reading& reading, Dimension dimension, bool unit_known) {
+std::string reason_of(const Reading& reading, firmware::Dimension dimension, bool unit_known) {
   constexpr std::array<std::string_view, 15> meanings{
       "a displacement",    "a deflection",   "an acceleration", "a velocity",  "a force",
       "a wheel load",      "of the road",    "of the wheel",    "of the body", "of the tyre",
@@ -334,7 +334,7 @@ std::string reason_of(const Reading& reading, Dimension dimension, bool unit_kno
     if (reading.found[i].empty()) continue;
     reason += (reason.empty() ? "'" : ", '") + std::string(reading.found[i]) + "': " + std::string(meanings[i]);
   }
-  if (unit_known) reason += (reason.empty() ? "a unit of " : ", unit of ") + std::string(si_unit(dimension));
+  if (unit_known) reason += (reason.empty() ? "a unit of " : ", unit of ") + std::string(firmware::si_unit(dimension));
   return reason;
 }
 
@@ -357,7 +357,7 @@ bool names_a_place(std::string_view name) {
   return is_place(read_words(text));
 }
 
-std::optional<ChannelGuess> guess_channel(std::string_view name, std::optional<Dimension> dimension,
+std::optional<ChannelGuess> guess_channel(std::string_view name, std::optional<firmware::Dimension> dimension,
                                           std::optional<model::RigKind> kind) {
   // Of a path ("Model Root/Plant/Weg Rad") the last part names the signal.
   if (const std::size_t stroke = name.find_last_of("/\\");
@@ -372,17 +372,18 @@ std::optional<ChannelGuess> guess_channel(std::string_view name, std::optional<D
 
   if (const std::optional<Channel> channel = abbreviated(text)) {
     const firmware::Quantity quantity = quantity_of(*channel);
-    const bool fits = !dimension || *dimension == Dimension::none || *dimension == dimension_of(quantity);
+    const bool fits =
+        !dimension || *dimension == firmware::Dimension::none || *dimension == firmware::dimension_of(quantity);
     if (fits && (!kind || exists_on(*channel, *kind)))
       return ChannelGuess{quantity, "'" + text + "' abbreviates it", 3};
   }
 
-  const std::optional<Dimension> of = kind_of_quantity(reading, dimension);
+  const std::optional<firmware::Dimension> of = kind_of_quantity(reading, dimension);
   if (!of) return std::nullopt;
   std::optional<Channel> channel;
-  if (*of == Dimension::length) channel = displacement(reading, rig);
-  if (*of == Dimension::force) channel = force(reading, rig);
-  if (*of == Dimension::acceleration && rig != model::RigKind::component_bench) {
+  if (*of == firmware::Dimension::length) channel = displacement(reading, rig);
+  if (*of == firmware::Dimension::force) channel = force(reading, rig);
+  if (*of == firmware::Dimension::acceleration && rig != model::RigKind::component_bench) {
     if (reading.has(Meaning::wheel)) {
       channel = Channel::zdd_w;
     } else if (reading.has(Meaning::body)) {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "firmware/description/text/quantity.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
+#include "firmware/description/text/units.hpp"
 #include "model/channel.hpp"
 
 namespace host_sim {
@@ -29,7 +29,8 @@ struct ChannelGuess {
 ///   abbreviations      zr, zu, zs, Fz, xist … as the textbooks have them
 ///
 /// Names that speak of errors, limits, extremes, counts or temperatures are no channel. nullopt: nothing is suggested.
-[[nodiscard]] std::optional<ChannelGuess> guess_channel(std::string_view name, std::optional<Dimension> dimension,
+[[nodiscard]] std::optional<ChannelGuess> guess_channel(std::string_view name,
+                                                        std::optional<firmware::Dimension> dimension,
                                                         std::optional<model::RigKind> kind);
 
 /// Whether the name speaks of a place on a quarter car: with one such column the file is taken as a quarter car's.

@@ -9,8 +9,9 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/units.hpp"
+#include "firmware/recording/column_targets.hpp"
 #include "host_sim/recording_files/tables/channel_guess.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
 
 namespace host_sim {
 namespace {
@@ -37,9 +38,9 @@ std::string list_of_columns(const RawTable& table) {
   return list + (table.columns.size() > most ? ", …" : "");
 }
 
-std::optional<Dimension> dimension_of_column(const RawColumn& column) {
-  const std::optional<Unit> unit = find_unit(column.unit);
-  return unit && unit->dimension != Dimension::none ? std::optional(unit->dimension) : std::nullopt;
+std::optional<firmware::Dimension> dimension_of_column(const RawColumn& column) {
+  const std::optional<firmware::Unit> unit = firmware::find_unit(column.unit);
+  return unit && unit->dimension != firmware::Dimension::none ? std::optional(unit->dimension) : std::nullopt;
 }
 
 // Median of the steps of up to 1000 values from the begin; 0 where they do not rise.
@@ -113,18 +114,10 @@ class Interpreter {
     return found;
   }
 
-  // The scale of a column by its unit; an InputError for a unit of another dimension.
-  double scale_by_unit(std::size_t c, firmware::Quantity quantity) const {
+  // The scale of a column: that of its entry in [channels], else by its unit.
+  double scale_of(std::size_t c, firmware::Quantity quantity, std::optional<double> given = std::nullopt) const {
     const RawColumn& column = table_.columns[c];
-    if (column.unit.empty()) return 1.0;
-    const std::optional<Unit> unit = find_unit(column.unit);
-    const Dimension wanted = dimension_of(quantity);
-    if (unit && (unit->dimension == wanted)) return wanted == Dimension::none ? 1.0 : unit->scale;
-    const std::string si = quantity >= firmware::first_duct ? "none" : std::string(firmware::quantity_unit(quantity));
-    throw InputError(table_.source, table_.header_line,
-                     in_quotes(column.name) + ", taken as " + std::string(firmware::quantity_name(quantity)) +
-                         ", has the unit " + in_quotes(column.unit),
-                     "a unit of " + si + ", or a scale in the rig description's [channels]");
+    return firmware::column_scale(given, column.unit, quantity, column.name, table_.source, table_.header_line);
   }
 
   void take(std::size_t c, firmware::Quantity quantity, double scale, double offset, std::string reason) {
@@ -151,10 +144,8 @@ class Interpreter {
       if (!quantity || *quantity == firmware::time_quantity) continue;
       const std::optional<std::size_t> c = find_mapped(entry.column);
       if (!c) continue;
-      // An entry without a scale leaves the conversion to the unit that the file states.
-      const bool by_unit = !entry.scale_given && entry.scale == 1.0 && !table_.columns[*c].unit.empty();
-      const double scale = by_unit ? scale_by_unit(*c, *quantity) : entry.scale;
-      if (by_unit && scale != 1.0) {
+      const double scale = scale_of(*c, *quantity, entry.scale);
+      if (!entry.scale && scale != 1.0) {
         result_.notes.push_back(in_quotes(table_.columns[*c].text) + " is " + wanted +
                                 " by [channels], converted from " + table_.columns[*c].unit);
       }
@@ -166,7 +157,7 @@ class Interpreter {
     for (std::size_t c = 0; c < table_.columns.size(); ++c) {
       const std::optional<firmware::Quantity> quantity = firmware::find_quantity(table_.columns[c].name);
       if (used_[c] || !quantity || *quantity == firmware::time_quantity || has(*quantity)) continue;
-      take(c, *quantity, scale_by_unit(c, *quantity), 0.0, "");
+      take(c, *quantity, scale_of(c, *quantity), 0.0, "");
       if (result_.channels.back().scale != 1.0) {
         result_.notes.push_back(in_quotes(table_.columns[c].text) + " is converted from " + table_.columns[c].unit);
       }
@@ -178,9 +169,7 @@ class Interpreter {
   void find_time() {
     if (const auto entry = rig_.channels.find("t"); entry != rig_.channels.end()) {
       if (const std::optional<std::size_t> c = find_mapped(entry->second.column)) {
-        const bool by_unit = !entry->second.scale_given && !table_.columns[*c].unit.empty();
-        return set_time(*c, by_unit ? scale_by_unit(*c, firmware::time_quantity) : entry->second.scale,
-                        entry->second.offset, "");
+        return set_time(*c, scale_of(*c, firmware::time_quantity, entry->second.scale), entry->second.offset, "");
       }
     }
     if (!table_.columns.empty() && table_.rows == 0) return;  // every column has its own axis
@@ -194,7 +183,7 @@ class Interpreter {
         if (!clock) clock = c;
       } else if (is_sample_number_name(column.name)) {
         if (!number) number = c;
-      } else if (!named && (is_time_name(column.name) || dimension_of_column(column) == Dimension::time) &&
+      } else if (!named && (is_time_name(column.name) || dimension_of_column(column) == firmware::Dimension::time) &&
                  rises(column.values)) {
         named = c;
       }
@@ -236,12 +225,13 @@ class Interpreter {
   void take_time_column(std::size_t c, const std::string& prefix = "") {
     const RawColumn& column = table_.columns[c];
     const std::string who = prefix + in_quotes(column.text);
-    if (const std::optional<Unit> unit = find_unit(column.unit); unit && unit->dimension == Dimension::time) {
+    if (const std::optional<firmware::Unit> unit = firmware::find_unit(column.unit);
+        unit && unit->dimension == firmware::Dimension::time) {
       return set_time(
           c, unit->scale, 0.0,
           column.name == "t" && unit->scale == 1.0 && prefix.empty() ? "" : who + " is the time in " + column.unit);
     }
-    if (!column.unit.empty() && find_unit(column.unit)) scale_by_unit(c, firmware::time_quantity);  // refuses it
+    if (!column.unit.empty() && firmware::find_unit(column.unit)) scale_of(c, firmware::time_quantity);  // refuses it
     const double step = usual_step(column.values);
     constexpr std::array<std::pair<double, std::string_view>, 4> units{
         {{1.0, "s"}, {1e-3, "ms"}, {1e-6, "µs"}, {1e-9, "ns"}}};
@@ -292,8 +282,8 @@ class Interpreter {
       const RawColumn& column = table_.columns[c];
       if (used_[c] || column.is_clock) continue;
       if (std::none_of(column.values.begin(), column.values.end(), [](double v) { return std::isfinite(v); })) continue;
-      const std::optional<Dimension> dimension = dimension_of_column(column);
-      if (!column.unit.empty() && !find_unit(column.unit)) {
+      const std::optional<firmware::Dimension> dimension = dimension_of_column(column);
+      if (!column.unit.empty() && !firmware::find_unit(column.unit)) {
         undecided_.push_back(in_quotes(column.text) + " is left out: the unit " + in_quotes(column.unit) +
                              " is not known");
         continue;
@@ -317,11 +307,11 @@ class Interpreter {
 
   void take_guess(std::size_t c, const ChannelGuess& guess) {
     const RawColumn& column = table_.columns[c];
-    double scale = scale_by_unit(c, guess.quantity);
+    double scale = scale_of(c, guess.quantity);
     const std::string_view si = firmware::quantity_unit(guess.quantity);
     std::string unit = column.unit.empty() ? std::string(si) : column.unit;
     std::string of_unit = column.unit.empty() ? ", no unit is stated" : "";
-    if (column.unit.empty() && dimension_of(guess.quantity) == Dimension::length) {
+    if (column.unit.empty() && firmware::dimension_of(guess.quantity) == firmware::Dimension::length) {
       double low = INFINITY;
       double high = -INFINITY;
       for (const double value : column.values) {
@@ -358,7 +348,7 @@ firmware::ChannelMap channel_map_of(const RawTable& table, const Interpretation&
   const auto add = [&](firmware::Quantity quantity, std::size_t column, double scale, double offset) {
     const RawColumn& source = table.columns[column];
     const bool own = source.name == firmware::quantity_name(quantity) && scale == 1.0 && offset == 0.0;
-    if (!own) map[std::string(firmware::quantity_name(quantity))] = {source.text, scale, offset, true};
+    if (!own) map[std::string(firmware::quantity_name(quantity))] = {source.text, scale, offset};
   };
   const TimeMeaning& time = interpretation.time;
   if (time.column && !time.counts && !table.columns[*time.column].is_clock) {

@@ -6,9 +6,10 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/units.hpp"
+#include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/sample_checks.hpp"
 #include "host_sim/recording_files/tables/resampling.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
 
 namespace host_sim {
 namespace {
@@ -23,13 +24,6 @@ std::vector<double> scaled(std::vector<double> values, double scale, double offs
   if (scale == 1.0 && offset == 0.0) return values;
   for (double& value : values) value = scale * value + offset;
   return values;
-}
-
-// A time stamp that was printed in a unit: the double nearest to the printed value in seconds, where that is a product
-// of a decimal number and a power of ten.
-double in_seconds(double stamp, double scale) {
-  const double divisor = std::round(1.0 / scale);
-  return scale < 1.0 && std::abs(scale * divisor - 1.0) < 1e-12 ? stamp / divisor : stamp * scale;
 }
 
 class Builder {
@@ -69,7 +63,7 @@ class Builder {
       // Differences of clock times are whole nanoseconds; the subtraction left 10⁻¹¹ s of dirt.
       time[k] = axis.counts ? since_first / axis.rate
                 : clock     ? std::round(1e9 * since_first) / 1e9
-                            : in_seconds(stamps[k], axis.scale) + axis.offset;
+                            : firmware::Target::in_seconds(stamps[k], axis.scale) + axis.offset;
     }
     for (std::size_t k = 1; k < time.size(); ++k) {
       if (time[k] > time[k - 1]) continue;
@@ -189,14 +183,14 @@ class Builder {
     if (!keep_others_ || !numbers) return;
     if (column.own_time.empty() && column.values.size() != shared_.size()) return;
     if (!column.own_time.empty() && !strictly_rises(column.own_time)) return;
-    const std::optional<Unit> unit = find_unit(column.unit);
+    const std::optional<firmware::Unit> unit = firmware::find_unit(column.unit);
     std::string name;
     for (const char ch : column.name)
       name += ch == ',' || ch == '"' || static_cast<unsigned char>(ch) < 0x20 ? '_' : ch;
     // A name that a reader takes for a channel is one only where the channel is this column.
     if (name.empty() || firmware::find_quantity(name) || name == "late" || name == "mode") name += "_raw";
-    const bool known = unit && unit->dimension != Dimension::none;
-    result_.recording.extra.push_back({name, known ? std::string(si_unit(unit->dimension)) : column.unit,
+    const bool known = unit && unit->dimension != firmware::Dimension::none;
+    result_.recording.extra.push_back({name, known ? std::string(firmware::si_unit(unit->dimension)) : column.unit,
                                        scaled(on_axis(column), known ? unit->scale : 1.0, 0.0)});
   }
 

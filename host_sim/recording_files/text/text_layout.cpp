@@ -5,8 +5,8 @@
 #include <cctype>
 #include <map>
 
+#include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
 
 namespace host_sim {
@@ -125,7 +125,7 @@ bool is_unit_field(std::string_view field) {
       ((field.front() == '[' && field.back() == ']') || (field.front() == '(' && field.back() == ')'))) {
     return true;
   }
-  return find_unit(field).has_value();
+  return firmware::find_unit(field).has_value();
 }
 
 std::string without_brackets(std::string_view field) {

@@ -5,8 +5,9 @@
 #include <cctype>
 #include <cmath>
 
+#include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
+#include "host_sim/recording_files/tables/headings.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
 
 namespace host_sim {
@@ -102,11 +103,11 @@ std::optional<StatedRate> rate_of_line(std::string_view line) {
     unit_text = firmware::trimmed(unit_text.substr(1));
   }
   unit_text = unit_text.substr(0, unit_text.find_first_of(" ;,])\t\"|"));
-  std::optional<Unit> unit = find_unit(unit_text);
-  if (!unit) unit = find_unit(split_heading(key).unit);
+  std::optional<firmware::Unit> unit = firmware::find_unit(unit_text);
+  if (!unit) unit = firmware::find_unit(split_heading(key).unit);
   double rate = says == Says::rate ? *number : 1.0 / *number;
-  if (unit && unit->dimension == Dimension::frequency) rate = *number * unit->scale;
-  if (unit && unit->dimension == Dimension::time) rate = 1.0 / (*number * unit->scale);
+  if (unit && unit->dimension == firmware::Dimension::frequency) rate = *number * unit->scale;
+  if (unit && unit->dimension == firmware::Dimension::time) rate = 1.0 / (*number * unit->scale);
   if (!std::isfinite(rate) || rate < 1e-3 || rate > 1e7) return std::nullopt;
   // 1/0.001 is 1000 to the last bit but one.
   if (std::abs(rate - std::round(rate)) < 1e-9 * rate) rate = std::round(rate);

@@ -6,8 +6,9 @@
 #include <optional>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
+#include "host_sim/recording_files/tables/headings.hpp"
 #include "host_sim/recording_files/text/text_encoding.hpp"
 #include "host_sim/recording_files/text/text_layout.hpp"
 #include "host_sim/recording_files/text/text_preamble.hpp"
@@ -79,7 +80,8 @@ class TableReader {
       column.text = layout_.names[c];
       column.unit = heading.unit;
       const std::string below = layout_.units.empty() ? "" : layout_.units[c];
-      const bool says_nothing = below.empty() || (find_unit(below) && find_unit(below)->dimension == Dimension::none);
+      const bool says_nothing = below.empty() || (firmware::find_unit(below) &&
+                                                  firmware::find_unit(below)->dimension == firmware::Dimension::none);
       if (!below.empty() && (heading.unit.empty() || !says_nothing)) {
         column.unit = below;
         if (heading.unit.empty()) column.name = layout_.names[c];

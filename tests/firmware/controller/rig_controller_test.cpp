@@ -530,6 +530,23 @@ TEST(RigController, RecordsTheWholeSession) {
   for (std::size_t k = 0; k < run.size(); ++k) EXPECT_EQ(run.time[k], static_cast<double>(k) / 1000.0);
 }
 
+// A law's table decides the run as the description does: it is in the recording, too.
+TEST(RigController, RecordsTheTablesOfTheDescription) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "run.csv";
+  const std::string rig = folder.write("rig.toml", TemporaryFolder::read(rig_file("paper_rig_fdva")) +
+                                                       "\n[laws.damper]\nplace = \"suspension\"\nover = \"velocity\"\n"
+                                                       "file = \"damper.csv\"\n");
+  const std::string table = "v [mm/s],F [N]\n-100,-5\n100,5\n";
+  folder.write("damper.csv", table);
+  ASSERT_EQ(controller({"--rig", rig, "--simulated", "--virtual-time", "--road", hill(folder), "--out", out}).status,
+            0);
+  EXPECT_THAT(TemporaryFolder::read(out), AllOf(HasSubstr("\n# table: " + (folder / "damper.csv").string() +
+                                                          ", SHA-256 " + firmware::sha256(table) + ";"),
+                                                HasSubstr("\n# | v [mm/s],F [N]\n")));
+  EXPECT_GT(host_sim::read_recording(out, {}, 1000.0).size(), 0U);
+}
+
 /// A controller with a simulated rig that waits for its operator.
 struct Operated {
   TemporaryFolder folder;

@@ -50,6 +50,24 @@ TEST(HowMade, NamesCommandAndInputs) {
   }
 }
 
+// The numbers of a law may stand in a file of its own: it decides the result as the description does, also where the
+// page is made from another folder.
+TEST(HowMade, NamesTheTablesOfADescription) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "rigs");
+  const std::string rig = folder.write("rigs/car.toml", TemporaryFolder::read(rig_file("paper_rig_kalman")) +
+                                                            "\n[laws.damper]\nplace = \"suspension\"\n"
+                                                            "over = \"velocity\"\nfile = \"damper.csv\"\n");
+  const std::string table = folder.write("rigs/damper.csv", "velocity [mm/s],force [N]\n-100,-5\n100,5\n");
+  const std::string run = folder / "run.csv", page = folder / "page.html";
+  ASSERT_EQ(rigtwin({"simulate", "--rig", rig, "--duration", "5", "--out", run}).status, 0);
+  const std::vector<std::string> words{"estimate", "--rig", rig, "--data", run, "--out", folder / "estimates.csv",
+                                       "--report", page};
+  const Ended ended = rigtwin(words);
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  expect_made(TemporaryFolder::read(page), joined(words), {rig, table, run});
+}
+
 TEST(HowMade, StandsInTheReportOfADiagnosis) {
   const TemporaryFolder folder;
   const std::string rig = rig_file("paper_linear"), run = folder / "run.csv";

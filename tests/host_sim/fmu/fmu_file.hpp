@@ -22,12 +22,12 @@ namespace support {
 /// An FMU that `rigtwin fmu` made, unpacked in a folder whose name an URI must escape.
 class FmuFile {
  public:
-  explicit FmuFile(const std::filesystem::path& rig) {
-    const Ended ended = rigtwin({"fmu", "--rig", rig, "--out", folder_ / "rig.fmu"});
+  explicit FmuFile(const std::filesystem::path& rig, int version = 2) : version_(version) {
+    const Ended ended = rigtwin({"fmu", "--rig", rig, "--out", folder_ / "rig.fmu", "--fmi", std::to_string(version)});
     if (ended.status != 0) throw std::runtime_error(ended.errors);
     unpack();
     xml_ = TemporaryFolder::read(root() / "modelDescription.xml");
-    library_ = ::dlopen((root() / "binaries" / "linux64" / "rigtwin.so").c_str(), RTLD_NOW | RTLD_LOCAL);
+    library_ = ::dlopen(library().c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library_ == nullptr) throw std::runtime_error(::dlerror());
     const std::regex variable("name=\"([^\"]*)\" valueReference=\"([0-9]+)\"");
     for (auto i = std::sregex_iterator(xml_.begin(), xml_.end(), variable); i != std::sregex_iterator(); ++i) {
@@ -40,10 +40,14 @@ class FmuFile {
 
   [[nodiscard]] std::filesystem::path root() const { return folder_ / "un packed"; }
   [[nodiscard]] std::filesystem::path file() const { return folder_ / "rig.fmu"; }
+  [[nodiscard]] std::filesystem::path library() const {
+    return root() / "binaries" / (version_ == 2 ? "linux64" : "x86_64-linux") / "rigtwin.so";
+  }
   [[nodiscard]] std::string resources() const { return "file://" + folder_.path().string() + "/un%20packed/resources"; }
   [[nodiscard]] const std::string& xml() const { return xml_; }
   [[nodiscard]] std::string guid() const {
-    const std::size_t at = xml_.find("guid=\"") + 6;
+    const std::string name = version_ == 2 ? " guid=\"" : " instantiationToken=\"";
+    const std::size_t at = xml_.find(name) + name.size();
     return xml_.substr(at, xml_.find('"', at) - at);
   }
   [[nodiscard]] unsigned reference(const std::string& name) const {
@@ -76,6 +80,7 @@ class FmuFile {
     zip_discard(archive);
   }
 
+  int version_;
   TemporaryFolder folder_;
   std::string xml_;
   void* library_ = nullptr;

@@ -275,7 +275,7 @@ TEST(MatlabStructures, ReadsDspaceControlDesk) {
   EXPECT_NEAR(recording[Channel::z_w][100], 1e-3 * std::sin(5.0), 1e-15);
   EXPECT_NEAR(recording[Channel::F_w][100], 1e3 * std::sin(11.0), 1e-9);
   // An entry of [channels] may name the last part of the path.
-  const ChannelMap map{{"z_b", {"Weg Rad", -1e-3, 0.0, true}}};
+  const ChannelMap map{{"z_b", {"Weg Rad", -1e-3, 0.0}}};
   EXPECT_NEAR(host_sim::read_parts(folder / "rec.mat", map, 1000.0).front()[Channel::z_b][100], -1e-3 * std::sin(5.0),
               1e-15);
 }

@@ -3,17 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/description/text/units.hpp"
 #include "host_sim/recording_files/import.hpp"
-#include "host_sim/recording_files/tables/units.hpp"
+#include "host_sim/recording_files/tables/headings.hpp"
 
 namespace {
 
-using host_sim::Dimension;
+using firmware::Dimension;
 using model::RigKind;
 
 std::string guess(const char* heading, std::optional<RigKind> kind = std::nullopt) {
   const host_sim::NameAndUnit parts = host_sim::split_heading(heading);
-  const auto unit = host_sim::find_unit(parts.unit);
+  const auto unit = firmware::find_unit(parts.unit);
   const auto guessed = host_sim::guess_channel(parts.name, unit ? std::optional(unit->dimension) : std::nullopt, kind);
   return guessed ? std::string(firmware::quantity_name(guessed->quantity)) : "";
 }
@@ -86,7 +87,7 @@ TEST(ChannelGuess, DecidesByTheWordsWhereTheRigIsNotKnown) {
 // A factor of each unit against its definition.
 TEST(Units, AreConvertedByTheirDefinitions) {
   const auto factor = [](const char* unit) {
-    return host_sim::find_unit(unit).value_or(host_sim::Unit{Dimension::none, 0.0}).scale;
+    return firmware::find_unit(unit).value_or(firmware::Unit{firmware::Dimension::none, 0.0}).scale;
   };
   EXPECT_EQ(factor("mm"), 1e-3);
   EXPECT_EQ(factor("µm"), 1e-6);
@@ -103,8 +104,8 @@ TEST(Units, AreConvertedByTheirDefinitions) {
   EXPECT_EQ(factor("Sec"), 1.0);
   EXPECT_EQ(factor("10 mm"), 0.01);
   for (const char* unit : {"m/s²", "m/s^2", "m/s2", "m/s**2", "m s^-2", "m·s⁻²"}) EXPECT_EQ(factor(unit), 1.0) << unit;
-  EXPECT_FALSE(host_sim::find_unit("furlong"));
-  EXPECT_FALSE(host_sim::find_unit(""));
+  EXPECT_FALSE(firmware::find_unit("furlong"));
+  EXPECT_FALSE(firmware::find_unit(""));
 }
 
 TEST(Units, AreFoundInHeadings) {
@@ -127,7 +128,7 @@ TEST(Units, AreFoundInHeadings) {
 
 // The mapping goes into [channels] and nothing else moves.
 TEST(WriteChannels, PutsEntriesIntoTheTableAndLeavesTheRest) {
-  const firmware::ChannelMap map{{"z_w", {"Weg \"Rad\"", 1e-3, 0.0, true}}, {"F_w", {"Last", 1000.0, 5.0, true}}};
+  const firmware::ChannelMap map{{"z_w", {"Weg \"Rad\"", 1e-3, 0.0}}, {"F_w", {"Last", 1000.0, 5.0}}};
   const std::string before =
       "kind = \"quarter_car\"  # mine\n\n[channels]  # by hand\nz_w = { column = \"old\" }\nz_r = { column = \"r\" "
       "}\n\n[body]\nmass = 1.0\n";
@@ -135,7 +136,7 @@ TEST(WriteChannels, PutsEntriesIntoTheTableAndLeavesTheRest) {
             "kind = \"quarter_car\"  # mine\n\n[channels]  # by hand\nz_r = { column = \"r\" }\n# from rec.csv\n"
             "F_w = { column = \"Last\", scale = 1000.0, offset = 5.0 }\nz_w = { column = \"Weg \\\"Rad\\\"\", scale = "
             "0.001 }\n\n[body]\nmass = 1.0\n");
-  EXPECT_EQ(host_sim::with_channels("a = 1\n", {{"F", {"K", 1.0, 0.0, true}}}, ""),
+  EXPECT_EQ(host_sim::with_channels("a = 1\n", {{"F", {"K", 1.0, 0.0}}}, ""),
             "a = 1\n\n[channels]\nF = { column = \"K\", scale = 1.0 }\n");
 }
 

@@ -34,9 +34,8 @@ void expect_equal_up_to_a_constant(const std::vector<double>& imported, const st
 
 TEST(RealFiles, AnMtsExportGivesTheRecordingMadeByHand) {
   if (!std::filesystem::exists(real())) GTEST_SKIP() << real() << " is missing";
-  const ChannelMap map{{"x_act", {"CHANNEL0", 0.01, 0.0, true}},
-                       {"F", {"CHANNEL1", 9806.65, 0.0, true}},
-                       {"x_cmd", {"CHANNEL2", 0.01, 0.0, true}}};
+  const ChannelMap map{
+      {"x_act", {"CHANNEL0", 0.01, 0.0}}, {"F", {"CHANNEL1", 9806.65, 0.0}}, {"x_cmd", {"CHANNEL2", 0.01, 0.0}}};
   const host_sim::Import import =
       host_sim::import_file(real() / "raw" / "mts_0A.txt", {map, 1000.0, model::RigKind::component_bench});
   const Recording by_hand = host_sim::read_recording(real() / "mts_0A.csv", {}, 1000.0);
@@ -51,7 +50,7 @@ TEST(RealFiles, AnMtsExportGivesTheRecordingMadeByHand) {
 
 TEST(RealFiles, MatlabVectorsUnderOtherNamesGiveTheRecordingMadeByHand) {
   if (!std::filesystem::exists(real())) GTEST_SKIP() << real() << " is missing";
-  const ChannelMap map{{"x_act", {"qm", 1.0, 0.0, true}}, {"F", {"vir", 35.1506832, 0.0, true}}};
+  const ChannelMap map{{"x_act", {"qm", 1.0, 0.0}}, {"F", {"vir", 35.1506832, 0.0}}};
   const Recording recording = host_sim::read_parts(real() / "raw" / "DATA_EMPS.mat", map, 1000.0).front();
   const Recording by_hand = host_sim::read_recording(real() / "emps_1.csv", {}, 1000.0);
   ASSERT_EQ(recording.size(), by_hand.size());
@@ -78,7 +77,7 @@ TEST(RealFiles, ADamperRecordIsUnderstoodByItsNames) {
 // A file without any header: columns by number, uneven milliseconds, a pause.
 TEST(RealFiles, ATableWithoutNamesIsReadByColumnNumbers) {
   if (!std::filesystem::exists(real())) GTEST_SKIP() << real() << " is missing";
-  const ChannelMap map{{"x_act", {"column 5", 1e-3, 0.0, true}}, {"F", {"column 7", 1.0, 0.0, true}}};
+  const ChannelMap map{{"x_act", {"column 5", 1e-3, 0.0}}, {"F", {"column 7", 1.0, 0.0}}};
   const host_sim::Import import =
       host_sim::import_file(real() / "raw" / "pneumatic.csv", {map, 100.0, model::RigKind::component_bench});
   EXPECT_NEAR(import.recording.time.front(), 0.0, 1e-12);

@@ -101,19 +101,53 @@ TEST(RecordingCsv, TakesByteOrderMarkCarriageReturnsBlanksQuotesAndAMissingLastL
   EXPECT_EQ(trailing.size(), 2U);
 }
 
-// Every way of writing m/s² that is about, Latin-1 among them; none of a wrong one.
-TEST(RecordingCsv, KnowsTheUnitsOfAccelerationAndRefusesAnotherUnit) {
+// Every way of writing m/s² that is about, Latin-1 among them; other units of a dimension are converted, those of
+// another one refused.
+TEST(RecordingCsv, ConvertsUnitsAndRefusesThoseOfAnotherDimension) {
   for (const char* unit : {"m/s²", "m/s^2", "m/s2", "m/s\xb2", " m/s^2 "}) {
     const std::string text = std::string("t [s],zdd_w [") + unit + "]\n0,1\n1,2\n";
     EXPECT_EQ(parse_recording_csv(text, "REC.csv").has(Channel::zdd_w), true) << unit;
   }
-  EXPECT_EQ(message_of("t,zdd_w [g]\n0,1\n1,2\n"),
-            "REC.csv:1: zdd_w has the unit 'g', expected m/s², or a scale in the rig description's [channels]");
-  EXPECT_EQ(message_of("t [ms],F [N]\n0,1\n1,2\n"),
-            "REC.csv:1: t has the unit 'ms', expected s, or a scale in the rig description's [channels]");
-  EXPECT_EQ(message_of("t,F [N],duct_1 [%]\n0,1,0\n1,2,0\n"),
-            "REC.csv:1: duct_1 has the unit '%', expected none (1 open, 0 closed), or a scale in the rig "
+  const Recording converted =
+      parse_recording_csv("t [ms],zdd_w [g],F [kN],duct_1 [%]\n0,1,2,100\n3,2,3,0\n", "REC.csv", {}, 1000.0 / 3.0);
+  EXPECT_EQ(converted.time, (std::vector<double>{0.0, 0.003}));
+  EXPECT_EQ(converted[Channel::zdd_w], (std::vector<double>{9.80665, 2.0 * 9.80665}));
+  EXPECT_EQ(converted[Channel::F], (std::vector<double>{2000.0, 3000.0}));
+  EXPECT_EQ(converted.ducts[0], (std::vector<double>{1.0, 0.0}));
+  EXPECT_EQ(message_of("t,zdd_w [mm]\n0,1\n1,2\n"),
+            "REC.csv:1: 'zdd_w', taken as zdd_w, has the unit 'mm', expected a unit of m/s², or a scale in the rig "
             "description's [channels]");
+  EXPECT_EQ(message_of("t [furlong],F [N]\n0,1\n1,2\n"),
+            "REC.csv:1: 't', taken as t, has the unit 'furlong', expected a unit of s, or a scale in the rig "
+            "description's [channels]");
+  EXPECT_EQ(message_of("t,F [N],duct_1 [V]\n0,1,0\n1,2,0\n"),
+            "REC.csv:1: 'duct_1', taken as duct_1, has the unit 'V', expected none (1 open, 0 closed), or a scale in "
+            "the rig description's [channels]");
+}
+
+// One rule for an entry of [channels]: without a scale the unit of the column decides, in the reader that a controller
+// shares and in that of other programs' files; a scale that is written is taken as it stands. Both give the same bits.
+TEST(RecordingCsv, EntriesWithoutAScaleAreReadAlikeByBothReaders) {
+  const std::string header = "clock [ms],Road [mm],load [kN],plain\n",
+                    rows = "0,0.7,0.3,5\n3,-1.1,0.7,6\n6,2.3,-0.9,7\n";
+  std::string semicolons = header + rows;
+  std::replace(semicolons.begin(), semicolons.end(), ',', ';');
+  const support::TemporaryFolder folder;
+  const auto comma_file = folder.write("comma.csv", header + rows), other_file = folder.write("other.csv", semicolons);
+  for (const std::optional<double> scale : {std::optional<double>{}, std::optional<double>{0.25}}) {
+    const ChannelMap map{
+        {"t", {"clock"}}, {"z_r", {"Road", scale, 0.5}}, {"F", {"load [kN]", scale}}, {"z_w", {"plain"}}};
+    const Recording strict = parse_recording_csv(header + rows, "REC.csv", map, 1000.0 / 3.0);
+    EXPECT_EQ(strict.time, (std::vector<double>{0.0, 0.003, 0.006}));
+    EXPECT_EQ(strict[Channel::z_r].front(), scale.value_or(1e-3) * 0.7 + 0.5);
+    EXPECT_EQ(strict[Channel::F].front(), scale.value_or(1e3) * 0.3);
+    EXPECT_EQ(strict[Channel::z_w].front(), 5.0) << "no unit: SI";
+    for (const auto& file : {comma_file, other_file}) {
+      const Recording read = host_sim::read_recording(file, map, 1000.0 / 3.0);
+      EXPECT_EQ(read.time, strict.time) << file;
+      for (const Channel channel : {Channel::z_r, Channel::F, Channel::z_w}) EXPECT_EQ(read[channel], strict[channel]);
+    }
+  }
 }
 
 // [channels]: SI = scale × column + offset, the column named in full or without its unit, t and ducts included.

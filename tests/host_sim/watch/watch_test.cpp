@@ -179,11 +179,12 @@ TEST(Watch, NoticesThatThePublisherIsGone) {
 TEST(Watch, RefusesWhatDoesNotFitInOneLine) {
   const TemporaryFolder folder;
   for (const auto& [options, says] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--address", "0.0.0.0"}, "expected one address of this machine"},
-           {{"--address", "example.org"}, "expected one address of this machine"},
+           {{"--address", "0.0.0.0"}, "one address of this machine in numbers"},
+           {{"--address", "example.org"}, "one address of this machine in numbers"},
            {{"--port", "65536"}, "--port"},
-           {{"--receive", "rig.example:9870"}, "expected localhost or an IPv4 address"},
+           {{"--receive", "rig.example:9870"}, "the host 'rig.example' is neither localhost nor"},
            {{"--receive", "localhost:x"}, "expected HOST:PORT or PORT"},
+           {{"--receive", "::1:9870"}, "an IPv6 address stands in brackets"},
            {{"--address", "192.0.2.1", "--receive", "127.0.0.1:0"}, "cannot be listened at"}}) {
     std::vector<std::string> words{"watch"};
     words.insert(words.end(), options.begin(), options.end());

@@ -32,7 +32,7 @@ struct Published : testing::Test {
 TEST_F(Published, SendsEachRecordOnceInOrderAndThenWhyItEnds) {
   LiveTap tap(1);
   std::string trouble;
-  const DatagramSocket socket(*parse_publish_address(inbox.address()), trouble);
+  const DatagramSocket socket(firmware::parse_host_port("--publish", inbox.address()), trouble);
   ASSERT_EQ(trouble, "");
   Publisher publisher(cpus_without(-1), tap, writer, socket, 10.0);
   for (std::uint64_t k = 0; k < 25; ++k) tap.offer(of(k));
@@ -61,7 +61,7 @@ TEST_F(Published, GoesOnWhileNobodyListens) {
   }
   LiveTap tap(1);
   std::string trouble;
-  const DatagramSocket socket(*parse_publish_address(address), trouble);
+  const DatagramSocket socket(firmware::parse_host_port("--publish", address), trouble);
   Publisher publisher(cpus_without(-1), tap, writer, socket, 10.0);
   for (std::uint64_t k = 0; k < 100; ++k) tap.offer(of(k));
   publisher.finish();
@@ -74,7 +74,7 @@ TEST_F(Published, GoesOnWhileNobodyListens) {
 TEST_F(Published, CountsWhatIsNotSent) {
   LiveTap tap(1);
   std::string trouble;
-  const DatagramSocket socket(*parse_publish_address("255.255.255.255:9870"), trouble);
+  const DatagramSocket socket(firmware::parse_host_port("--publish", "255.255.255.255:9870"), trouble);
   Publisher publisher(cpus_without(-1), tap, writer, socket, 10.0);
   for (std::uint64_t k = 0; k < 7; ++k) tap.offer(of(k));
   publisher.finish();
@@ -87,7 +87,7 @@ TEST_F(Published, SaysWhatTheTapHasLost) {
   LiveTap tap(1, 4);
   for (std::uint64_t k = 0; k < 9; ++k) tap.offer(of(k));
   std::string trouble;
-  const DatagramSocket socket(*parse_publish_address(inbox.address()), trouble);
+  const DatagramSocket socket(firmware::parse_host_port("--publish", inbox.address()), trouble);
   Publisher publisher(cpus_without(-1), tap, writer, socket, 10.0);
   publisher.finish();
   EXPECT_EQ(json::parse(inbox.next())["lost"], 5);

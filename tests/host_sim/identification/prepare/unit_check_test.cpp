@@ -93,15 +93,16 @@ TEST(UnitCheck, CanBeOverruled) {
   Given rig = given("none:quarter_car");
   scale(rig.recording, Channel::F_w, 1e-3);
   EXPECT_NE(refusal(rig.description, rig.recording).find("a scale that is written there is kept"), std::string::npos);
-  rig.description.channels["F_w"] = {"F_w", 1.0, 0.0, true};
+  rig.description.channels["F_w"] = {"F_w", 1.0, 0.0};
   const auto remarks = identification::check_units(rig.description, rig.recording);
   ASSERT_EQ(remarks.size(), 1U);
   EXPECT_EQ(remarks.front(), "rec.csv: F_w looks like kilonewtons; kept as [channels] says");
-  EXPECT_TRUE(firmware::parse_rig("kind = 'component_bench'\nsample_rate = 1000.0\n[suspension]\nstiffness = 1.0\n"
-                                  "damping = 1.0\n[channels]\nF = { column = 'F', scale = 1.0 }\n",
-                                  "rig.toml")
-                  .channels.at("F")
-                  .scale_given);
+  EXPECT_EQ(firmware::parse_rig("kind = 'component_bench'\nsample_rate = 1000.0\n[suspension]\nstiffness = 1.0\n"
+                                "damping = 1.0\n[channels]\nF = { column = 'F', scale = 1.0 }\n",
+                                "rig.toml")
+                .channels.at("F")
+                .scale,
+            1.0);
 
   Given bench = given("none:component_bench");
   bench.description.rig.suspension.stiffness /= 750.0;

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "firmware/description/text/quantity.hpp"
 
-namespace host_sim {
+namespace firmware {
 
 enum class Dimension : unsigned char { none, time, length, velocity, acceleration, force, pressure, frequency };
 
@@ -23,16 +22,7 @@ struct Unit {
 [[nodiscard]] std::optional<Unit> find_unit(std::string_view text);
 
 /// The dimension of a recorded quantity, and the name of its SI unit.
-[[nodiscard]] Dimension dimension_of(firmware::Quantity quantity);
+[[nodiscard]] Dimension dimension_of(Quantity quantity);
 [[nodiscard]] std::string_view si_unit(Dimension dimension);
 
-/// A heading taken apart: "Weg Rad [mm]", "Weg Rad (mm)", "Weg Rad / mm", "Weg Rad in mm", "Weg Rad, mm", "Weg_Rad_mm"
-/// and "Weg Rad mm" all have the name "Weg Rad" (with its own punctuation) and the unit "mm". A unit without brackets
-/// counts only if it is one of find_unit(); single letters only after "/", "in" and ",".
-struct NameAndUnit {
-  std::string name;
-  std::string unit;  ///< empty: none
-};
-[[nodiscard]] NameAndUnit split_heading(std::string_view heading);
-
-}  // namespace host_sim
+}  // namespace firmware
