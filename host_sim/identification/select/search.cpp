@@ -391,13 +391,12 @@ std::optional<CandidateModel> Search::in_two(const SearchResult& found, std::siz
   }
   sort(pairs);
   if (pairs.size() > thresholds::split_effects) pairs.resize(thresholds::split_effects);
-  const double to_beat = best.penalised_chi_squared(criterion_) - thresholds::replaces;
   for (const CandidateModel& pair : pairs) {
     std::vector<firmware::PlacedEffect> effects = best.effects;
     effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
     effects.insert(effects.end(), pair.effects.begin(), pair.effects.end());
     CandidateModel two = fitter_.refitted(pair.fit.hypothesis, std::move(effects), 12);
-    if (two.penalised_chi_squared(criterion_) < to_beat && !ends_at_bound(two.effects.back()) &&
+    if (criterion_.accepts(two, best, criterion_.first_share) && !ends_at_bound(two.effects.back()) &&
         stays_finite(fitter_.problem(), two.fit.hypothesis)) {
       return two;
     }
