@@ -67,7 +67,8 @@ TEST(UnitCheck, AreNotSeenInEffects) {
   }
 }
 
-// The line tells what to do: what it looks like, and the entry that would mend it, on top of the one that is there.
+// The line tells what to do: what it looks like, and the entry that would mend it, with the column of the one that is
+// there.
 TEST(UnitCheck, AreRefusedWithWhatToWrite) {
   Given rig = given("none:quarter_car");
   Recording wrong = rig.recording;
@@ -79,11 +80,11 @@ TEST(UnitCheck, AreRefusedWithWhatToWrite) {
   wrong = rig.recording;
   scale(wrong, Channel::F_w, -1e-3);
   scale(wrong, Channel::zdd_b, 1.0 / 9.81);
-  rig.description.channels["F_w"] = {"Load", 2.0, 0.0};
+  rig.description.channels["F_w"] = {"Load", std::nullopt, 0.0};
   line = refusal(rig.description, wrong);
   EXPECT_NE(line.find("zdd_b looks like multiples of g"), std::string::npos) << line;
   EXPECT_NE(line.find("F_w looks like kilonewtons with the sign swapped"), std::string::npos) << line;
-  EXPECT_NE(line.find("F_w = { column = \"Load\", scale = -2000 }"), std::string::npos) << line;
+  EXPECT_NE(line.find("F_w = { column = \"Load\", scale = -1000 }"), std::string::npos) << line;
   EXPECT_NE(line.find("scale = 9.81"), std::string::npos) << line;
 }
 
