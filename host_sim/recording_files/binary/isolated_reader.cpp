@@ -10,38 +10,64 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
 
-#if defined(__SANITIZE_ADDRESS__)
-#define RIGTWIN_ADDRESS_SANITIZER 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define RIGTWIN_ADDRESS_SANITIZER 1
-#endif
-#endif
-
 namespace host_sim {
 namespace {
 
-constexpr rlim_t most_memory = rlim_t{4} << 30U;  // [byte]
-constexpr rlim_t most_processor_time = 120;       // [s]
-constexpr std::uint8_t finished = 0xff;           // in place of a LeafKind
+constexpr std::uint8_t finished = 0xff;  // in place of a LeafKind
 
-[[noreturn]] void be_child(int descriptor, const std::function<void(const LeafSender&)>& read) {
+// What reading a file may take. Deflate packs at most 1032 bytes into one; a byte of the file becomes a double, and the
+// library and the leaf hold each number once.
+class Allowance {
+ public:
+  explicit Allowance(const std::string& source) {
+    std::error_code unknown;
+    const std::uintmax_t found = std::filesystem::file_size(source, unknown);
+    const rlim_t size = unknown ? most_memory : std::min<rlim_t>(found, most_memory);
+    memory_ = std::min(most_memory, least_memory + size * 1032 * 2 * sizeof(double));
+    time_ = least_time + size / slowest;
+  }
+
+  [[nodiscard]] rlim_t memory() const { return memory_; }  // [byte]
+  [[nodiscard]] rlim_t time() const { return time_; }      // [s]
+
+ private:
+  static constexpr rlim_t most_memory = rlim_t{4} << 30U;     // [byte]
+  static constexpr rlim_t least_memory = rlim_t{256} << 20U;  // [byte] of the libraries themselves
+  static constexpr rlim_t least_time = 10;                    // [s]
+  static constexpr rlim_t slowest = rlim_t{2} << 20U;         // [byte/s] a tenth of what a small computer inflates
+
+  rlim_t memory_ = 0;
+  rlim_t time_ = 0;
+};
+
+// [byte] Private memory that can be written, as RLIMIT_DATA counts it: sixth number of the kernel's line. 0: unknown.
+rlim_t memory_in_use() {
+  std::ifstream line("/proc/self/statm");
+  rlim_t pages = 0;
+  for (int i = 0; i < 6; ++i) line >> pages;
+  return line ? pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) : 0;
+}
+
+[[noreturn]] void be_child(int descriptor, const Allowance& allowance,
+                           const std::function<void(const LeafSender&)>& read) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
     std::signal(signal, SIG_DFL);  // dies of it, and leaves the parent's files alone
   }
   const rlimit no_core{0, 0};
-  const rlimit time{most_processor_time, most_processor_time};
+  const rlimit time{allowance.time(), allowance.time()};
   ::setrlimit(RLIMIT_CORE, &no_core);
   ::setrlimit(RLIMIT_CPU, &time);
-#if !defined(RIGTWIN_ADDRESS_SANITIZER)  // reserves terabytes for itself
-  const rlimit memory{most_memory, most_memory};
+  const rlim_t most = memory_in_use() + allowance.memory();
+  const rlimit memory{most, most};
   ::setrlimit(RLIMIT_DATA, &memory);
-#endif
   static_cast<void>(std::freopen("/dev/null", "w", stderr));  // what HDF5 has to say about a damaged file
   try {
     read(LeafSender(descriptor));
@@ -53,7 +79,7 @@ constexpr std::uint8_t finished = 0xff;           // in place of a LeafKind
 
 class LeafReceiver {
  public:
-  explicit LeafReceiver(int descriptor) : descriptor_(descriptor) {}
+  LeafReceiver(int descriptor, const Allowance& allowance) : descriptor_(descriptor), most_(allowance.memory()) {}
 
   struct Message {
     std::optional<Leaf> leaf;  // none: finished
@@ -66,8 +92,8 @@ class LeafReceiver {
     std::array<std::uint64_t, 4> sizes{};  // path, shape, numbers, text
     if (!receive_bytes(&kind, sizeof kind) || !receive_bytes(sizes.data(), sizeof sizes)) return std::nullopt;
     if (kind == finished) return Message{std::nullopt, sizes[0]};
-    if (kind > static_cast<std::uint8_t>(LeafKind::last) || sizes[0] > most_memory || sizes[1] > 64 ||
-        sizes[2] > most_memory / sizeof(double) || sizes[3] > most_memory) {
+    if (kind > static_cast<std::uint8_t>(LeafKind::last) || sizes[0] > most_ || sizes[1] > 64 ||
+        sizes[2] > most_ / sizeof(double) || sizes[3] > most_) {
       return std::nullopt;
     }
     Leaf leaf;
@@ -97,18 +123,20 @@ class LeafReceiver {
   }
 
   int descriptor_;
+  std::uint64_t most_;  // [byte] of one part of a message
 };
 
 // The child process, ended at the latest when this object is.
 class ReaderProcess {
  public:
-  ReaderProcess(const std::string& source, const std::function<void(const LeafSender&)>& read) {
+  ReaderProcess(const std::string& source, const Allowance& allowance,
+                const std::function<void(const LeafSender&)>& read) {
     std::array<int, 2> pipe{};
     if (::pipe(pipe.data()) != 0) throw_cannot_start(source);
     process_ = ::fork();
     if (process_ == 0) {
       ::close(pipe[0]);
-      be_child(pipe[1], read);
+      be_child(pipe[1], allowance, read);
     }
     ::close(pipe[1]);
     descriptor_ = pipe[0];
@@ -172,8 +200,9 @@ void LeafSender::send_bytes(const void* bytes, std::size_t size) const {
 
 IsolatedResult read_isolated(const std::string& source, std::string_view expected,
                              const std::function<void(const LeafSender&)>& read) {
-  const ReaderProcess child(source, read);
-  const LeafReceiver receiver(child.descriptor());
+  const Allowance allowance(source);
+  const ReaderProcess child(source, allowance, read);
+  const LeafReceiver receiver(child.descriptor(), allowance);
   IsolatedResult result{{}, 0};
   for (;;) {
     std::optional<LeafReceiver::Message> message = receiver.receive();

@@ -53,9 +53,9 @@ struct IsolatedResult {
   std::size_t count;  ///< of finish()
 };
 
-/// Runs `read` in a child process with at most 4 GiB of memory and 120 s of processor time: what a damaged length may
-/// make the libraries ask for, and how long they may go round in circles. InputError ("the file is damaged after …",
-/// `expected`) when the child ends without finish() or a leaf is damaged.
+/// Runs `read` in a child process with as much memory (at most 4 GiB) and processor time as a file of the size of
+/// `source` can need: a damaged length makes the libraries ask for more, or go round in circles. InputError ("the file
+/// is damaged after …", `expected`) when the child ends without finish() or a leaf is damaged.
 [[nodiscard]] IsolatedResult read_isolated(const std::string& source, std::string_view expected,
                                            const std::function<void(const LeafSender&)>& read);
 
