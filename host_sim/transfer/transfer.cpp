@@ -88,7 +88,7 @@ Transfer transfer_component(TransferInput input, const TransferProgress& progres
     t.validation = validate(t.prediction, t.second);
     if (!t.both.second_only.empty()) {
       SecondRig own = t.second;
-      own.description = with_own_effects(input.to, *second);
+      own.description = with_own_effects(input.to, second->diagnosis);
       t.with_own.emplace();
       t.with_own->prediction =
           predict_second_rig(input.from, t.posterior, own, input.seed, thresholds::source_draws * 2, 2);

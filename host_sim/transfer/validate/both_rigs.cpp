@@ -140,13 +140,12 @@ void compare_with_second(const identification::Identified& second, const Posteri
   }
 }
 
-firmware::RigDescription with_own_effects(const firmware::RigDescription& to,
-                                          const identification::Identified& second) {
+firmware::RigDescription with_own_effects(const firmware::RigDescription& to, const identification::Diagnosis& second) {
   firmware::RigDescription rig = to;
-  for (const identification::NamedEffect& named : second.diagnosis.effects) {
+  for (const identification::NamedEffect& named : second.effects) {
     if (!travels(*named.effect.entry)) firmware::put_effect(rig.rig, named.effect);
   }
-  for (const auto& [path, value] : second.diagnosis.parameters) {
+  for (const auto& [path, value] : second.parameters) {
     if (travels(path)) continue;
     double* const target = firmware::find_parameter(rig.rig, path);
     if (target == nullptr || !(std::abs(value.value) > 0.0)) continue;

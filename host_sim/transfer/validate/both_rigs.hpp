@@ -55,6 +55,6 @@ void compare_with_second(const identification::Identified& second, const Posteri
 /// The second rig's description with its own effects and parameters as its diagnosis has them; the component as
 /// described.
 [[nodiscard]] firmware::RigDescription with_own_effects(const firmware::RigDescription& to,
-                                                        const identification::Identified& second);
+                                                        const identification::Diagnosis& second);
 
 }  // namespace host_sim::transfer

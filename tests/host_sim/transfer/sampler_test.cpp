@@ -79,6 +79,17 @@ TEST(TransferSampler, SaysWhereChainsDoNotMeet) {
   EXPECT_LT(host_sim::transfer::split_rhat(together)(0), 1.01);
 }
 
+// Point. Two chains by hand, in halves 0 2, 0 2, 4 6, 4 6: within them the variance is 2, between their means 16/3, so
+// R̂² = (2 · 1/2 + 16/3)/2.
+TEST(TransferSampler, ComparesHalvesOfChains) {
+  std::vector<Eigen::MatrixXd> chains;
+  for (const double lowest : {0.0, 4.0}) {
+    chains.emplace_back(1, 4);
+    chains.back() << lowest, lowest + 2.0, lowest, lowest + 2.0;
+  }
+  EXPECT_NEAR(host_sim::transfer::split_rhat(chains)(0), std::sqrt((1.0 + 16.0 / 3.0) / 2.0), 1e-12);
+}
+
 // Point. An autoregression x ← ρ x + … has (1 − ρ)/(1 + ρ) effective draws each: 1/19 for 0.9. Eight chains of 4000
 // know it to some 10 %; three of these are allowed.
 TEST(TransferSampler, CountsEffectiveDraws) {

@@ -59,6 +59,9 @@ TEST(TransferValidation, CountsCoverageAreaAndScore) {
   for (int i = 1; i <= 5; ++i) area += std::abs(i - level) / 5.0;
   EXPECT_NEAR(v.quantity_area[0], area, 1e-12);
   EXPECT_TRUE(v.holds);
+  // The velocity of the road is level, so each line says something, the lowest too.
+  EXPECT_NEAR(v.bands.front().lowest, second.analysis->frequencies().front() - 0.5 * second.analysis->line_width(),
+              1e-9);
 }
 
 /// 400 draws around 10 with complex noise of variance 0.01, by line.
@@ -80,7 +83,8 @@ transfer::Prediction noisy(const transfer::SecondRig& second) {
 
 // Point. (1): T of a measurement that is off by c is n c²/0.01 of n lines; p is the share of the draws with more, as
 // far as 400 of them can count it (four times √(p (1 − p)/400)). (2): the deviation is c/10, without what noise makes.
-// (3): with a force that moves a line by e, the component lacks c/e of its force.
+// The mean of the draws, ± √(0.005/400) of 10 in a line, moves it by off/√(off² − noise) ≤ 1.16 times that/√n; four of
+// these and its own square are allowed. (3): with a force that moves a line by e, the component lacks c/e of its force.
 TEST(TransferValidation, ChecksABandByProbabilitySizeAndForce) {
   for (const double off : {0.09, 0.10, 0.11, 0.5}) {
     transfer::SecondRig second = measured(10.0 + off, 10.0);
@@ -110,7 +114,8 @@ TEST(TransferValidation, ChecksABandByProbabilitySizeAndForce) {
         reached += t >= off * off * static_cast<double>(lines.size()) ? 1.0 / 400.0 : 0.0;
       }
       EXPECT_NEAR(band.p, reached, 4.0 * std::sqrt(0.25 / 400.0)) << off << " at " << band.lowest;
-      EXPECT_NEAR(band.deviation, std::sqrt(off * off - noise) / 10.0, 0.002);
+      EXPECT_NEAR(band.deviation, std::sqrt(off * off - noise) / 10.0,
+                  4.0 * 1.16 * std::sqrt(0.005 / 400.0) / 10.0 / std::sqrt(static_cast<double>(lines.size())) + 2e-5);
       EXPECT_NEAR(band.level, off / 10.0, 0.001);
       EXPECT_NEAR(band.half_width, 1.96 * std::sqrt(0.005) / 10.0, 0.002);
       EXPECT_NEAR(band.force.real(), 0.0, 0.01);
@@ -134,6 +139,24 @@ TEST(TransferBothRigs, ComparesAndPoolsAValue) {
   const auto logarithms = transfer::shared_value("a", "N", {std::log(10.0), 0.1}, {std::log(13.0), 0.2}, true);
   EXPECT_NEAR(logarithms.z, -std::log(1.3) / std::sqrt(0.05), 1e-12);
   EXPECT_NEAR(logarithms.pooled.value, 10.0 * std::pow(1.3, 0.2), 1e-12);
+}
+
+// Point. The second rig's own parameter comes with what its records leave of it: a half-width of 1.96 σ becomes the
+// tolerance √3 σ of the same variance, unless the description says less. What travels stays as described.
+TEST(TransferBothRigs, TakesTheSecondRigsOwnParameters) {
+  const auto to =
+      linear_pair::car("[tolerance]\n'tyre.stiffness' = 0.1\n'tyre.damping' = 0.01\n'suspension.stiffness' = 0.1\n");
+  host_sim::identification::Diagnosis second;
+  second.parameters["tyre.stiffness"] = {210e3, 210e3 - 1.96 * 2100.0, 210e3 + 1.96 * 2100.0};
+  second.parameters["tyre.damping"] = {90.0, 90.0 - 1.96 * 9.0, 90.0 + 1.96 * 9.0};
+  second.parameters["suspension.stiffness"] = {33e3, 32e3, 34e3};
+  const auto own = transfer::with_own_effects(to, second);
+  EXPECT_EQ(own.rig.tyre.stiffness, 210e3);
+  EXPECT_NEAR(own.tolerance.at("tyre.stiffness"), 0.01 * std::numbers::sqrt3, 1e-12);
+  EXPECT_EQ(own.rig.tyre.damping, 90.0);
+  EXPECT_EQ(own.tolerance.at("tyre.damping"), 0.01);
+  EXPECT_EQ(own.rig.suspension.stiffness, linear_pair::stiffness);
+  EXPECT_EQ(own.tolerance.at("suspension.stiffness"), 0.1);
 }
 
 }  // namespace
