@@ -21,53 +21,39 @@
 namespace host_sim {
 namespace {
 
-constexpr std::uint8_t finished = 0xff;  // in place of a LeafKind
+constexpr rlim_t most_memory = rlim_t{4} << 30U;     // [byte]
+constexpr rlim_t least_memory = rlim_t{256} << 20U;  // [byte] of the libraries themselves
+constexpr rlim_t most_processor_time = 120;          // [s]
+constexpr std::uint8_t finished = 0xff;              // in place of a LeafKind
 
-// What reading a file may take. Deflate packs at most 1032 bytes into one; a byte of the file becomes a double, and the
-// library and the leaf hold each number once.
-class Allowance {
- public:
-  explicit Allowance(const std::string& source) {
-    std::error_code unknown;
-    const std::uintmax_t found = std::filesystem::file_size(source, unknown);
-    const rlim_t size = unknown ? most_memory : std::min<rlim_t>(found, most_memory);
-    memory_ = std::min(most_memory, least_memory + size * 1032 * 2 * sizeof(double));
-    time_ = least_time + size / slowest;
-  }
+// [byte] The most memory that reading the file `source` can need. Deflate compresses at most 1032 bytes into one byte.
+// Each of these bytes can become a double, which the library and the leaf hold once each.
+rlim_t memory_to_read(const std::string& source) {
+  std::error_code unknown;  // the size is then the largest number
+  const rlim_t size = std::min<rlim_t>(std::filesystem::file_size(source, unknown), most_memory);
+  return std::min(most_memory, least_memory + size * 1032 * 2 * sizeof(double));
+}
 
-  [[nodiscard]] rlim_t memory() const { return memory_; }  // [byte]
-  [[nodiscard]] rlim_t time() const { return time_; }      // [s]
-
- private:
-  static constexpr rlim_t most_memory = rlim_t{4} << 30U;     // [byte]
-  static constexpr rlim_t least_memory = rlim_t{256} << 20U;  // [byte] of the libraries themselves
-  static constexpr rlim_t least_time = 10;                    // [s]
-  static constexpr rlim_t slowest = rlim_t{2} << 20U;         // [byte/s] a tenth of what a small computer inflates
-
-  rlim_t memory_ = 0;
-  rlim_t time_ = 0;
-};
-
-// [byte] Private memory that can be written, as RLIMIT_DATA counts it: sixth number of the kernel's line. 0: unknown.
+// [byte] Private memory that can be written, as RLIMIT_DATA counts it: the sixth number of the kernel's line. Where the
+// kernel does not say it, the limit must not be lower than what is in use already.
 rlim_t memory_in_use() {
   std::ifstream line("/proc/self/statm");
   rlim_t pages = 0;
   for (int i = 0; i < 6; ++i) line >> pages;
-  return line ? pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) : 0;
+  return line ? pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) : most_memory;
 }
 
-[[noreturn]] void be_child(int descriptor, const Allowance& allowance,
-                           const std::function<void(const LeafSender&)>& read) {
+[[noreturn]] void be_child(int descriptor, rlim_t memory, const std::function<void(const LeafSender&)>& read) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
     std::signal(signal, SIG_DFL);  // dies of it, and leaves the parent's files alone
   }
   const rlimit no_core{0, 0};
-  const rlimit time{allowance.time(), allowance.time()};
+  const rlimit time{most_processor_time, most_processor_time};
   ::setrlimit(RLIMIT_CORE, &no_core);
   ::setrlimit(RLIMIT_CPU, &time);
-  const rlim_t most = memory_in_use() + allowance.memory();
-  const rlimit memory{most, most};
-  ::setrlimit(RLIMIT_DATA, &memory);
+  const rlim_t most = memory_in_use() + memory;
+  const rlimit data{most, most};
+  ::setrlimit(RLIMIT_DATA, &data);
   static_cast<void>(std::freopen("/dev/null", "w", stderr));  // what HDF5 has to say about a damaged file
   try {
     read(LeafSender(descriptor));
@@ -79,7 +65,7 @@ rlim_t memory_in_use() {
 
 class LeafReceiver {
  public:
-  LeafReceiver(int descriptor, const Allowance& allowance) : descriptor_(descriptor), most_(allowance.memory()) {}
+  LeafReceiver(int descriptor, std::uint64_t most) : descriptor_(descriptor), most_(most) {}
 
   struct Message {
     std::optional<Leaf> leaf;  // none: finished
@@ -129,14 +115,13 @@ class LeafReceiver {
 // The child process, ended at the latest when this object is.
 class ReaderProcess {
  public:
-  ReaderProcess(const std::string& source, const Allowance& allowance,
-                const std::function<void(const LeafSender&)>& read) {
+  ReaderProcess(const std::string& source, rlim_t memory, const std::function<void(const LeafSender&)>& read) {
     std::array<int, 2> pipe{};
     if (::pipe(pipe.data()) != 0) throw_cannot_start(source);
     process_ = ::fork();
     if (process_ == 0) {
       ::close(pipe[0]);
-      be_child(pipe[1], allowance, read);
+      be_child(pipe[1], memory, read);
     }
     ::close(pipe[1]);
     descriptor_ = pipe[0];
@@ -200,9 +185,9 @@ void LeafSender::send_bytes(const void* bytes, std::size_t size) const {
 
 IsolatedResult read_isolated(const std::string& source, std::string_view expected,
                              const std::function<void(const LeafSender&)>& read) {
-  const Allowance allowance(source);
-  const ReaderProcess child(source, allowance, read);
-  const LeafReceiver receiver(child.descriptor(), allowance);
+  const rlim_t memory = memory_to_read(source);
+  const ReaderProcess child(source, memory, read);
+  const LeafReceiver receiver(child.descriptor(), memory);
   IsolatedResult result{{}, 0};
   for (;;) {
     std::optional<LeafReceiver::Message> message = receiver.receive();

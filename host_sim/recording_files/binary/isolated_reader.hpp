@@ -53,9 +53,10 @@ struct IsolatedResult {
   std::size_t count;  ///< of finish()
 };
 
-/// Runs `read` in a child process with as much memory (at most 4 GiB) and processor time as a file of the size of
-/// `source` can need: a damaged length makes the libraries ask for more, or go round in circles. InputError ("the file
-/// is damaged after …", `expected`) when the child ends without finish() or a leaf is damaged.
+/// Runs `read` on the file `source` in a child process. The child gets 120 s of processor time and the memory that a
+/// file of this size can need, at most 4 GiB: a damaged length makes the libraries ask for more, or go round in
+/// circles. InputError ("the file is damaged after …", `expected`) when the child ends without finish() or a leaf is
+/// damaged.
 [[nodiscard]] IsolatedResult read_isolated(const std::string& source, std::string_view expected,
                                            const std::function<void(const LeafSender&)>& read);
 

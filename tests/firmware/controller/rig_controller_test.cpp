@@ -635,7 +635,14 @@ TEST(RigController, IsOperatedByItsSocket) {
     EXPECT_THAT(text, AllOf(HasSubstr("\n# mark: a knock, left, 20"), HasSubstr("\n# mark: operator: level 0.8, 20")));
     const auto level = column(rig.folder / part, "level");
     EXPECT_LT(*std::min_element(level.begin(), level.end()), 1.0);
-    EXPECT_GT(level.size(), 10U);  // however late a busy machine lets its periods be
+    EXPECT_GT(level.size(), 10U);
+    // A busy machine can miss more periods than the reader bridges.
+    const auto t = column(rig.folder / part, "t");
+    const bool misses_a_period =
+        std::adjacent_find(t.begin(), t.end(), [](double a, double b) { return b - a > 1.5 / 100.0; }) != t.end();
+    if (!misses_a_period) {
+      EXPECT_GT(host_sim::read_recording(rig.folder / part, {}, 100.0).size(), 10U);
+    }
   }
   EXPECT_EQ(rig.ask("state").status, 6) << "nobody listens";
 }
