@@ -4,6 +4,7 @@
 
 #include "firmware/description/compensation_reader.hpp"
 #include "firmware/description/compensation_setup.hpp"
+#include "firmware/description/laws/law_file.hpp"
 #include "firmware/description/laws/law_reader.hpp"
 #include "firmware/description/rig_description_controller.hpp"
 #include "firmware/description/table/rig_description_table.hpp"

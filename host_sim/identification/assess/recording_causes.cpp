@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host_sim/identification/assess/humming_sensors.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -33,9 +34,26 @@ std::vector<Channel> with_the_input(const IdentificationProblem& problem, const 
 
 Interval known(double value) { return {value, value, value}; }
 
+/// The channels' own hums, as they were fitted; or those of fewer sensors, with the input's among them. `next`: as in
+/// described().
+std::vector<HummingSensor> hums_of(const IdentificationProblem& problem, Hypothesis hypothesis,
+                                   const PlacedFault& fault, std::vector<Interval>::const_iterator next) {
+  std::erase_if(hypothesis.faults, [](const PlacedFault& other) { return other.kind == FaultKind::mains_hum; });
+  std::vector<HummingSensor> hums = humming_sensors(problem, hypothesis, fault.values[0]);
+  if (!hums.empty()) return hums;
+  ++next;  // the frequency
+  for (const Channel channel : fault.channels) {
+    const Interval a = *next++, b = *next++;
+    const double amplitude = std::hypot(a.value, b.value);
+    const double half = 0.5 * std::max(a.upper - a.lower, b.upper - b.lower);
+    hums.push_back({channel, {amplitude, std::max(amplitude - half, 0.0), amplitude + half}});
+  }
+  return hums;
+}
+
 /// `next`: the intervals of the fault's fitted values.
-std::vector<RecordingFault> described(const IdentificationProblem& problem, const PlacedFault& fault,
-                                      std::vector<Interval>::const_iterator next) {
+std::vector<RecordingFault> described(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                      const PlacedFault& fault, std::vector<Interval>::const_iterator next) {
   std::vector<RecordingFault> list;
   const auto add = [&list](const char* name, std::vector<Channel> channels) -> RecordingFault& {
     list.push_back({name, std::move(channels), {}, 0.0});
@@ -59,14 +77,10 @@ std::vector<RecordingFault> described(const IdentificationProblem& problem, cons
       break;
     }
     case FaultKind::mains_hum: {
-      const Interval frequency = *next++;
-      for (const Channel channel : fault.channels) {
-        const Interval a = *next++, b = *next++;
-        const double amplitude = std::hypot(a.value, b.value);
-        const double half = 0.5 * std::max(a.upper - a.lower, b.upper - b.lower);
-        RecordingFault& hum = add("mains_hum", {channel});
-        hum.parameters["hz"] = frequency;
-        hum.parameters["amplitude"] = {amplitude, std::max(amplitude - half, 0.0), amplitude + half};
+      for (const HummingSensor& sensor : hums_of(problem, hypothesis, fault, next)) {
+        RecordingFault& hum = add("mains_hum", {sensor.channel});
+        hum.parameters["hz"] = *next;
+        hum.parameters["amplitude"] = sensor.amplitude;
       }
       break;
     }
@@ -101,7 +115,7 @@ std::vector<RecordingFault> recording_causes(const IdentificationProblem& proble
       alternatives.push_back({rival.effect, odds.back(), {}});
     }
     const double sure = confidence(odds, rated ? found.faults[f].gain : 0.0, certainty);
-    for (RecordingFault& cause : described(problem, fault, next)) {
+    for (RecordingFault& cause : described(problem, best.fit.hypothesis, fault, next)) {
       cause.confidence = sure;
       cause.alternatives = alternatives;
       list.push_back(std::move(cause));

@@ -36,6 +36,11 @@ inline constexpr double least_located_share = 0.005;
 /// the reach of its smooth window. Derived.
 inline constexpr double event_edge = 0.035;
 
+/// [1] By how much the found model's answer to a line on its input may be wrong, relative to it: parameters are known
+/// to some 0.1 %, a law with a corner answers to a small line as its motion has it. [noise of the sensor] Size of the
+/// line that is tried.
+inline constexpr double hum_model_error = 0.003, hum_trial = 3.0;
+
 // Experiments ---------------------------------------------------------------------------------------------------------
 
 /// [1] Noise of a sensor that the rig does not have yet, relative to the rms of its channel.

@@ -159,6 +159,20 @@ std::vector<Response> read_all(const IdentificationProblem& problem, const Hypot
   return responses;
 }
 
+std::vector<double> measured_minus_read(const ProblemRecording& recording, model::Channel channel,
+                                        const std::vector<double>& readings) {
+  const PreparedRecording& samples = *recording.samples;
+  const Window window = recording.fit_whitening->window();
+  const std::vector<double>& measured = samples.recording[channel];
+  const std::vector<bool>& clipped = samples.clipped[index(channel)];
+  std::vector<double> left(window.size() / samples.step, 0.0);
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    const std::size_t at = window.from + k * samples.step;
+    if (clipped.empty() || !clipped[at]) left[k] = measured[at] - readings[at];
+  }
+  return left;
+}
+
 bool stays_finite(const PreparedRecording& recording, const Response& readings) {
   return std::all_of(recording.channels.begin(), recording.channels.end(), [&](model::Channel channel) {
     double sum = 0.0;

@@ -48,6 +48,10 @@ struct Variation {
 /// Readings of every recording in full.
 [[nodiscard]] std::vector<Response> read_all(const IdentificationProblem& problem, const Hypothesis& hypothesis);
 
+/// Measured minus read of a channel at the compared samples of the fitted window; 0 where a sample is not to be used.
+[[nodiscard]] std::vector<double> measured_minus_read(const ProblemRecording& recording, model::Channel channel,
+                                                      const std::vector<double>& readings);
+
 /// Whether the simulation of every recording stays finite from its first to its last sample, what is held out too: the
 /// sum of the squares of each explained channel is a number.
 [[nodiscard]] bool stays_finite(const IdentificationProblem& problem, const Hypothesis& hypothesis);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "host_sim/identification/parity/parity_relation.hpp"
@@ -41,25 +42,26 @@ struct Run {
   double sum = 0.0;  ///< of their squares, relative to the usual size
 };
 
+/// The loudest first.
 template <class Counts>
-Run loudest_run(const std::vector<double>& sizes, double usual, const Counts& counts) {
-  Run best, run;
+std::vector<Run> loud_runs(const std::vector<double>& sizes, double usual, const Counts& counts) {
+  std::vector<Run> runs;
   for (std::size_t b = 0; b < sizes.size(); ++b) {
     const double ratio = sizes[b] / usual;
     if (!counts(b) || ratio < thresholds::span_deviations) continue;
-    if (run.sum > 0.0 && b - run.last > thresholds::span_gap + 1) run = {};
-    if (!(run.sum > 0.0)) run.first = b;
-    run.last = b;
-    run.sum += ratio * ratio;
-    if (run.sum > best.sum) best = run;
+    if (runs.empty() || b - runs.back().last > thresholds::span_gap + 1) runs.push_back({b, b, 0.0});
+    runs.back().last = b;
+    runs.back().sum += ratio * ratio;
   }
-  return best;
+  std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.sum > b.sum; });
+  std::erase_if(runs, [&](const Run& run) { return run.sum < thresholds::span_share * runs.front().sum; });
+  return runs;
 }
 
 }  // namespace
 
-std::optional<TimeSpan> disturbed_span(const firmware::RigDescription& description, const PreparedRecording& recording,
-                                       const TimeSpan& within) {
+std::vector<TimeSpan> disturbed_spans(const firmware::RigDescription& description, const PreparedRecording& recording,
+                                      const TimeSpan& within) {
   const std::vector<firmware::Recording> recordings{recording.recording};
   firmware::RigDescription known = description;
   for (std::size_t c = 0; c < recording.noise.size(); ++c) {
@@ -71,23 +73,25 @@ std::optional<TimeSpan> disturbed_span(const firmware::RigDescription& descripti
   const auto samples = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(thresholds::span_block / period)));
   const double block = period * static_cast<double>(samples);
   const SmoothWindow window(period);
-  std::optional<TimeSpan> span;
-  double strongest = 0.0;
+  std::vector<Run> loudest;
   for (const ParityRelation& relation : parity_relations(description.rig, recordings.front())) {
     const RelationFit fit(known, recordings, window, relation, highest);
     if (!fit.has_data()) continue;
     const std::vector<double> sizes = block_sizes(fit.residual().front(), samples);
     const double usual = median_size(sizes);
     if (!(usual > 0.0)) continue;
-    const Run run = loudest_run(sizes, usual, [&](std::size_t b) {
+    std::vector<Run> runs = loud_runs(sizes, usual, [&](std::size_t b) {
       const double from = begin + block * static_cast<double>(b);
       return from + block >= within.from && from <= within.to;
     });
-    if (run.sum <= strongest) continue;
-    strongest = run.sum;
-    span = TimeSpan{begin + block * static_cast<double>(run.first), begin + block * static_cast<double>(run.last + 1)};
+    if (!runs.empty() && (loudest.empty() || runs.front().sum > loudest.front().sum)) loudest = std::move(runs);
   }
-  return span;
+  std::vector<TimeSpan> spans;
+  for (const Run& run : loudest) {
+    spans.push_back(
+        {begin + block * static_cast<double>(run.first), begin + block * static_cast<double>(run.last + 1)});
+  }
+  return spans;
 }
 
 }  // namespace host_sim::identification

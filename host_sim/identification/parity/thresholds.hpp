@@ -58,5 +58,9 @@ inline constexpr double span_block = 0.01, span_deviations = 4.0;
 /// Quieter blocks inside an event: a relation that is differentiated twice shows a push at its two ends alone when it
 /// is soft; 0.1 s. Half: a push of 0.4 s becomes two. Twice: two knocks become one.
 inline constexpr std::size_t span_gap = 10;
+/// [1] Less than this share of the power of the loudest run is what the relation is wrong by while the rig still moves:
+/// of a push that left a motion of its own size for thirty times its own length, a relation that is 3 % wrong leaves
+/// 30 · 0.03².
+inline constexpr double span_share = 0.03;
 
 }  // namespace host_sim::identification::thresholds

@@ -107,14 +107,46 @@ double power_beyond_noise(const IdentificationProblem& problem, const Hypothesis
   return beyond;
 }
 
+/// A stretch that is not used any more [s].
+struct UnusedStretch {
+  std::size_t recording;
+  double from, to;
+};
+
 /// Stretches that were left out, and what their residuals counted.
 struct LeftOut {
   std::vector<ExternalEvent> events;
-  CandidateModel model;  ///< fitted again to all others
-  double residuals = 0.0;
-  double price = 0.0;     ///< of (1)
-  bool held_out = false;  ///< one of them lies in a part that is held out
+  std::vector<UnusedStretch> unused;  ///< of each event; they may overlap
+  CandidateModel model;               ///< fitted again to all others
+  double price = 0.0;                 ///< of (1), without the residuals
+  bool held_out = false;              ///< one of them lies in a part that is held out
 };
+
+/// Without what overlaps.
+std::vector<UnusedStretch> united(std::vector<UnusedStretch> stretches) {
+  std::sort(stretches.begin(), stretches.end(), [](const UnusedStretch& a, const UnusedStretch& b) {
+    return a.recording != b.recording ? a.recording < b.recording : a.from < b.from;
+  });
+  std::vector<UnusedStretch> whole;
+  for (const UnusedStretch& next : stretches) {
+    if (whole.empty() || whole.back().recording != next.recording || next.from > whole.back().to) {
+      whole.push_back(next);
+    } else {
+      whole.back().to = std::max(whole.back().to, next.to);
+    }
+  }
+  return whole;
+}
+
+/// Residuals that are left out: n of (1).
+double residuals_in(const IdentificationProblem& problem, const std::vector<UnusedStretch>& stretches) {
+  double sum = 0.0;
+  for (const UnusedStretch& stretch : united(stretches)) {
+    const PreparedRecording& recording = problem.samples()[stretch.recording];
+    sum += residuals_in(problem, stretch.recording, samples_of_stretch(recording, stretch.from, stretch.to));
+  }
+  return sum;
+}
 
 /// Leaves out the loudest stretch of what the hypothesis leaves. false: none stands out.
 bool leave_out_loudest(const firmware::RigDescription& description, IdentificationProblem& problem,
@@ -122,29 +154,98 @@ bool leave_out_loudest(const firmware::RigDescription& description, Identificati
   const std::optional<LoudStretches> loud = loud_stretches(problem, hypothesis);
   if (!loud) return false;
   const PreparedRecording& recording = problem.samples()[loud->recording];
-  const Window samples = samples_of_stretch(recording, loud->from, loud->to);
   TimeSpan span{loud->from, loud->peak_to};
   const TimeSpan within{loud->from - thresholds::event_stretch, loud->to};
-  if (const auto sharp = disturbed_span(description, recording, within)) span = *sharp;
+  const std::vector<TimeSpan> sharp = disturbed_spans(description, recording, within);
+  if (!sharp.empty()) span = sharp.front();
+  // At its tapered end a stretch does not show the beginning of an event.
+  const UnusedStretch unused{loud->recording, std::min(loud->from, span.from - thresholds::event_margin), loud->to};
+  const Window samples = samples_of_stretch(recording, unused.from, unused.to);
   const SelectionCriterion criterion;
-  out.residuals += residuals_in(problem, loud->recording, samples);
   out.price +=
       criterion.effect + criterion.parameter * (2.0 + 2.0 * thresholds::event_bandwidth * (span.to - span.from));
   out.held_out = out.held_out || samples.to > problem.recordings()[loud->recording].fitted.to;
   out.events.push_back({loud->recording, span.from, span.to, 0.0});
+  out.unused.push_back(unused);
   problem.leave_out(loud->recording, samples);
   return true;
 }
 
+/// Leaves out a little more behind each event: slow motion that it left is weak in every short stretch. false: too
+/// little would be left.
+bool leave_out_tails(IdentificationProblem& problem, LeftOut& out) {
+  std::vector<UnusedStretch> longer = out.unused;
+  for (UnusedStretch& stretch : longer) stretch.to += thresholds::event_tail;
+  double unused = 0.0, whole = 0.0;
+  for (const UnusedStretch& stretch : united(longer)) unused += stretch.to - stretch.from;
+  for (const PreparedRecording& r : problem.samples()) whole += r.recording.time.back() - r.recording.time.front();
+  if (unused > thresholds::most_left_out_in_all * whole) return false;
+  for (const UnusedStretch& stretch : longer) {
+    problem.leave_out(stretch.recording,
+                      samples_of_stretch(problem.samples()[stretch.recording], stretch.from, stretch.to));
+  }
+  out.unused = std::move(longer);
+  return true;
+}
+
+/// What the rig did beside what the model says: the balances between channels hold for it as for the whole, and no road
+/// hides in it where something acted from outside. Channels that drive the simulation are zero.
+PreparedRecording beside_model(const PreparedRecording& recording, const Response& readings) {
+  PreparedRecording beside = recording;
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    const model::Channel channel = model::channel_at(c);
+    if (!recording.recording.has(channel)) continue;
+    std::vector<double>& samples = beside.recording[channel];
+    const bool explained = recording.explains(channel);
+    for (std::size_t k = 0; k < samples.size(); ++k) samples[k] = explained ? samples[k] - readings[c][k] : 0.0;
+  }
+  return beside;
+}
+
+/// True if an event's stretch begins where that of another one ends.
+bool is_tail(const LeftOut& out, std::size_t event) {
+  const UnusedStretch& stretch = out.unused[event];
+  return std::any_of(out.unused.begin(), out.unused.end(), [&](const UnusedStretch& other) {
+    return &other != &stretch && other.recording == stretch.recording && other.from < stretch.from &&
+           other.to > stretch.from - thresholds::event_stretch;
+  });
+}
+
+/// When the events were, by the balances of what the model leaves. Two in one stretch are told apart. Where no
+/// balance fails, it is what the event before left; or, with none before, keeps its time.
+std::vector<ExternalEvent> timed(const firmware::RigDescription& description, const IdentificationProblem& problem,
+                                 const Hypothesis& hypothesis, const LeftOut& out) {
+  const std::vector<Response> readings = read_all(problem, hypothesis);
+  std::vector<PreparedRecording> beside;
+  for (std::size_t i = 0; i < readings.size(); ++i) beside.push_back(beside_model(problem.samples()[i], readings[i]));
+  std::vector<ExternalEvent> events;
+  for (std::size_t e = 0; e < out.events.size(); ++e) {
+    const UnusedStretch& stretch = out.unused[e];
+    std::vector<TimeSpan> spans =
+        disturbed_spans(description, beside[stretch.recording], {stretch.from - thresholds::event_stretch, stretch.to});
+    if (spans.empty() && !is_tail(out, e)) spans = {{out.events[e].from, out.events[e].to}};
+    for (const TimeSpan& span : spans) {
+      const bool known = std::any_of(events.begin(), events.end(), [&](const ExternalEvent& other) {
+        return other.recording == stretch.recording && span.from < other.to && span.to > other.from;
+      });
+      if (!known) events.push_back({stretch.recording, span.from, span.to, 0.0});
+    }
+  }
+  return events;
+}
+
 /// (2) of external_event.hpp: what stands out, one after the other, each time with what is left fitted again.
 LeftOut leave_out_all(const firmware::RigDescription& description, IdentificationProblem& problem,
-                      const SearchSpace& space, const CandidateModel& model) {
+                      const SearchSpace& space, const CandidateModel& model, bool tails) {
   const SelectionCriterion criterion;
   LeftOut out;
   out.model = model;
   const auto clean = [&] { return !leaves_rest(problem, out.model.fit.hypothesis); };
   while (out.events.size() < thresholds::most_events && (out.events.empty() || !clean()) &&
          leave_out_loudest(description, problem, out.model.fit.hypothesis, out)) {
+    out.model = ModelFitter::refitted_in(problem, space, criterion, out.model);
+  }
+  while (tails && !out.events.empty() && !clean() && leave_out_tails(problem, out)) {
     out.model = ModelFitter::refitted_in(problem, space, criterion, out.model);
   }
   return out;
@@ -157,7 +258,7 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
   if (!leaves_rest(problem, found.best.fit.hypothesis)) return;
   // No effect explains a push: however bent, the best model leaves it, and it is most of what that leaves.
   IdentificationProblem beside_effects = problem;
-  const LeftOut of_best = leave_out_all(description, beside_effects, space, found.best);
+  const LeftOut of_best = leave_out_all(description, beside_effects, space, found.best, true);
   if (of_best.events.empty()) return;
   const double left = power_beyond_noise(beside_effects, of_best.model.fit.hypothesis);
   if (left > thresholds::left_beside_events * power_beyond_noise(problem, found.best.fit.hypothesis)) return;
@@ -168,9 +269,9 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
   };
   const SelectionCriterion criterion;
   // Without effects first: they may have been bent to explain an event.
-  for (const bool bare : {true, false}) {
+  for (const bool bare : {false, true}) {
     IdentificationProblem without = bare ? problem : beside_effects;
-    const LeftOut out = bare ? leave_out_all(description, without, space, found.nothing) : of_best;
+    const LeftOut out = bare ? leave_out_all(description, without, space, found.nothing, false) : of_best;
     if (bare && std::none_of(out.events.begin(), out.events.end(), is_there)) continue;
     if (!bare && leaves_rest(without, out.model.fit.hypothesis)) continue;
     SearchResult again = select_in_noise(without, space, progress);
@@ -178,12 +279,12 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
     found.candidates += again.candidates;
     if (leaves_rest(without, again.best.fit.hypothesis)) continue;
     const double gain = found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) -
-                        out.residuals - out.price;
+                        residuals_in(problem, out.unused) - out.price;
     // What is held out has no part in (1): the event is believed since the rest went away with it.
     if (!(gain > 0.0) && !out.held_out) continue;
     again.simulations = found.simulations;
     again.candidates = found.candidates;
-    again.events = out.events;
+    again.events = timed(description, problem, again.best.fit.hypothesis, out);
     for (ExternalEvent& event : again.events) event.gain = std::max(gain, 0.0);
     found = std::move(again);
     problem = std::move(without);

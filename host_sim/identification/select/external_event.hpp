@@ -7,10 +7,11 @@ namespace host_sim::identification {
 
 /// Looked for only where the best model leaves a rest (estimate/residual_over_time.hpp). A stretch of the recording
 /// whose residuals stand far above those of all others, of a channel or of all together, is marked as not recorded,
-/// until the motion that it left has died away; then the next one beside it, at most thresholds::most_events. If that
-/// takes most of what the best model leaves away (thresholds::left_beside_events), the model is selected again, first
-/// from a rig without effects: these may have been bent to explain an event. The events are believed where that is
-/// better by more than they cost,
+/// until the motion that it left has died away; then the next one beside it, at most thresholds::most_events. Slow
+/// motion is weak in every short stretch: as long as a rest is left, thresholds::event_tail more is left out behind
+/// each. If that takes most of what the best model leaves away (thresholds::left_beside_events), the model is selected
+/// again; and once more, with the stretches that a rig without effects finds, where that leaves a rest: effects may
+/// have been bent to explain an event. The events are believed where that is better by more than they cost,
 ///
 ///   (1)  χ²_again + penalties + Σ (n + effect + parameter · (2 + 2 B d)) < χ² + penalties
 ///   (2)  and where nothing but noise is left outside of them
@@ -18,8 +19,9 @@ namespace host_sim::identification {
 /// n: residuals left out, which a free force explains; d: duration of the event; B: thresholds::event_bandwidth, so
 /// that a force of any shape has 2 B d parameters. An effect that acts once (a stop that closes once) is cheaper and
 /// keeps its name. (2): a law that is missing is loudest where the motion is, and quieter, but still there, elsewhere.
-/// Events in a part that is held out are believed by (2) alone. `found` and the problem become those without the
-/// events; they are added to `found.events`.
+/// Events in a part that is held out are believed by (2) alone. When they were, the balances between channels say, of
+/// what the new model leaves (parity/disturbed_span.hpp). `found` and the problem become those without the events; they
+/// are added to `found.events`.
 void leave_out_events(const firmware::RigDescription& description, IdentificationProblem& problem,
                       const SearchSpace& space, const ProgressCallback& progress, SearchResult& found);
 

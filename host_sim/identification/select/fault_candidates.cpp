@@ -18,6 +18,7 @@
 #include "host_sim/identification/noise/recorder_filter.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
+#include "host_sim/signal/line.hpp"
 #include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::identification {
@@ -174,41 +175,13 @@ void FaultScan::add_filter(Group group, std::vector<FaultCandidate>& list) const
   }
 }
 
-/// Measured minus predicted of the fitted window, without the samples that are left out.
+/// What the fit leaves of one channel in its window.
 std::vector<double> FaultScan::raw_residual(std::size_t recording, std::size_t channel) const {
   const ProblemRecording& r = problem_.recordings()[recording];
   const Channel of = problem_.channels()[channel];
-  const Window window = r.fit_whitening->window();
-  const std::vector<double> readings =
-      sensor_readings(base_.hypothesis, *r.samples, of, (*base_.prediction.truth[recording])[index(of)]);
-  const std::vector<double>& measured = r.samples->recording[of];
-  const std::vector<bool>& clipped = r.samples->clipped[index(of)];
-  std::vector<double> left(window.size() / r.samples->step, 0.0);
-  for (std::size_t k = 0; k < left.size(); ++k) {
-    const std::size_t at = window.from + k * r.samples->step;
-    if (clipped.empty() || !clipped[at]) left[k] = measured[at] - readings[at];
-  }
-  return left;
+  return measured_minus_read(
+      r, of, sensor_readings(base_.hypothesis, *r.samples, of, (*base_.prediction.truth[recording])[index(of)]));
 }
-
-namespace hum {
-
-/// Amplitudes a, b of a line at f [Hz] in a signal, through a Hann window: (a − ib)/… = Σ w x e^{−2πi f t} · 2/Σw.
-std::complex<double> line(const std::vector<double>& signal, double f, double period, double first_time) {
-  std::complex<double> sum = 0.0;
-  double weight = 0.0;
-  const double n = static_cast<double>(signal.size());
-  for (std::size_t k = 0; k < signal.size(); ++k) {
-    const auto at = static_cast<double>(k);
-    const double w = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * (at + 0.5) / n);
-    const double phase = 2.0 * std::numbers::pi * f * (first_time + at * period);
-    sum += w * signal[k] * std::complex<double>(std::cos(phase), -std::sin(phase));
-    weight += w;
-  }
-  return 2.0 / weight * sum;
-}
-
-}  // namespace hum
 
 void FaultScan::add_hum(std::vector<FaultCandidate>& list) const {
   if (holds_kind(base_.hypothesis, FaultKind::mains_hum)) return;
@@ -242,7 +215,7 @@ void FaultScan::add_hum(std::vector<FaultCandidate>& list) const {
       double sum = 0.0;
       for (std::size_t c = 0; c < m; ++c) {
         const double sigma = std::max(r.samples->noise[index(problem_.channels()[c])], 1e-300);
-        sum -= std::norm(hum::line(left[c], f, period, begin)) / (sigma * sigma);
+        sum -= std::norm(line_in(left[c], f, period, begin)) / (sigma * sigma);
       }
       return sum;
     };
@@ -252,7 +225,7 @@ void FaultScan::add_hum(std::vector<FaultCandidate>& list) const {
     fault.kind = FaultKind::mains_hum;
     fault.values = {peak.at};
     for (std::size_t c = 0; c < m; ++c) {
-      const std::complex<double> z = hum::line(left[c], peak.at, period, begin);
+      const std::complex<double> z = line_in(left[c], peak.at, period, begin);
       const double sigma = std::max(r.samples->noise[index(problem_.channels()[c])], 1e-300);
       // The amplitude's standard deviation is about σ √(3/N) through a Hann window.
       const double least = thresholds::least_line * sigma * std::sqrt(3.0 / static_cast<double>(left[c].size()));
