@@ -15,11 +15,11 @@ using Rig = model::RigParameters<double>;
 
 namespace {
 
-/// [s] A drifting parameter is renewed so often. Derivation: of a change by 50 % over 10 s each step is 0.25 % too
-/// early or late by at most half of that, and the errors of neighbouring steps cancel above 20 Hz: below 1e-4 of a
-/// signal whose sensitivity to the parameter is 1 (a test measures it). Half: twice the time for building models.
-/// Twice: 1e-4.
-constexpr double drift_refresh = 0.05;
+/// A drifting parameter is renewed so often, [s] at least and [1] of the recording, with its value in the middle.
+/// Derivation: of a change by 50 % each of 600 steps is 0.083 %, wrong by 0.024 % rms, which comes and goes faster than
+/// 10 Hz: below 1e-4 of a signal whose sensitivity to the parameter is 1 (a test measures it). Half: twice the time for
+/// building models. Twice: 2e-4.
+constexpr double drift_refresh = 0.05, drift_steps = 600.0;
 
 }  // namespace
 
@@ -102,10 +102,12 @@ Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& re
   if (is_no_rig(bare, hypothesis.faults, input.period)) return no_answer(recording, input, samples);
   RigVariation variation;
   if (drifts(hypothesis.faults)) {
-    variation = {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(drift_refresh / input.period))),
-                 [&](std::size_t sample) {
-                   const auto length = static_cast<double>(std::max<std::size_t>(recording.size(), 1));
-                   return drifted(bare, hypothesis.faults, std::min(static_cast<double>(sample) / length, 1.0));
+    const auto length = static_cast<double>(std::max<std::size_t>(recording.size(), 1));
+    const double every = std::max(drift_refresh / input.period, length / drift_steps);
+    variation = {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(every))),
+                 [=, &hypothesis](std::size_t k) {
+                   const double middle = (static_cast<double>(k) + 0.5 * every) / length;
+                   return drifted(bare, hypothesis.faults, std::min(middle, 1.0));
                  }};
   }
   Response response = simulate(bare, input, start, samples, steps_of(bare, input.period, resolution), variation);
