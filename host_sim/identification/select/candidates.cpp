@@ -34,7 +34,10 @@ Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Chann
   Starts starts;
   for (const PreparedRecording& e : recordings) {
     if (!e.recording.has(channel)) continue;
-    if (const auto limit = cut_off_at(e.recording[channel])) starts.push_back({{*limit}});
+    // Between the samples that were recorded an interpolation overshoots the limit.
+    std::vector<double> recorded;
+    for (std::size_t k = 0; k < e.size(); k += e.step) recorded.push_back(e.recording[channel][k]);
+    if (const auto limit = cut_off_at(recorded)) starts.push_back({{*limit}});
   }
   return starts;
 }

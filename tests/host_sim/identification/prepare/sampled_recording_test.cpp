@@ -78,6 +78,15 @@ TEST(DiagnosisAtAnyRate, NamesWhatHides) {
   EXPECT_EQ(backlash.effects.front().effect.entry->name, "backlash");
 }
 
+// Journey. The limit of a sensor is read off the samples that were recorded: between them an interpolation overshoots.
+TEST(DiagnosisAtAnyRate, ReadsALimitOffTheRecordedSamples) {
+  for (const double rate : {250.0, 500.0}) {
+    const Diagnosis cut = diagnosis_at(rate, "single:quarter_car:sensor_saturation:dz_b");
+    ASSERT_EQ(cut.effects.size(), 1U) << rate << " Hz";
+    EXPECT_EQ(cut.effects.front().effect.entry->name, "sensor_saturation") << rate << " Hz";
+  }
+}
+
 // Point. 3 s are enough for two periods of a body mode; 2 s are not.
 TEST(DiagnosisAtAnyRate, TakesShortRecordings) {
   EXPECT_EQ(diagnosis_at(1000.0, "none:quarter_car", 3.5).verdict, Verdict::no_discrepancy);
