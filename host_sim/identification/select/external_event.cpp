@@ -7,6 +7,7 @@
 
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/parity/disturbed_span.hpp"
+#include "host_sim/identification/parity/parity_relation.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -211,18 +212,21 @@ bool is_tail(const LeftOut& out, std::size_t event) {
   });
 }
 
-/// When the events were, by the balances of what the model leaves. Two in one stretch are told apart. Where no
-/// balance fails, it is what the event before left; or, with none before, keeps its time.
+/// When the events were, by the balances of what the model leaves; none where balances can be drawn up and all of them
+/// hold: then nothing acted, and the model is wrong where the motion is large. Two in one stretch are told apart. Where
+/// no balance fails, it is what the event before left; or, with none before, keeps its time.
 std::vector<ExternalEvent> timed(const firmware::RigDescription& description, const IdentificationProblem& problem,
                                  const Hypothesis& hypothesis, const LeftOut& out) {
   const std::vector<Response> readings = read_all(problem, hypothesis);
   std::vector<PreparedRecording> beside;
   for (std::size_t i = 0; i < readings.size(); ++i) beside.push_back(beside_model(problem.samples()[i], readings[i]));
   std::vector<ExternalEvent> events;
+  bool holds = !parity_relations(description.rig, beside.front().recording).empty();
   for (std::size_t e = 0; e < out.events.size(); ++e) {
     const UnusedStretch& stretch = out.unused[e];
     std::vector<TimeSpan> spans =
         disturbed_spans(description, beside[stretch.recording], {stretch.from - thresholds::event_stretch, stretch.to});
+    holds = holds && spans.empty();
     if (spans.empty() && !is_tail(out, e)) spans = {{out.events[e].from, out.events[e].to}};
     for (const TimeSpan& span : spans) {
       const bool known = std::any_of(events.begin(), events.end(), [&](const ExternalEvent& other) {
@@ -231,7 +235,7 @@ std::vector<ExternalEvent> timed(const firmware::RigDescription& description, co
       if (!known) events.push_back({stretch.recording, span.from, span.to, 0.0});
     }
   }
-  return events;
+  return holds ? std::vector<ExternalEvent>{} : events;
 }
 
 /// (2) of external_event.hpp: what stands out, one after the other, each time with what is left fitted again.
@@ -282,9 +286,10 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
                         residuals_in(problem, out.unused) - out.price;
     // What is held out has no part in (1): the event is believed since the rest went away with it.
     if (!(gain > 0.0) && !out.held_out) continue;
+    again.events = timed(description, problem, again.best.fit.hypothesis, out);
+    if (again.events.empty()) continue;
     again.simulations = found.simulations;
     again.candidates = found.candidates;
-    again.events = timed(description, problem, again.best.fit.hypothesis, out);
     for (ExternalEvent& event : again.events) event.gain = std::max(gain, 0.0);
     found = std::move(again);
     problem = std::move(without);
