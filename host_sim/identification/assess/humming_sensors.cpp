@@ -7,7 +7,6 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "host_sim/identification/assess/thresholds.hpp"
@@ -68,6 +67,11 @@ struct SecondDifference {
   double g, position;
 };
 
+/// The driving position of a hum of 1 on the input's sensor, which may be an accelerometer.
+double position_behind(const PreparedRecording& recording, double frequency) {
+  return recording.mean_unknown ? SecondDifference(frequency, recording.input.period).position : 1.0;
+}
+
 /// z_r and zdd_r move the foot point together.
 bool is_fused(const PreparedRecording& recording) {
   return recording.input.channel == Channel::z_r && recording.recording.has(Channel::zdd_r) &&
@@ -75,27 +79,17 @@ bool is_fused(const PreparedRecording& recording) {
 }
 
 /// The signal behind δ: the acceleration twice integrated, as it is at this frequency, less the position.
-std::vector<double> contradiction(const PreparedRecording& recording, Window window, double frequency) {
-  const double h = recording.input.period, g = SecondDifference(frequency, h).g;
-  const std::vector<double>&z = recording.recording[Channel::z_r], &a = recording.recording[Channel::zdd_r];
-  std::vector<double> difference;
-  for (std::size_t k = window.from; k < window.to; k += recording.step) {
-    const bool inside = k > 0 && k + 1 < z.size();
-    const double bend = inside ? z[k - 1] - 2.0 * z[k] + z[k + 1] : 0.0;
-    const double mean = inside ? h * h * (a[k - 1] + 10.0 * a[k] + a[k + 1]) / 12.0 : 0.0;
-    difference.push_back((mean - bend) / g);
-  }
-  return difference;
+std::vector<double> position_contradiction(const PreparedRecording& recording, Window window, double frequency) {
+  const double h = recording.input.period, scale = h * h / SecondDifference(frequency, h).g;
+  const std::vector<double> whole =
+      contradiction(recording.recording[Channel::z_r], recording.recording[Channel::zdd_r], h);
+  std::vector<double> compared;
+  for (std::size_t k = window.from; k < window.to; k += recording.step) compared.push_back(scale * whole[k]);
+  return compared;
 }
 
-std::vector<double> positions(const SimulationInput& input, Window window, std::size_t step) {
-  std::vector<double> samples;
-  for (std::size_t k = window.from; k < window.to; k += step) samples.push_back(input.motion[k].position);
-  return samples;
-}
-
-/// The recording's input with a line on its position.
-SimulationInput with_line(const PreparedRecording& recording, double frequency) {
+/// The recording's input with a line of an amplitude on its position.
+SimulationInput with_line(const PreparedRecording& recording, double frequency, double amplitude) {
   SimulationInput input = recording.input;
   std::vector<double> line(input.size());
   for (std::size_t k = 0; k < line.size(); ++k) {
@@ -105,13 +99,10 @@ SimulationInput with_line(const PreparedRecording& recording, double frequency) 
   if (recording.inputs_disagree) {
     smooth_acceleration(added, thresholds::acceleration_edge * recording.acceleration_known, input.period);
   }
-  const bool acceleration = input.channel == Channel::zdd_r || input.channel == Channel::zdd_w;
-  const double position = acceleration ? std::abs(SecondDifference(frequency, input.period).position) : 1.0;
-  const double size = thresholds::hum_trial * recording.noise[index(input.channel)] * position;
   for (std::size_t k = 0; k < line.size(); ++k) {
-    input.motion[k].position += size * added[k].position;
-    input.motion[k].velocity += size * added[k].velocity;
-    input.motion[k].acceleration += size * added[k].acceleration;
+    input.motion[k].position += amplitude * added[k].position;
+    input.motion[k].velocity += amplitude * added[k].velocity;
+    input.motion[k].acceleration += amplitude * added[k].acceleration;
   }
   return input;
 }
@@ -126,12 +117,10 @@ HumEquations::HumEquations(const IdentificationProblem& problem, std::size_t rec
   const auto read = [&](const SimulationInput& input) {
     return read_channels(hypothesis, samples, input, hypothesis.starts[recording], 0, r.resolution());
   };
-  const SimulationInput moved = with_line(samples, frequency);
+  const double noise = samples.noise[index(samples.input.channel)];
+  const double amplitude = thresholds::hum_trial * noise * std::abs(position_behind(samples, frequency));
+  const SimulationInput moved = with_line(samples, frequency, amplitude);
   const Response readings = read(samples.input), answers = read(moved);
-  const auto line_of_position = [&](const SimulationInput& input) {
-    return line_in(positions(input, window, samples.step), frequency, period, begin);
-  };
-  const Line added = line_of_position(moved) - line_of_position(samples.input);
   Eigen::VectorXcd gains(static_cast<Eigen::Index>(channels_));
   for (std::size_t c = 0; c < channels_; ++c) {
     const Channel channel = problem.channels()[c];
@@ -139,9 +128,9 @@ HumEquations::HumEquations(const IdentificationProblem& problem, std::size_t rec
     const std::vector<double> left = measured_minus_read(r, channel, readings[i]);
     observe(left, period, begin);
     const Line with = line_in(measured_minus_read(r, channel, answers[i]), frequency, period, begin);
-    gains(static_cast<Eigen::Index>(c)) = (lines_.back() - with) / added;
+    gains(static_cast<Eigen::Index>(c)) = (lines_.back() - with) / amplitude;
   }
-  if (is_fused(samples)) observe(contradiction(samples, window, frequency), period, begin);
+  if (is_fused(samples)) observe(position_contradiction(samples, window, frequency), period, begin);
   const auto rows = static_cast<Eigen::Index>(lines_.size());
   for (std::size_t c = 0; c < channels_; ++c) {
     sources_.push_back({problem.channels()[c], false, Eigen::VectorXcd::Unit(rows, static_cast<Eigen::Index>(c))});
@@ -167,8 +156,6 @@ void HumEquations::add_inputs(const PreparedRecording& recording, const Eigen::V
   const bool fused = rows > channels;
   const double h = recording.input.period;
   const auto [g, q] = SecondDifference(frequency_, h);
-  const Channel input = recording.input.channel;
-  const bool acceleration = input == Channel::zdd_r || input == Channel::zdd_w;
   const auto add = [&](Channel channel, double share, double in_delta) {
     Source source{channel, true, Eigen::VectorXcd::Zero(rows)};
     source.lines.head(channels) = -share * gains;
@@ -176,7 +163,7 @@ void HumEquations::add_inputs(const PreparedRecording& recording, const Eigen::V
     sources_.push_back(std::move(source));
   };
   if (!fused) {
-    add(input, acceleration ? q : 1.0, 0.0);
+    add(recording.input.channel, position_behind(recording, frequency_), 0.0);
     return;
   }
   const double ratio = recording.noise[index(Channel::z_r)] / recording.noise[index(Channel::zdd_r)] / (h * h);

@@ -44,10 +44,10 @@ struct Run {
 
 /// The loudest first.
 template <class Counts>
-std::vector<Run> loud_runs(const std::vector<double>& sizes, double usual, const Counts& counts) {
+std::vector<Run> loud_runs(const std::vector<double>& sizes, const Counts& counts) {
   std::vector<Run> runs;
   for (std::size_t b = 0; b < sizes.size(); ++b) {
-    const double ratio = sizes[b] / usual;
+    const double ratio = sizes[b];
     if (!counts(b) || ratio < thresholds::span_deviations) continue;
     if (runs.empty() || b - runs.back().last > thresholds::span_gap + 1) runs.push_back({b, b, 0.0});
     runs.back().last = b;
@@ -60,36 +60,45 @@ std::vector<Run> loud_runs(const std::vector<double>& sizes, double usual, const
 
 }  // namespace
 
-std::vector<TimeSpan> disturbed_spans(const firmware::RigDescription& description, const PreparedRecording& recording,
-                                      const TimeSpan& within) {
+Balances::Balances(const firmware::RigDescription& description, const PreparedRecording& recording)
+    : begin_(recording.recording.time.front()) {
   const std::vector<firmware::Recording> recordings{recording.recording};
   firmware::RigDescription known = description;
   for (std::size_t c = 0; c < recording.noise.size(); ++c) {
     if (recording.noise[c] > 0.0) known.noise[c] = recording.noise[c] * std::sqrt(static_cast<double>(recording.step));
   }
-  const double period = recording.recording.sample_period, begin = recording.recording.time.front();
+  const double period = recording.recording.sample_period;
   const double highest =
       std::min(thresholds::parity_band_edges.back(), thresholds::recorded_share_of_rate / recording.compared_period());
   const auto samples = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(thresholds::span_block / period)));
-  const double block = period * static_cast<double>(samples);
+  block_ = period * static_cast<double>(samples);
   const SmoothWindow window(period);
-  std::vector<Run> loudest;
-  for (const ParityRelation& relation : parity_relations(description.rig, recordings.front())) {
+  const std::vector<ParityRelation> relations = parity_relations(description.rig, recordings.front());
+  can_be_drawn_up_ = !relations.empty();
+  for (const ParityRelation& relation : relations) {
     const RelationFit fit(known, recordings, window, relation, highest);
     if (!fit.has_data()) continue;
-    const std::vector<double> sizes = block_sizes(fit.residual().front(), samples);
+    std::vector<double> sizes = block_sizes(fit.residual().front(), samples);
     const double usual = median_size(sizes);
     if (!(usual > 0.0)) continue;
-    std::vector<Run> runs = loud_runs(sizes, usual, [&](std::size_t b) {
-      const double from = begin + block * static_cast<double>(b);
-      return from + block >= within.from && from <= within.to;
+    for (double& size : sizes) size /= usual;
+    sizes_.push_back(std::move(sizes));
+  }
+}
+
+std::vector<TimeSpan> Balances::disturbed(const TimeSpan& within) const {
+  std::vector<Run> loudest;
+  for (const std::vector<double>& sizes : sizes_) {
+    std::vector<Run> runs = loud_runs(sizes, [&](std::size_t b) {
+      const double from = begin_ + block_ * static_cast<double>(b);
+      return from + block_ >= within.from && from <= within.to;
     });
     if (!runs.empty() && (loudest.empty() || runs.front().sum > loudest.front().sum)) loudest = std::move(runs);
   }
   std::vector<TimeSpan> spans;
   for (const Run& run : loudest) {
     spans.push_back(
-        {begin + block * static_cast<double>(run.first), begin + block * static_cast<double>(run.last + 1)});
+        {begin_ + block_ * static_cast<double>(run.first), begin_ + block_ * static_cast<double>(run.last + 1)});
   }
   return spans;
 }

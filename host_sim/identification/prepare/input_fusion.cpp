@@ -65,19 +65,28 @@ std::vector<double> fused_displacement(const std::vector<double>& displacement, 
   return z;
 }
 
+std::vector<double> contradiction(const std::vector<double>& displacement, const std::vector<double>& acceleration,
+                                  double period) {
+  std::vector<double> difference(displacement.size());
+  for (std::size_t k = 1; k + 1 < difference.size(); ++k) {
+    double a = 0.0;
+    if (!mean_acceleration(acceleration, k, a)) continue;
+    const double near = displacement[k + 1] - displacement[k], far = displacement[k] - displacement[k - 1];
+    difference[k] = a - (near - far) / (period * period);
+  }
+  return difference;
+}
+
 bool disagree(const std::vector<double>& displacement, const std::vector<double>& acceleration,
               double displacement_noise, double acceleration_noise, double period, std::size_t step) {
   const std::size_t n = displacement.size() >= 64 ? good_fft_size_at_most(displacement.size() - 2) : 0;
   if (n < 32) return false;
   std::vector<double> difference(n);
-  const std::vector<double> taper = hann_window(n);
+  const std::vector<double> taper = hann_window(n), contradicted = contradiction(displacement, acceleration, period);
   double squares = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     squares += taper[k] * taper[k];
-    double a = 0.0;
-    if (!mean_acceleration(acceleration, k + 1, a)) continue;
-    const double near = displacement[k + 2] - displacement[k + 1], far = displacement[k + 1] - displacement[k];
-    difference[k] = taper[k] * (a - (near - far) / (period * period));
+    difference[k] = taper[k] * contradicted[k + 1];
   }
   RealTransform transform(n);
   const auto bins = transform(difference);

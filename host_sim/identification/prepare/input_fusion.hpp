@@ -22,6 +22,10 @@ namespace host_sim::identification {
                                                      const std::vector<double>& acceleration, double displacement_noise,
                                                      double acceleration_noise, double period);
 
+/// M A − δ²Z/h², which would be 0 without noise; 0 at both ends and where A is not finite.
+[[nodiscard]] std::vector<double> contradiction(const std::vector<double>& displacement,
+                                                const std::vector<double>& acceleration, double period);
+
 /// Whether the two contradict each other: the power of M A − δ²Z/h² in some band up to 90 Hz exceeds that of the noise
 /// of both,
 ///

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/parity/disturbed_span.hpp"
-#include "host_sim/identification/parity/parity_relation.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -108,29 +108,33 @@ double power_beyond_noise(const IdentificationProblem& problem, const Hypothesis
   return beyond;
 }
 
-/// A stretch that is not used any more [s].
+/// True if two events, or two times for one, lie in the same recording and have an instant in common.
+bool overlap(const ExternalEvent& a, const ExternalEvent& b) {
+  return a.recording == b.recording && a.from < b.to && a.to > b.from;
+}
+
+/// A stretch that is not used any more [s], and the event in it.
 struct UnusedStretch {
-  std::size_t recording;
   double from, to;
+  ExternalEvent event;
 };
 
-/// Stretches that were left out, and what their residuals counted.
+/// Stretches that were left out; they may overlap.
 struct LeftOut {
-  std::vector<ExternalEvent> events;
-  std::vector<UnusedStretch> unused;  ///< of each event; they may overlap
-  CandidateModel model;               ///< fitted again to all others
-  double price = 0.0;                 ///< of (1), without the residuals
-  bool held_out = false;              ///< one of them lies in a part that is held out
+  std::vector<UnusedStretch> stretches;
+  CandidateModel model;   ///< fitted again to all others
+  double price = 0.0;     ///< of (1), without the residuals
+  bool held_out = false;  ///< one of them lies in a part that is held out
 };
 
 /// Without what overlaps.
 std::vector<UnusedStretch> united(std::vector<UnusedStretch> stretches) {
   std::sort(stretches.begin(), stretches.end(), [](const UnusedStretch& a, const UnusedStretch& b) {
-    return a.recording != b.recording ? a.recording < b.recording : a.from < b.from;
+    return a.event.recording != b.event.recording ? a.event.recording < b.event.recording : a.from < b.from;
   });
   std::vector<UnusedStretch> whole;
   for (const UnusedStretch& next : stretches) {
-    if (whole.empty() || whole.back().recording != next.recording || next.from > whole.back().to) {
+    if (whole.empty() || whole.back().event.recording != next.event.recording || next.from > whole.back().to) {
       whole.push_back(next);
     } else {
       whole.back().to = std::max(whole.back().to, next.to);
@@ -143,8 +147,8 @@ std::vector<UnusedStretch> united(std::vector<UnusedStretch> stretches) {
 double residuals_in(const IdentificationProblem& problem, const std::vector<UnusedStretch>& stretches) {
   double sum = 0.0;
   for (const UnusedStretch& stretch : united(stretches)) {
-    const PreparedRecording& recording = problem.samples()[stretch.recording];
-    sum += residuals_in(problem, stretch.recording, samples_of_stretch(recording, stretch.from, stretch.to));
+    const PreparedRecording& recording = problem.samples()[stretch.event.recording];
+    sum += residuals_in(problem, stretch.event.recording, samples_of_stretch(recording, stretch.from, stretch.to));
   }
   return sum;
 }
@@ -157,17 +161,16 @@ bool leave_out_loudest(const firmware::RigDescription& description, Identificati
   const PreparedRecording& recording = problem.samples()[loud->recording];
   TimeSpan span{loud->from, loud->peak_to};
   const TimeSpan within{loud->from - thresholds::event_stretch, loud->to};
-  const std::vector<TimeSpan> sharp = disturbed_spans(description, recording, within);
+  const std::vector<TimeSpan> sharp = Balances(description, recording).disturbed(within);
   if (!sharp.empty()) span = sharp.front();
   // At its tapered end a stretch does not show the beginning of an event.
-  const UnusedStretch unused{loud->recording, std::min(loud->from, span.from - thresholds::event_margin), loud->to};
-  const Window samples = samples_of_stretch(recording, unused.from, unused.to);
+  const double from = std::min(loud->from, span.from - thresholds::event_margin);
+  const Window samples = samples_of_stretch(recording, from, loud->to);
   const SelectionCriterion criterion;
   out.price +=
       criterion.effect + criterion.parameter * (2.0 + 2.0 * thresholds::event_bandwidth * (span.to - span.from));
   out.held_out = out.held_out || samples.to > problem.recordings()[loud->recording].fitted.to;
-  out.events.push_back({loud->recording, span.from, span.to, 0.0});
-  out.unused.push_back(unused);
+  out.stretches.push_back({from, loud->to, {loud->recording, span.from, span.to, 0.0}});
   problem.leave_out(loud->recording, samples);
   return true;
 }
@@ -175,22 +178,22 @@ bool leave_out_loudest(const firmware::RigDescription& description, Identificati
 /// Leaves out a little more behind each event: slow motion that it left is weak in every short stretch. false: too
 /// little would be left.
 bool leave_out_tails(IdentificationProblem& problem, LeftOut& out) {
-  std::vector<UnusedStretch> longer = out.unused;
+  std::vector<UnusedStretch> longer = out.stretches;
   for (UnusedStretch& stretch : longer) stretch.to += thresholds::event_tail;
   double unused = 0.0, whole = 0.0;
   for (const UnusedStretch& stretch : united(longer)) unused += stretch.to - stretch.from;
   for (const PreparedRecording& r : problem.samples()) whole += r.recording.time.back() - r.recording.time.front();
   if (unused > thresholds::most_left_out_in_all * whole) return false;
   for (const UnusedStretch& stretch : longer) {
-    problem.leave_out(stretch.recording,
-                      samples_of_stretch(problem.samples()[stretch.recording], stretch.from, stretch.to));
+    const PreparedRecording& recording = problem.samples()[stretch.event.recording];
+    problem.leave_out(stretch.event.recording, samples_of_stretch(recording, stretch.from, stretch.to));
   }
-  out.unused = std::move(longer);
+  out.stretches = std::move(longer);
   return true;
 }
 
-/// What the rig did beside what the model says: the balances between channels hold for it as for the whole, and no road
-/// hides in it where something acted from outside. Channels that drive the simulation are zero.
+/// The recording less what the model reads. The balances between channels hold for the difference as for the whole, and
+/// where something acted from outside no motion of the road covers it. Channels that drive the simulation are zero.
 PreparedRecording beside_model(const PreparedRecording& recording, const Response& readings) {
   PreparedRecording beside = recording;
   for (std::size_t c = 0; c < model::channel_count; ++c) {
@@ -203,11 +206,10 @@ PreparedRecording beside_model(const PreparedRecording& recording, const Respons
   return beside;
 }
 
-/// True if an event's stretch begins where that of another one ends.
-bool is_tail(const LeftOut& out, std::size_t event) {
-  const UnusedStretch& stretch = out.unused[event];
-  return std::any_of(out.unused.begin(), out.unused.end(), [&](const UnusedStretch& other) {
-    return &other != &stretch && other.recording == stretch.recording && other.from < stretch.from &&
+/// True if a stretch begins where another one ends.
+bool is_tail(const LeftOut& out, const UnusedStretch& stretch) {
+  return std::any_of(out.stretches.begin(), out.stretches.end(), [&](const UnusedStretch& other) {
+    return &other != &stretch && other.event.recording == stretch.event.recording && other.from < stretch.from &&
            other.to > stretch.from - thresholds::event_stretch;
   });
 }
@@ -218,21 +220,24 @@ bool is_tail(const LeftOut& out, std::size_t event) {
 std::vector<ExternalEvent> timed(const firmware::RigDescription& description, const IdentificationProblem& problem,
                                  const Hypothesis& hypothesis, const LeftOut& out) {
   const std::vector<Response> readings = read_all(problem, hypothesis);
-  std::vector<PreparedRecording> beside;
-  for (std::size_t i = 0; i < readings.size(); ++i) beside.push_back(beside_model(problem.samples()[i], readings[i]));
+  std::map<std::size_t, Balances> balances;  // of the recordings with events
+  for (const UnusedStretch& stretch : out.stretches) {
+    const std::size_t i = stretch.event.recording;
+    if (!balances.contains(i))
+      balances.emplace(i, Balances(description, beside_model(problem.samples()[i], readings[i])));
+  }
   std::vector<ExternalEvent> events;
-  bool holds = !parity_relations(description.rig, beside.front().recording).empty();
-  for (std::size_t e = 0; e < out.events.size(); ++e) {
-    const UnusedStretch& stretch = out.unused[e];
+  bool holds = balances.begin()->second.can_be_drawn_up();
+  for (const UnusedStretch& stretch : out.stretches) {
+    const ExternalEvent& event = stretch.event;
     std::vector<TimeSpan> spans =
-        disturbed_spans(description, beside[stretch.recording], {stretch.from - thresholds::event_stretch, stretch.to});
+        balances.at(event.recording).disturbed({stretch.from - thresholds::event_stretch, stretch.to});
     holds = holds && spans.empty();
-    if (spans.empty() && !is_tail(out, e)) spans = {{out.events[e].from, out.events[e].to}};
+    if (spans.empty() && !is_tail(out, stretch)) spans = {{event.from, event.to}};
     for (const TimeSpan& span : spans) {
-      const bool known = std::any_of(events.begin(), events.end(), [&](const ExternalEvent& other) {
-        return other.recording == stretch.recording && span.from < other.to && span.to > other.from;
-      });
-      if (!known) events.push_back({stretch.recording, span.from, span.to, 0.0});
+      const ExternalEvent sharp{event.recording, span.from, span.to, 0.0};
+      const auto same = [&](const ExternalEvent& other) { return overlap(sharp, other); };
+      if (std::none_of(events.begin(), events.end(), same)) events.push_back(sharp);
     }
   }
   return holds ? std::vector<ExternalEvent>{} : events;
@@ -240,19 +245,47 @@ std::vector<ExternalEvent> timed(const firmware::RigDescription& description, co
 
 /// (2) of external_event.hpp: what stands out, one after the other, each time with what is left fitted again.
 LeftOut leave_out_all(const firmware::RigDescription& description, IdentificationProblem& problem,
-                      const SearchSpace& space, const CandidateModel& model, bool tails) {
+                      const SearchSpace& space, const CandidateModel& model) {
   const SelectionCriterion criterion;
   LeftOut out;
   out.model = model;
-  const auto clean = [&] { return !leaves_rest(problem, out.model.fit.hypothesis); };
-  while (out.events.size() < thresholds::most_events && (out.events.empty() || !clean()) &&
+  while (out.stretches.size() < thresholds::most_events &&
+         (out.stretches.empty() || leaves_rest(problem, out.model.fit.hypothesis)) &&
          leave_out_loudest(description, problem, out.model.fit.hypothesis, out)) {
     out.model = ModelFitter::refitted_in(problem, space, criterion, out.model);
   }
-  while (tails && !out.events.empty() && !clean() && leave_out_tails(problem, out)) {
-    out.model = ModelFitter::refitted_in(problem, space, criterion, out.model);
-  }
   return out;
+}
+
+/// What lasts behind the events, as long as a rest is left.
+void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& space, LeftOut& out) {
+  while (leaves_rest(problem, out.model.fit.hypothesis) && leave_out_tails(problem, out)) {
+    out.model = ModelFitter::refitted_in(problem, space, SelectionCriterion(), out.model);
+  }
+}
+
+/// The model selected again, `without` what was left out, takes the place of the other where it is better by (1) and
+/// (2) of external_event.hpp. false: it is not.
+bool select_without(const firmware::RigDescription& description, IdentificationProblem& problem,
+                    IdentificationProblem without, const LeftOut& out, const SearchSpace& space,
+                    const ProgressCallback& progress, SearchResult& found) {
+  SearchResult again = select_in_noise(without, space, progress);
+  found.simulations += again.simulations;
+  found.candidates += again.candidates;
+  if (leaves_rest(without, again.best.fit.hypothesis)) return false;
+  const SelectionCriterion criterion;
+  const double gain = found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) -
+                      residuals_in(problem, out.stretches) - out.price;
+  // What is held out has no part in (1): the event is believed since the rest went away with it.
+  if (!(gain > 0.0) && !out.held_out) return false;
+  again.events = timed(description, problem, again.best.fit.hypothesis, out);
+  if (again.events.empty()) return false;
+  again.simulations = found.simulations;
+  again.candidates = found.candidates;
+  for (ExternalEvent& event : again.events) event.gain = std::max(gain, 0.0);
+  found = std::move(again);
+  problem = std::move(without);
+  return true;
 }
 
 }  // namespace
@@ -262,39 +295,24 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
   if (!leaves_rest(problem, found.best.fit.hypothesis)) return;
   // No effect explains a push: however bent, the best model leaves it, and it is most of what that leaves.
   IdentificationProblem beside_effects = problem;
-  const LeftOut of_best = leave_out_all(description, beside_effects, space, found.best, true);
-  if (of_best.events.empty()) return;
+  LeftOut of_best = leave_out_all(description, beside_effects, space, found.best);
+  if (of_best.stretches.empty()) return;
+  leave_out_what_lasts(beside_effects, space, of_best);
   const double left = power_beyond_noise(beside_effects, of_best.model.fit.hypothesis);
   if (left > thresholds::left_beside_events * power_beyond_noise(problem, found.best.fit.hypothesis)) return;
-  const auto is_there = [&](const ExternalEvent& event) {
-    return std::any_of(of_best.events.begin(), of_best.events.end(), [&](const ExternalEvent& other) {
-      return event.recording == other.recording && event.from < other.to && event.to > other.from;
-    });
-  };
-  const SelectionCriterion criterion;
-  // Without effects first: they may have been bent to explain an event.
-  for (const bool bare : {false, true}) {
-    IdentificationProblem without = bare ? problem : beside_effects;
-    const LeftOut out = bare ? leave_out_all(description, without, space, found.nothing, false) : of_best;
-    if (bare && std::none_of(out.events.begin(), out.events.end(), is_there)) continue;
-    if (!bare && leaves_rest(without, out.model.fit.hypothesis)) continue;
-    SearchResult again = select_in_noise(without, space, progress);
-    found.simulations += again.simulations;
-    found.candidates += again.candidates;
-    if (leaves_rest(without, again.best.fit.hypothesis)) continue;
-    const double gain = found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) -
-                        residuals_in(problem, out.unused) - out.price;
-    // What is held out has no part in (1): the event is believed since the rest went away with it.
-    if (!(gain > 0.0) && !out.held_out) continue;
-    again.events = timed(description, problem, again.best.fit.hypothesis, out);
-    if (again.events.empty()) continue;
-    again.simulations = found.simulations;
-    again.candidates = found.candidates;
-    for (ExternalEvent& event : again.events) event.gain = std::max(gain, 0.0);
-    found = std::move(again);
-    problem = std::move(without);
+  if (!leaves_rest(beside_effects, of_best.model.fit.hypothesis) &&
+      select_without(description, problem, std::move(beside_effects), of_best, space, progress, found)) {
     return;
   }
+  // Effects may have been bent to explain an event: the same without any.
+  IdentificationProblem bare = problem;
+  const LeftOut of_nothing = leave_out_all(description, bare, space, found.nothing);
+  const auto is_there = [&](const UnusedStretch& stretch) {
+    return std::any_of(of_best.stretches.begin(), of_best.stretches.end(),
+                       [&](const UnusedStretch& other) { return overlap(stretch.event, other.event); });
+  };
+  if (std::none_of(of_nothing.stretches.begin(), of_nothing.stretches.end(), is_there)) return;
+  select_without(description, problem, std::move(bare), of_nothing, space, progress, found);
 }
 
 }  // namespace host_sim::identification

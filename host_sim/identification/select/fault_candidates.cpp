@@ -175,7 +175,7 @@ void FaultScan::add_filter(Group group, std::vector<FaultCandidate>& list) const
   }
 }
 
-/// What the fit leaves of one channel in its window.
+/// Measured minus predicted of one channel in the fitted window.
 std::vector<double> FaultScan::raw_residual(std::size_t recording, std::size_t channel) const {
   const ProblemRecording& r = problem_.recordings()[recording];
   const Channel of = problem_.channels()[channel];

@@ -4,8 +4,9 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <vector>
+
+#include "tests/host_sim/signal/normal_noise.hpp"
 
 namespace {
 
@@ -36,14 +37,10 @@ TEST(Line, LeaksLittleBeyondTwoBins) {
 
 // Deviation σ √(3/n): of 400 real and imaginary parts its own deviation is 1/√800 = 3.5 %; four of them.
 TEST(Line, OfNoiseHasTheDeviationOfItsWindow) {
-  std::mt19937 random(5);
-  std::normal_distribution<double> noise(0.0, 2.0);
   double sum = 0.0;
-  constexpr int trials = 200;
-  for (int i = 0; i < trials; ++i) {
-    std::vector<double> signal(1000);
-    for (double& value : signal) value = noise(random);
-    sum += std::norm(host_sim::line_in(signal, 123.4, period, first_time));
+  constexpr unsigned trials = 200;
+  for (unsigned seed = 0; seed < trials; ++seed) {
+    sum += std::norm(host_sim::line_in(sample::noise(1000, 2.0, seed), 123.4, period, first_time));
   }
   const double deviation = std::sqrt(sum / (2.0 * trials));
   EXPECT_NEAR(deviation, 2.0 * std::sqrt(3.0 / 1000.0), 4.0 * 0.035 * deviation);

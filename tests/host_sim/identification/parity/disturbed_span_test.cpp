@@ -10,7 +10,7 @@
 
 namespace {
 
-using host_sim::identification::disturbed_spans;
+using host_sim::identification::Balances;
 using host_sim::identification::TimeSpan;
 using model::Channel;
 
@@ -26,10 +26,9 @@ std::vector<TimeSpan> spans_of(const std::vector<Push>& pushes, const TimeSpan& 
   for (const Push& push : pushes) {
     for (std::size_t k = push.from; k < push.to; ++k) recording[Channel::F][k] += push.size * sample::force_noise;
   }
-  return disturbed_spans(bench,
-                         host_sim::identification::prepare_recording(bench, std::move(recording),
-                                                                     host_sim::identification::Use::shared, false),
-                         within);
+  const auto prepared = host_sim::identification::prepare_recording(bench, std::move(recording),
+                                                                    host_sim::identification::Use::shared, false);
+  return Balances(bench, prepared).disturbed(within);
 }
 
 // A block of 10 ms and the reach of the smooth window at either end.

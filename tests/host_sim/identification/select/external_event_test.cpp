@@ -48,7 +48,7 @@ Diagnosis diagnosis_with(const truth::Truth& truth) {
   return sample::diagnosis_of(truth, [](sample::Columns&) {});
 }
 
-// What a knock leaves of the body's slow motion hides in every short stretch behind it, and is not an event of its own.
+// A knock leaves slow motion of the body. It is too weak to show in a short stretch, and is no event of its own.
 TEST(ExternalEvent, KnocksOfTheBodyAreToldFromTheMotionThatTheyLeave) {
   const std::vector<truth::Event> knocks{{"body", 5.775, 5.790, 276.0},
                                          {"body", 7.893, 7.898, -518.0},
