@@ -7,6 +7,7 @@
 
 #include "hal/replay/rig.hpp"
 
+namespace replay_rig_test {
 namespace {
 
 using namespace hal;
@@ -154,3 +155,4 @@ TEST(ReplayDeathTest, PlaysOnlyASoundRecording) {
 }
 
 }  // namespace
+}  // namespace replay_rig_test

@@ -18,6 +18,7 @@
 #include "model/road_filter.hpp"
 #include "tests/support/rig_texts.hpp"
 
+namespace energy_guard_test {
 namespace {
 
 using firmware::Reason;
@@ -118,3 +119,4 @@ TEST(EnergyGuardJourney, LetsOtherRoadsPass) {
 }
 
 }  // namespace
+}  // namespace energy_guard_test

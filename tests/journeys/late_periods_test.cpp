@@ -90,7 +90,7 @@ TEST(LateRecording, IsComparedAndSaysHowOftenItWasLate) {
   // point moves at 0.15 m/s rms that is 0.3 mm of 3 mm, fading within 0.3 s of the 0.35 s between two such places.
   EXPECT_LT(error(folder / "late.csv"), error(folder / "punctual.csv") + 0.1);
 
-  const std::string description = (support::source / "host_sim/rigs/paper_rig_fdva.toml").string();
+  const std::string description = support::rig_file("paper_rig_fdva");
   const support::Ended told = support::rigtwin(
       {"compare", "--rig", description, "--data", folder / "late.csv", "--json", folder / "late.json"});
   ASSERT_EQ(told.status, 0) << told.errors;

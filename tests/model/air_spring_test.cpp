@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 
+namespace air_spring_test {
 namespace {
 
 using Spring = model::AirSpring<double>;
@@ -282,3 +283,4 @@ TEST(AirSpring, RestsWithoutAForce) {
 }
 
 }  // namespace
+}  // namespace air_spring_test

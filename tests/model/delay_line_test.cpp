@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+namespace delay_line_test {
 namespace {
 
 using model::Stroke;
@@ -158,3 +159,4 @@ TEST(DelayLineDeathTest, StopsAtADelayBeyondItsCapacity) {
 }
 
 }  // namespace
+}  // namespace delay_line_test

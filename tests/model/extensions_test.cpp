@@ -8,6 +8,7 @@
 #include "model/rig_model.hpp"
 #include "tests/support/without_heap.hpp"
 
+namespace extensions_test {
 namespace {
 
 using model::Channel;
@@ -319,3 +320,4 @@ TEST(Extensions, AreChecked) {
 }
 
 }  // namespace
+}  // namespace extensions_test

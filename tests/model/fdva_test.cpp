@@ -9,6 +9,7 @@
 #include "tests/support/reference_parameters.hpp"
 #include "tests/support/reference_road.hpp"
 
+namespace fdva_test {
 namespace {
 
 using Fdva = model::Fdva<double>;
@@ -177,3 +178,4 @@ TEST(DuctFlows, NeverGainEnergyBySwitching) {
 }
 
 }  // namespace
+}  // namespace fdva_test

@@ -5,6 +5,7 @@
 #include "model/rig_equations.hpp"
 #include "tests/support/reference_parameters.hpp"
 
+namespace quarter_car_test {
 namespace {
 
 using Car = model::QuarterCar<double>;
@@ -90,3 +91,4 @@ TEST(RigEquations, LockThePistonWithoutAnOpenDuct) {
 }
 
 }  // namespace
+}  // namespace quarter_car_test

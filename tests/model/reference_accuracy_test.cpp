@@ -11,6 +11,7 @@
 #include "tests/support/reference_rig.hpp"
 #include "tests/support/reference_road.hpp"
 
+namespace reference_accuracy_test {
 namespace {
 
 using model::Channel;
@@ -202,3 +203,4 @@ TEST(ModelAgainstReference, FollowsDryFriction) {
 }
 
 }  // namespace
+}  // namespace reference_accuracy_test

@@ -11,6 +11,7 @@
 #include "tests/support/reference_parameters.hpp"
 #include "tests/support/reference_road.hpp"
 
+namespace road_filter_test {
 namespace {
 
 using Filter = model::RoadFilter<double>;
@@ -144,3 +145,4 @@ TEST(RoadFilterDeathTest, StopsAtWhatIsNoRoad) {
 }
 
 }  // namespace
+}  // namespace road_filter_test

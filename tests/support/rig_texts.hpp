@@ -18,10 +18,11 @@ inline const std::filesystem::path source{RIGTWIN_SOURCE_DIR};
 /// Measurements and samples that stay outside the repository; tests without them are skipped.
 inline const std::filesystem::path shared = source.parent_path() / "shared";
 
-/// A rig that comes with the project: "paper_hil_fdva", …
-inline firmware::RigDescription rig(const std::string& name) {
-  return firmware::read_rig(source / "host_sim" / "rigs" / (name + ".toml"));
-}
+/// The description of a rig that comes with the project: "paper_hil_fdva", …
+inline std::string rig_file(const std::string& name) { return source / "host_sim" / "rigs" / (name + ".toml"); }
+
+/// The rig that it describes.
+inline firmware::RigDescription rig(const std::string& name) { return firmware::read_rig(rig_file(name)); }
 
 /// `text` with its one occurrence of `from` replaced.
 inline std::string with(std::string_view text, std::string_view from, std::string_view to) {

@@ -13,6 +13,7 @@
 #include "tests/truth/signal.hpp"
 #include "tests/truth/truth.hpp"
 
+namespace rough_test {
 namespace {
 
 using truth::Fineness;
@@ -272,3 +273,4 @@ TEST(TruthRough, DrawsEveryCondition) {
 }
 
 }  // namespace
+}  // namespace rough_test

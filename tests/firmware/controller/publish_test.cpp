@@ -11,6 +11,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 
+namespace publish_test {
 namespace {
 
 using nlohmann::json;
@@ -21,11 +22,9 @@ using support::RunningProgram;
 using support::TemporaryFolder;
 using testing::HasSubstr;
 
-std::string paper_hil() { return (support::source / "host_sim/rigs/paper_hil_fdva.toml").string(); }
-
 /// The paper's rig on a machine that may be busy: late samples and late periods end nothing.
 std::string patient_rig(const TemporaryFolder& folder) {
-  return folder.write("patient.toml", TemporaryFolder::read(paper_hil()) +
+  return folder.write("patient.toml", TemporaryFolder::read(support::rig_file("paper_hil_fdva")) +
                                           "\n[supervision]\ngap = 1.0\n[controller]\nlate_in_a_row = 1000000\n");
 }
 
@@ -47,7 +46,8 @@ std::string data_rows(const std::filesystem::path& file) {
 TEST(Publish, LeavesTheRunAsItIs) {
   const TemporaryFolder folder;
   const DatagramInbox inbox;
-  std::vector<std::string> words{"--rig", paper_hil(), "--simulated", "--virtual-time", "--duration", "3", "--out"};
+  std::vector<std::string> words{
+      "--rig", support::rig_file("paper_hil_fdva"), "--simulated", "--virtual-time", "--duration", "3", "--out"};
   std::vector<std::string> watched = words;
   words.push_back(folder / "alone.csv");
   watched.insert(watched.end(), {folder / "watched.csv", "--publish", inbox.address()});
@@ -125,7 +125,8 @@ TEST(Publish, RefusesWhatDoesNotFitInOneLine) {
                              Wrong{{"--publish", "--publish-every", "0"}, "--publish-every 0 does not fit"},
                              Wrong{{"--publish-every", "2"}, "--publish-every needs --publish"},
                              Wrong{{"--publish-remote"}, "--publish-remote needs --publish"}}) {
-    std::vector<std::string> words{"--rig", paper_hil(), "--simulated", "--virtual-time", "--out", folder / "run.csv"};
+    std::vector<std::string> words{
+        "--rig", support::rig_file("paper_hil_fdva"), "--simulated", "--virtual-time", "--out", folder / "run.csv"};
     words.insert(words.end(), wrong.options.begin(), wrong.options.end());
     const Ended ended = run_controller(folder, words);
     EXPECT_EQ(ended.status, 2) << wrong.says;
@@ -136,3 +137,4 @@ TEST(Publish, RefusesWhatDoesNotFitInOneLine) {
 }
 
 }  // namespace
+}  // namespace publish_test

@@ -22,8 +22,9 @@ using testing::HasSubstr;
 
 /// A car on a cylinder with two interlocks.
 std::string with_interlocks() {
-  return std::string(support::quarter_car_text) +
-         "[gpio]\nchip = 'c'\nstop = 's'\nheartbeat = 'h'\nenable = 'e'\n[gpio.interlocks]\ndoor = 'd'\noil = 'o'\n";
+  std::string text{support::quarter_car_text};
+  text += "[gpio]\nchip = 'c'\nstop = 's'\nheartbeat = 'h'\nenable = 'e'\n[gpio.interlocks]\ndoor = 'd'\noil = 'o'\n";
+  return text;
 }
 
 std::string without_comments(const std::string& text) {

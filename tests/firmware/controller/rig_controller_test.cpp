@@ -33,13 +33,10 @@
 namespace {
 
 using support::Ended;
+using support::rig_file;
 using support::TemporaryFolder;
 using testing::AllOf;
 using testing::HasSubstr;
-
-std::string rig_file(const char* name) {
-  return (support::source / "host_sim/rigs" / (std::string(name) + ".toml")).string();
-}
 
 struct Controller {
   TemporaryFolder streams;

@@ -17,9 +17,7 @@ namespace {
 using firmware::RigDescription;
 using firmware::compensation::Kind;
 
-std::string paper_rig_text() {
-  return support::TemporaryFolder::read(support::source / "host_sim/rigs/paper_hil_fdva.toml");
-}
+std::string paper_rig_text() { return support::TemporaryFolder::read(support::rig_file("paper_hil_fdva")); }
 
 RigDescription with_keys(const std::string& keys, const std::string& text = paper_rig_text()) {
   return firmware::parse_rig(text + "\n[compensation]\n" + keys + "\n", "rig.toml");
@@ -107,12 +105,10 @@ TEST(CompensationDescription, RefusesWhatDoesNotFit) {
     EXPECT_NE(refusal(keys).find(words), std::string::npos) << keys << ": " << refusal(keys);
     EXPECT_NE(refusal(keys).find("rig.toml:"), std::string::npos) << refusal(keys);
   }
-  EXPECT_NE(refusal("kind = \"inverse\"",
-                    support::TemporaryFolder::read(support::source / "host_sim/rigs/paper_rig_fdva.toml"))
+  EXPECT_NE(refusal("kind = \"inverse\"", support::TemporaryFolder::read(support::rig_file("paper_rig_fdva")))
                 .find("this is a quarter_car"),
             std::string::npos);
-  EXPECT_NE(refusal("kind = \"inverse\"",
-                    support::TemporaryFolder::read(support::source / "host_sim/rigs/paper_hil_aas.toml"))
+  EXPECT_NE(refusal("kind = \"inverse\"", support::TemporaryFolder::read(support::rig_file("paper_hil_aas")))
                 .find("air_spring.skyhook"),
             std::string::npos);
   EXPECT_THROW(firmware::refuse_compensation(with_keys("kind = \"inverse\""), "diagnose"), firmware::InputError);

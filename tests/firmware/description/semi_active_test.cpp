@@ -12,14 +12,13 @@
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+namespace semi_active_test {
 namespace {
 
 using firmware::RigDescription;
 using model::Channel;
 
-std::string shipped() {
-  return support::TemporaryFolder::read(support::source / "host_sim/rigs/paper_rig_kalman.toml");
-}
+std::string shipped() { return support::TemporaryFolder::read(support::rig_file("paper_rig_kalman")); }
 
 std::string refusal(const std::string& text) {
   try {
@@ -92,3 +91,4 @@ TEST(SemiActiveDescription, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
+}  // namespace semi_active_test

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+namespace command_guard_test {
 namespace {
 
 using firmware::CommandGuard;
@@ -296,3 +297,4 @@ TEST(CommandGuard, CutsFeedForwardAcceleration) {
 }
 
 }  // namespace
+}  // namespace command_guard_test

@@ -11,6 +11,7 @@
 #include "tests/firmware/loop/rig_under_test.hpp"
 #include "tests/support/without_heap.hpp"
 
+namespace compensated_loop_test {
 namespace {
 
 using namespace rig_under_test;
@@ -228,3 +229,4 @@ TEST(CompensatedControlLoop, TakesNoHeap) {
 }
 
 }  // namespace
+}  // namespace compensated_loop_test

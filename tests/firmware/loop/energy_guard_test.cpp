@@ -8,6 +8,7 @@
 #include "model/effects/catalogue.hpp"
 #include "tests/support/without_heap.hpp"
 
+namespace energy_guard_test {
 namespace {
 
 using firmware::EnergyGuard;
@@ -226,3 +227,4 @@ TEST(EnergyGuard, TakesNoHeap) {
 }
 
 }  // namespace
+}  // namespace energy_guard_test

@@ -10,6 +10,7 @@
 #include "tests/firmware/loop/silent_sensors.hpp"
 #include "tests/support/without_heap.hpp"
 
+namespace frozen_guard_test {
 namespace {
 
 using namespace rig_under_test;
@@ -175,3 +176,4 @@ TEST(FrozenGuard, TakesNoHeap) {
 }
 
 }  // namespace
+}  // namespace frozen_guard_test

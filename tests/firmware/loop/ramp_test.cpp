@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+namespace ramp_test {
 namespace {
 
 using firmware::Ramps;
@@ -129,3 +130,4 @@ TEST(ReturnToRest, StopsDeadAtTheEndOfTheStroke) {
 }
 
 }  // namespace
+}  // namespace ramp_test

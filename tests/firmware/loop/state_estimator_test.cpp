@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+namespace state_estimator_test {
 namespace {
 
 using firmware::Limits;
@@ -159,3 +160,4 @@ TEST(StateEstimator, WaitsForTheFirstSampleOfEveryChannel) {
 }
 
 }  // namespace
+}  // namespace state_estimator_test

@@ -12,6 +12,7 @@
 #include "firmware/recording/recording_csv.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+namespace profile_file_test {
 namespace {
 
 firmware::FootPointMotion road_from_file(const std::filesystem::path& file, double speed, double sample_rate,
@@ -144,3 +145,4 @@ TEST(ProfileFile, RefusesWhatIsNoRoad) {
 }
 
 }  // namespace
+}  // namespace profile_file_test

@@ -10,6 +10,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 
+namespace compare_command_test {
 namespace {
 
 using nlohmann::json;
@@ -138,3 +139,4 @@ TEST_F(Compare, SaysNullWhereThereIsNoNumber) {
 }
 
 }  // namespace
+}  // namespace compare_command_test

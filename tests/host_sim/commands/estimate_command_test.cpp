@@ -10,6 +10,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 
+namespace estimate_command_test {
 namespace {
 
 using nlohmann::json;
@@ -18,7 +19,7 @@ using support::rigtwin;
 using support::TemporaryFolder;
 using testing::HasSubstr;
 
-std::string shipped() { return TemporaryFolder::read(support::source / "host_sim/rigs/paper_rig_kalman.toml"); }
+std::string shipped() { return TemporaryFolder::read(support::rig_file("paper_rig_kalman")); }
 
 class EstimateCommand : public ::testing::Test {
  protected:
@@ -121,9 +122,10 @@ TEST_F(EstimateCommand, RefusesWhatCannotBeEstimated) {
   refused({"estimate", "--rig", rig, "--data", at("drive.csv"), "--out", "/dev/full"}, 4, "/dev/full");
   refused({"estimate", "--rig", rig, "--out", at("est.csv")}, 2, "--data");
   const std::string hil =
-      file("hil.toml", support::with(TemporaryFolder::read(support::source / "host_sim/rigs/paper_hil_fdva.toml"),
-                                     "kind = \"hil\"", "kind = \"hil\"\nestimator.kind = \"kalman\""));
+      file("hil.toml", support::with(TemporaryFolder::read(support::rig_file("paper_hil_fdva")), "kind = \"hil\"",
+                                     "kind = \"hil\"\nestimator.kind = \"kalman\""));
   refused({"estimate", "--rig", hil, "--data", at("drive.csv"), "--out", at("est.csv")}, 3, "estimator.kind");
 }
 
 }  // namespace
+}  // namespace estimate_command_test

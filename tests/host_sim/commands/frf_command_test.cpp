@@ -15,6 +15,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 
+namespace frf_command_test {
 namespace {
 
 using model::Channel;
@@ -169,7 +170,7 @@ TEST_F(Frf, TakesItsOptions) {
 
 // In a closed hil loop z_r becomes the instrument by itself, which is said; nobody is overruled.
 TEST_F(Frf, UsesTheRoadAsInstrumentInsideAClosedLoop) {
-  const std::string rig = (support::source / "host_sim/rigs/paper_linear.toml").string(), run = folder / "run.csv";
+  const std::string rig = support::rig_file("paper_linear"), run = folder / "run.csv";
   ASSERT_EQ(rigtwin({"simulate", "--rig", rig, "--duration", "20", "--out", run}).status, 0);
   const std::vector<std::string> words{"frf", "--data", run, "--input", "x_act", "--output", "F", "--block", "2"};
   const auto output = [&](std::vector<std::string> more) {
@@ -266,3 +267,4 @@ TEST_F(Frf, TellsWhatIsWrongInOneLine) {
 }
 
 }  // namespace
+}  // namespace frf_command_test

@@ -12,10 +12,9 @@
 namespace {
 
 using support::Ended;
+using support::rig_file;
 using support::rigtwin;
 using support::TemporaryFolder;
-
-std::string rig_file(const std::string& name) { return support::source / "host_sim" / "rigs" / (name + ".toml"); }
 
 void expect_made(const std::string& page, const std::string& command, const std::vector<std::string>& inputs) {
   EXPECT_NE(page.find("rigtwin " + std::string(firmware::version) + "\n$ " + command + "\n"), std::string::npos)

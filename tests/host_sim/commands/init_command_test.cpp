@@ -66,7 +66,7 @@ COMP_WORDS=(rigtwin simulate --dur) COMP_CWORD=2; _rigtwin; [ "${COMPREPLY[*]}" 
 // --json - is the only thing on standard output, for a run that a script reads.
 TEST(Simulate, SaysTheRunAsJson) {
   const TemporaryFolder folder;
-  const std::string rig = support::source / "host_sim" / "rigs" / "paper_linear.toml";
+  const std::string rig = support::rig_file("paper_linear");
   const Ended run =
       rigtwin({"simulate", "--rig", rig, "--duration", "0.5", "--out", folder / "run.csv", "--json", "-"});
   ASSERT_EQ(run.status, 0) << run.errors;

@@ -8,14 +8,14 @@
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 
+namespace json_option_test {
 namespace {
 
 using nlohmann::json;
 using support::Ended;
+using support::rig_file;
 using support::rigtwin;
 using support::TemporaryFolder;
-
-std::string rig_file(const std::string& name) { return support::source / "host_sim" / "rigs" / (name + ".toml"); }
 
 TEST(Json, IsAnOptionOfEveryCommand) {
   const Ended ended = rigtwin({"manpage", "--json", "-"});
@@ -90,3 +90,4 @@ TEST(Json, SaysThePaper) {
 }
 
 }  // namespace
+}  // namespace json_option_test

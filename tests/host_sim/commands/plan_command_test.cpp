@@ -12,13 +12,11 @@ namespace {
 using support::rigtwin;
 using support::TemporaryFolder;
 
-std::string bench() { return (support::source / "host_sim" / "rigs" / "paper_bench_fdva.toml").string(); }
-
 TEST(PlanCommand, PrintsAndWritesWhatTheRecordingWouldShow) {
   const TemporaryFolder folder;
   const auto json = folder / "plan.json", page = folder / "plan.html";
-  const auto ended = rigtwin({"plan", "--rig", bench(), "--duration", "8", "--without", "x_act", "--level", "0.8",
-                              "--json", json.string(), "--report", page.string()});
+  const auto ended = rigtwin({"plan", "--rig", support::rig_file("paper_bench_fdva"), "--duration", "8", "--without",
+                              "x_act", "--level", "0.8", "--json", json.string(), "--report", page.string()});
   ASSERT_EQ(ended.status, 0) << ended.errors;
   EXPECT_TRUE(ended.errors.empty()) << ended.errors;
   EXPECT_NE(ended.output.find("bump_stop"), std::string::npos) << ended.output;
@@ -26,7 +24,8 @@ TEST(PlanCommand, PrintsAndWritesWhatTheRecordingWouldShow) {
   EXPECT_EQ(plan["channels"], nlohmann::json({"F"}));
   EXPECT_GT(plan["effects"].size(), 10U);
   EXPECT_NE(TemporaryFolder::read(page).find("</html>"), std::string::npos);
-  const auto only = rigtwin({"plan", "--rig", bench(), "--duration", "8", "--without", "x_act", "--json", "-"});
+  const auto only = rigtwin(
+      {"plan", "--rig", support::rig_file("paper_bench_fdva"), "--duration", "8", "--without", "x_act", "--json", "-"});
   ASSERT_EQ(only.status, 0) << only.errors;
   EXPECT_TRUE(nlohmann::json::parse(only.output).contains("advice"));
 }
@@ -47,7 +46,7 @@ TEST(PlanCommand, RefusesInOneLine) {
                                {{"--level", "nan"}, 2, "--level"},
                                {{"--json", "/nowhere/plan.json"}, 4, "/nowhere/plan.json"}};
   for (const Wrong& wrong : all) {
-    std::vector<std::string> arguments{"plan", "--rig", bench()};
+    std::vector<std::string> arguments{"plan", "--rig", support::rig_file("paper_bench_fdva")};
     if (wrong.options.front() != "--duration") arguments.insert(arguments.end(), {"--duration", "6"});
     arguments.insert(arguments.end(), wrong.options.begin(), wrong.options.end());
     const auto ended = rigtwin(arguments);

@@ -16,10 +16,9 @@ namespace {
 
 using model::Channel;
 using support::Ended;
+using support::rig_file;
 using support::rigtwin;
 using support::TemporaryFolder;
-
-std::string rig_file(const std::string& name) { return support::source / "host_sim" / "rigs" / (name + ".toml"); }
 
 // The recording is there, is what the screen says, and is a recording that rigtwin reads.
 TEST(Simulate, LeavesTheRecordingItSpeaksOf) {

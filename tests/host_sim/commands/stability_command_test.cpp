@@ -9,44 +9,30 @@
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
-#include "host_sim/commands/command_line.hpp"
 #include "host_sim/stability/margins/analysis.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {
 
-const std::string rigs = RIGTWIN_SOURCE_DIR "/host_sim/rigs/";
-
-struct Outcome {
-  int status{};
-  std::string out, err;
-};
-
-Outcome rigtwin(const std::vector<std::string>& arguments) {
-  std::vector<const char*> argv{"rigtwin"};
-  for (const auto& argument : arguments) argv.push_back(argument.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.status = host_sim::run_command_line(static_cast<int>(argv.size()), argv.data());
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
-  return outcome;
-}
+using support::Ended;
+using support::rig_file;
+using support::rigtwin;
 
 std::string linear_with(const std::string& more) {
-  return support::TemporaryFolder::read(rigs + "paper_linear.toml") + "\n" + more + "\n";
+  return support::TemporaryFolder::read(rig_file("paper_linear")) + "\n" + more + "\n";
 }
 
 // Journey. The contract's example: numbers and keys, for the paper's equations with 10 ms.
 TEST(StabilityCommand, GivesTheNumbersOfTheContract) {
   const support::TemporaryFolder folder;
   const std::string file = (folder / "result.json").string();
-  const Outcome outcome = rigtwin({"stability", "--rig", rigs + "paper_linear.toml", "--json", file, "--responses",
-                                   "--sweep", "tau=0:0.02:5", "--map", "tau=0:0.03:20,virtual_damping=0:2000:10"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("paper_linear.toml: stable, 5.254 ms of delay left\n"), std::string::npos) << outcome.out;
+  const Ended ended = rigtwin({"stability", "--rig", rig_file("paper_linear"), "--json", file, "--responses", "--sweep",
+                               "tau=0:0.02:5", "--map", "tau=0:0.03:20,virtual_damping=0:2000:10"});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_NE(ended.output.find("paper_linear.toml: stable, 5.254 ms of delay left\n"), std::string::npos)
+      << ended.output;
   const auto json = nlohmann::json::parse(support::TemporaryFolder::read(file));
   EXPECT_EQ(json["stable"], true);
   EXPECT_NEAR(json["rightmost"]["re"].get<double>(), -1.0753, 0.5e-4);
@@ -74,17 +60,17 @@ TEST(StabilityCommand, GivesTheNumbersOfTheContract) {
 // Journey. The verdict stands first; an unstable rig is a result, not a failure.
 TEST(StabilityCommand, SaysFirstWhatTheUserWantsToKnow) {
   const support::TemporaryFolder folder;
-  std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml");
+  std::string text = support::TemporaryFolder::read(rig_file("paper_hil_fdva"));
   text.replace(text.find("virtual_damping = 1140.0"), 24, "virtual_damping = 700.0 ");
-  const Outcome outcome = rigtwin({"stability", "--rig", folder.write("unstable.toml", text).string()});
-  EXPECT_EQ(outcome.status, 0);
-  const std::string first = outcome.out.substr(0, outcome.out.find('\n'));
+  const Ended ended = rigtwin({"stability", "--rig", folder.write("unstable.toml", text).string()});
+  EXPECT_EQ(ended.status, 0);
+  const std::string first = ended.output.substr(0, ended.output.find('\n'));
   EXPECT_NE(first.find("unstable at 13.43 Hz"), std::string::npos) << first;
   EXPECT_NE(first.find("stable with 2.246 ms less delay"), std::string::npos) << first;
   for (const char* part :
        {"proven by the argument principle", "critical virtual damping  908.04", "spectral radius", "order 1",
         "half a step of hold", "not in the linear analysis (no linear part): fdva.minor_loss"}) {
-    EXPECT_NE(outcome.out.find(part), std::string::npos) << part;
+    EXPECT_NE(ended.output.find(part), std::string::npos) << part;
   }
 }
 
@@ -93,9 +79,9 @@ TEST(StabilityCommand, TakesTheDelayBudget) {
   const support::TemporaryFolder folder;
   const auto file = folder.write("rig.toml", linear_with("[delay_budget]\nsensor_age = 0.001\ntransport = 0.002\n"
                                                          "computation = 0.0015"));
-  const Outcome outcome = rigtwin({"stability", "--rig", file.string(), "--json", "-"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const auto json = nlohmann::json::parse(outcome.out);
+  const Ended ended = rigtwin({"stability", "--rig", file.string(), "--json", "-"});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  const auto json = nlohmann::json::parse(ended.output);
   EXPECT_NEAR(json["delay"].get<double>(), 0.0145, 1e-15);
   EXPECT_EQ(json["stable"], true);
   EXPECT_EQ(json["sampled"]["stable"], true);
@@ -108,10 +94,10 @@ TEST(StabilityCommand, TakesTheDelayBudget) {
 // FDVA).
 TEST(StabilityCommand, WritesForWhichLoopItHolds) {
   const support::TemporaryFolder folder;
-  const std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml") + "# the end\n";
+  const std::string text = support::TemporaryFolder::read(rig_file("paper_hil_fdva")) + "# the end\n";
   const std::string file = folder.write("rig.toml", text).string();
-  const Outcome outcome = rigtwin({"stability", "--write-limits", file});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Ended ended = rigtwin({"stability", "--write-limits", file});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
   const std::string written = support::TemporaryFolder::read(file);
   EXPECT_EQ(written.substr(0, text.size()), text);
   const firmware::RigDescription rig = firmware::read_rig(file);
@@ -127,7 +113,7 @@ TEST(StabilityCommand, WritesForWhichLoopItHolds) {
 // Each number of ducts that the plan of the valves opens must be stable; where one is not, nothing is written.
 TEST(StabilityCommand, ProvesEveryPositionOfTheValves) {
   const support::TemporaryFolder folder;
-  const std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml");
+  const std::string text = support::TemporaryFolder::read(rig_file("paper_hil_fdva"));
   const auto allowed = [&](const std::string& plan) {
     const std::string file = folder.write("rig.toml", text + plan).string();
     EXPECT_EQ(rigtwin({"stability", "--write-limits", file}).status, 0) << plan;
@@ -138,9 +124,9 @@ TEST(StabilityCommand, ProvesEveryPositionOfTheValves) {
 
   const std::string unstable = support::with(text, "virtual_damping = 1140.0", "virtual_damping = 700.0");
   const std::string file = folder.write("unstable.toml", unstable).string();
-  const Outcome outcome = rigtwin({"stability", "--write-limits", file});
-  EXPECT_EQ(outcome.status, static_cast<int>(firmware::ExitStatus::unfit_input));
-  EXPECT_NE(outcome.err.find("the loop with 2 open ducts is unstable"), std::string::npos) << outcome.err;
+  const Ended ended = rigtwin({"stability", "--write-limits", file});
+  EXPECT_EQ(ended.status, static_cast<int>(firmware::ExitStatus::unfit_input));
+  EXPECT_NE(ended.errors.find("the loop with 2 open ducts is unstable"), std::string::npos) << ended.errors;
   EXPECT_EQ(support::TemporaryFolder::read(file), unstable);
 }
 
@@ -150,21 +136,21 @@ TEST(StabilityCommand, ProvesEveryPositionOfTheValves) {
 // leaves as little as one with all of it in swing.
 TEST(StabilityCommand, LimitsHoldAtTheLongestDelayOfTheRange) {
   const support::TemporaryFolder folder;
-  const std::string text = support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml");
+  const std::string text = support::TemporaryFolder::read(rig_file("paper_hil_fdva"));
   const auto varying = [&](const std::string& keys) {
     return folder.write("rig.toml", support::with(text, "[machine]", "[machine]\n" + keys)).string();
   };
   const auto allowed = [&](const std::string& keys) {
     const std::string file = varying(keys);
-    const Outcome outcome = rigtwin({"stability", "--write-limits", file});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Ended ended = rigtwin({"stability", "--write-limits", file});
+    EXPECT_EQ(ended.status, 0) << ended.errors;
     return firmware::read_rig(file).hardware.schedule.allowed_delay;
   };
   const double mean = allowed("");
   EXPECT_NEAR(allowed("delay_swing = 0.0008\ndelay_jitter = 0.0004"), mean - 0.8 * 0.0012, 2e-6);
   EXPECT_NEAR(allowed("delay_jitter = 0.0012"), mean - 0.8 * 0.0012, 2e-6);
   // With the limit of the mean the loop would grow at the far end of the range.
-  firmware::RigDescription rig = firmware::read_rig(rigs + "paper_hil_fdva.toml");
+  firmware::RigDescription rig = firmware::read_rig(rig_file("paper_hil_fdva"));
   rig.delay_budget.sensor_age = mean;
   rig.rig.delay_variation.swing = 0.0012;
   const auto analysis = host_sim::stability::analyse(rig);
@@ -175,9 +161,10 @@ TEST(StabilityCommand, LimitsHoldAtTheLongestDelayOfTheRange) {
 
   const std::string wide = varying("delay_swing = 0.003");
   const std::string before = support::TemporaryFolder::read(wide);
-  const Outcome outcome = rigtwin({"stability", "--write-limits", wide});
-  EXPECT_EQ(outcome.status, static_cast<int>(firmware::ExitStatus::unfit_input));
-  EXPECT_NE(outcome.err.find("unstable within the range of its delay, 7 ms … 13 ms"), std::string::npos) << outcome.err;
+  const Ended ended = rigtwin({"stability", "--write-limits", wide});
+  EXPECT_EQ(ended.status, static_cast<int>(firmware::ExitStatus::unfit_input));
+  EXPECT_NE(ended.errors.find("unstable within the range of its delay, 7 ms … 13 ms"), std::string::npos)
+      << ended.errors;
   EXPECT_EQ(support::TemporaryFolder::read(wide), before);
 }
 
@@ -185,23 +172,23 @@ TEST(StabilityCommand, LimitsHoldAtTheLongestDelayOfTheRange) {
 // written for it; a compensator that makes the loop unstable leaves the file as it was, and the message has the margin.
 TEST(StabilityCommand, DecidesByTheCompensatedLoop) {
   const support::TemporaryFolder folder;
-  const std::string undamped = support::with(support::TemporaryFolder::read(rigs + "paper_hil_fdva.toml"),
+  const std::string undamped = support::with(support::TemporaryFolder::read(rig_file("paper_hil_fdva")),
                                              "virtual_damping = 1140.0", "virtual_damping = 0.0");
   const auto write = [&](const std::string& keys) {
     return folder.write("rig.toml", undamped + "\n[compensation]\n" + keys + "\n").string();
   };
   const std::string stable = write("kind = \"inverse\"");
-  const Outcome words = rigtwin({"stability", "--rig", stable});
-  EXPECT_NE(words.out.find("with compensation inverse stable; the machine's delay may be 1.14 ms longer"),
+  const Ended words = rigtwin({"stability", "--rig", stable});
+  EXPECT_NE(words.output.find("with compensation inverse stable; the machine's delay may be 1.14 ms longer"),
             std::string::npos)
-      << words.out.substr(0, 300);
-  const auto json = nlohmann::json::parse(rigtwin({"stability", "--rig", stable, "--json", "-"}).out);
+      << words.output.substr(0, 300);
+  const auto json = nlohmann::json::parse(rigtwin({"stability", "--rig", stable, "--json", "-"}).output);
   EXPECT_EQ(json["stable"], true);
   EXPECT_EQ(json["stable_without_compensation"], false);
   EXPECT_EQ(json["compensation"]["kind"], "inverse");
 
-  const Outcome outcome = rigtwin({"stability", "--write-limits", stable});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Ended ended = rigtwin({"stability", "--write-limits", stable});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
   const firmware::RigDescription rig = firmware::read_rig(stable);
   EXPECT_EQ(firmware::stability_objection(rig).text, "");
   EXPECT_NEAR(rig.hardware.schedule.allowed_delay, 0.8 * json["compensation"]["delay_may_be_longer"].get<double>(),
@@ -214,23 +201,23 @@ TEST(StabilityCommand, DecidesByTheCompensatedLoop) {
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"stability", "--write-limits", unstable},
         std::vector<std::string>{"simulate", "--rig", unstable, "--out", (folder / "run.csv").string()}}) {
-    const Outcome refused = rigtwin(command);
+    const Ended refused = rigtwin(command);
     EXPECT_EQ(refused.status, static_cast<int>(firmware::ExitStatus::unfit_input));
-    EXPECT_NE(refused.err.find("unstable at 14.1 Hz"), std::string::npos) << refused.err;
-    EXPECT_NE(refused.err.find("ms earlier"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.errors.find("unstable at 14.1 Hz"), std::string::npos) << refused.errors;
+    EXPECT_NE(refused.errors.find("ms earlier"), std::string::npos) << refused.errors;
   }
   EXPECT_EQ(support::TemporaryFolder::read(unstable), before);
   EXPECT_FALSE(std::filesystem::exists(folder / "run.csv"));
   // Computation that the compensation counts on, but that may not be there: stable only as long as it is late.
   const std::string counts_on_it = write("kind = \"smith\"\n[delay_budget]\ncomputation = 0.02");
-  const Outcome early = rigtwin({"stability", "--write-limits", counts_on_it});
-  EXPECT_EQ(early.status, static_cast<int>(firmware::ExitStatus::unfit_input)) << early.out;
+  const Ended early = rigtwin({"stability", "--write-limits", counts_on_it});
+  EXPECT_EQ(early.status, static_cast<int>(firmware::ExitStatus::unfit_input)) << early.output;
 }
 
 // Fault. One line, the right exit status, no result left behind.
 TEST(StabilityCommand, RefusesInOneLine) {
   const support::TemporaryFolder folder;
-  const std::string linear = rigs + "paper_linear.toml";
+  const std::string linear = rig_file("paper_linear");
   struct Case {
     std::vector<std::string> arguments;
     firmware::ExitStatus status;
@@ -239,8 +226,8 @@ TEST(StabilityCommand, RefusesInOneLine) {
   using firmware::ExitStatus;
   const auto file = [&](const std::string& name, const std::string& text) { return folder.write(name, text).string(); };
   const std::vector<Case> cases{
-      {{"--rig", rigs + "paper_rig_fdva.toml"}, ExitStatus::unfit_input, "expected kind = \"hil\""},
-      {{"--rig", rigs + "paper_bench_fdva.toml"}, ExitStatus::unfit_input, "this is a component_bench"},
+      {{"--rig", rig_file("paper_rig_fdva")}, ExitStatus::unfit_input, "expected kind = \"hil\""},
+      {{"--rig", rig_file("paper_bench_fdva")}, ExitStatus::unfit_input, "this is a component_bench"},
       {{"--rig", linear, "--map", "tau=0.03:0:9,virtual_damping=0:1:9"}, ExitStatus::wrong_usage, "runs backwards"},
       {{"--rig", linear, "--map", "bogus=0:1:9,virtual_damping=0:1:9"}, ExitStatus::wrong_usage, "no variable 'bogus'"},
       {{"--rig", linear, "--sweep", "tau"}, ExitStatus::wrong_usage, "is not a range"},
@@ -258,7 +245,7 @@ TEST(StabilityCommand, RefusesInOneLine) {
       {{"--rig", file("unknown.toml", linear_with("[delay_budget]\ntransprt = 0.001"))},
        ExitStatus::unfit_input,
        "did you mean 'delay_budget.transport'"},
-      {{"--rig", file("bench.toml", support::TemporaryFolder::read(rigs + "paper_bench_fdva.toml") +
+      {{"--rig", file("bench.toml", support::TemporaryFolder::read(rig_file("paper_bench_fdva")) +
                                         "\n[delay_budget]\ntransport = 0.001\n")},
        ExitStatus::unfit_input,
        "[delay_budget]"},
@@ -267,11 +254,11 @@ TEST(StabilityCommand, RefusesInOneLine) {
   for (const Case& c : cases) {
     std::vector<std::string> arguments{"stability"};
     arguments.insert(arguments.end(), c.arguments.begin(), c.arguments.end());
-    const Outcome outcome = rigtwin(arguments);
-    EXPECT_EQ(outcome.status, static_cast<int>(c.status)) << outcome.err;
-    EXPECT_NE(outcome.err.find(c.says), std::string::npos) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_EQ(outcome.out, "");
+    const Ended ended = rigtwin(arguments);
+    EXPECT_EQ(ended.status, static_cast<int>(c.status)) << ended.errors;
+    EXPECT_NE(ended.errors.find(c.says), std::string::npos) << ended.errors;
+    EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
+    EXPECT_EQ(ended.output, "");
   }
   EXPECT_EQ(folder.count(), files);
 }

@@ -14,7 +14,7 @@ using support::rigtwin;
 using support::TemporaryFolder;
 
 std::string write_plan(const TemporaryFolder& folder, const std::string& more = {}) {
-  folder.write("car.toml", TemporaryFolder::read(support::source / "host_sim" / "rigs" / "paper_rig_fdva.toml"));
+  folder.write("car.toml", TemporaryFolder::read(support::rig_file("paper_rig_fdva")));
   return folder
       .write("plan.toml",
              "rig = \"car.toml\"\n[run]\nduration = 0.2\n[vary]\nspeed = [10.0, 20.0, "

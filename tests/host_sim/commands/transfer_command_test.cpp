@@ -22,9 +22,7 @@ constexpr const char* tolerance = R"(
 "fdva.minor_loss" = 0.10
 )";
 
-std::string rig_text(const std::string& name) {
-  return TemporaryFolder::read(support::source / "host_sim" / "rigs" / (name + ".toml"));
-}
+std::string rig_text(const std::string& name) { return TemporaryFolder::read(support::rig_file(name)); }
 
 /// The absorber that nobody described: oil 8 % more viscous, 25 N of seal friction, a coil 3 % softer.
 std::string hidden(const std::string& text) {

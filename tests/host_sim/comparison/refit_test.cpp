@@ -14,6 +14,7 @@
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/rig_texts.hpp"
 
+namespace refit_test {
 namespace {
 
 using firmware::parse_rig;
@@ -183,3 +184,4 @@ TEST(Refit, FitsRealMeasurementsAtLeastAsWellAsIsKnown) {
 }
 
 }  // namespace
+}  // namespace refit_test

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+namespace side_by_side_test {
 namespace {
 
 using host_sim::InitialState;
@@ -263,3 +264,4 @@ INSTANTIATE_TEST_SUITE_P(Lanes, SideBySide,
                          testing::Values(LaneUse::automatic, LaneUse::one, LaneUse::four, LaneUse::eight), name_of);
 
 }  // namespace
+}  // namespace side_by_side_test

@@ -13,6 +13,7 @@
 #include "tests/host_sim/fmu/fmu_file.hpp"
 #include "tests/host_sim/fmu/simulated_rows.hpp"
 
+namespace fmu3_test {
 namespace {
 
 using support::expect_row;
@@ -284,3 +285,4 @@ TEST(Fmu3, ExportsEveryFunctionOfCoSimulation) {
 }
 
 }  // namespace
+}  // namespace fmu3_test

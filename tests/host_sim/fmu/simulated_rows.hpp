@@ -15,8 +15,6 @@
 
 namespace support {
 
-inline std::string rig_file(const std::string& name) { return source / "host_sim" / "rigs" / (name + ".toml"); }
-
 /// Every column of `recording` at row k, from the FMU.
 template <class FmuInstance>
 void expect_row(FmuInstance& instance, const firmware::Recording& recording, std::size_t k) {

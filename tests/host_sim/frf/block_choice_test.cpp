@@ -10,6 +10,7 @@
 #include "host_sim/frf/estimators.hpp"
 #include "tests/host_sim/frf/signals.hpp"
 
+namespace block_choice_test {
 namespace {
 
 using host_sim::WindowShape;
@@ -129,3 +130,4 @@ TEST(BlockChoice, SaysWhenThereIsTooLittle) {
 }
 
 }  // namespace
+}  // namespace block_choice_test

@@ -12,6 +12,7 @@
 #include "host_sim/frf/response_estimate.hpp"
 #include "tests/host_sim/frf/signals.hpp"
 
+namespace delay_test {
 namespace {
 
 using firmware::Recording;
@@ -146,3 +147,4 @@ TEST(Delay, IsNotSeenWhereThereIsNone) {
 }
 
 }  // namespace
+}  // namespace delay_test

@@ -14,6 +14,7 @@
 #include "host_sim/frf/cross_spectra.hpp"
 #include "tests/host_sim/frf/signals.hpp"
 
+namespace estimators_test {
 namespace {
 
 using host_sim::frf::BlockScheme;
@@ -218,3 +219,4 @@ TEST(Bounds, HoldForTheNoiseThatEachEstimatorIsMadeFor) {
 }
 
 }  // namespace
+}  // namespace estimators_test

@@ -8,11 +8,11 @@
 
 namespace sample {
 
-/// `count` samples of amplitude · sin(2π hz k period); hz [Hz], period [s].
-inline std::vector<double> sine(double amplitude, double hz, std::size_t count, double period = 1e-3) {
+/// `count` samples of amplitude · sin(2π hz k step); hz [Hz], step [s].
+inline std::vector<double> sine(double amplitude, double hz, std::size_t count, double step = 1e-3) {
   std::vector<double> values(count);
   for (std::size_t k = 0; k < count; ++k) {
-    values[k] = amplitude * std::sin(2.0 * std::numbers::pi * hz * period * static_cast<double>(k));
+    values[k] = amplitude * std::sin(2.0 * std::numbers::pi * hz * step * static_cast<double>(k));
   }
   return values;
 }

@@ -13,6 +13,7 @@
 #include "host_sim/recording_files/text/text_values.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+namespace foreign_text_test {
 namespace {
 
 using firmware::ChannelMap;
@@ -314,3 +315,4 @@ TEST(ForeignText, ReadsNumbersWithSeparators) {
 }
 
 }  // namespace
+}  // namespace foreign_text_test

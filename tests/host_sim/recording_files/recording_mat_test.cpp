@@ -18,6 +18,7 @@
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+namespace recording_mat_test {
 namespace {
 
 using firmware::ChannelMap;
@@ -353,3 +354,4 @@ TEST(RecordingMat, RefusesVersion4) {
 }
 
 }  // namespace
+}  // namespace recording_mat_test

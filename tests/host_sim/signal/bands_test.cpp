@@ -12,6 +12,7 @@
 
 #include "tests/host_sim/signal/normal_noise.hpp"
 
+namespace bands_test {
 namespace {
 
 using host_sim::Band;
@@ -187,3 +188,4 @@ TEST(BandRms, OfAConstantIsNothing) {
 }
 
 }  // namespace
+}  // namespace bands_test

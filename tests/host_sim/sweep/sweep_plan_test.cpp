@@ -19,7 +19,7 @@ class SweepPlan_ : public testing::Test {
  protected:
   TemporaryFolder folder_;
   void SetUp() override {
-    folder_.write("car.toml", TemporaryFolder::read(support::source / "host_sim" / "rigs" / "paper_rig_fdva.toml") +
+    folder_.write("car.toml", TemporaryFolder::read(support::rig_file("paper_rig_fdva")) +
                                   "\n[tolerance]\n\"tyre.stiffness\" = 0.03\n");
   }
   [[nodiscard]] SweepPlan plan(const std::string& text) const {
@@ -107,7 +107,7 @@ TEST_F(SweepPlan_, FingerprintsWhateverChangesAResult) {
   EXPECT_TRUE(note("[vary]\nspeed = [10.0, 20.0]\n"));
   EXPECT_TRUE(note("[vary]\nspeed = [10.0, 21.0]\n"));
   EXPECT_TRUE(note("[draw]\nspeed = { from = 10, to = 20 }\n"));
-  folder_.write("car.toml", TemporaryFolder::read(support::source / "host_sim" / "rigs" / "paper_rig_fdva.toml"));
+  folder_.write("car.toml", TemporaryFolder::read(support::rig_file("paper_rig_fdva")));
   EXPECT_TRUE(note("")) << "another rig under the same name";
 }
 

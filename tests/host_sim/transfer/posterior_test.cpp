@@ -9,6 +9,7 @@
 #include "host_sim/identification/select/select_model.hpp"
 #include "tests/host_sim/transfer/linear_pair.hpp"
 
+namespace posterior_test {
 namespace {
 
 namespace id = host_sim::identification;
@@ -104,3 +105,4 @@ TEST(TransferPosterior, IsStretchedWhereResidualsAreMoreThanNoise) {
 }
 
 }  // namespace
+}  // namespace posterior_test

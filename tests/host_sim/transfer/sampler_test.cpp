@@ -8,6 +8,7 @@
 #include "firmware/simulation/gaussian.hpp"
 #include "host_sim/transfer/common/statistics.hpp"
 
+namespace sampler_test {
 namespace {
 
 using host_sim::transfer::Samples;
@@ -136,3 +137,4 @@ TEST(TransferStatistics, ContinueTheTailOfDraws) {
 }
 
 }  // namespace
+}  // namespace sampler_test

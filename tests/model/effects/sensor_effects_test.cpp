@@ -6,6 +6,7 @@
 
 #include "model/rig_model.hpp"
 
+namespace sensor_effects_test {
 namespace {
 
 using model::Channel;
@@ -141,3 +142,4 @@ TEST(Sensors, PassNoiseThroughTheirEffects) {
 }
 
 }  // namespace
+}  // namespace sensor_effects_test

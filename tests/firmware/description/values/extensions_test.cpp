@@ -14,7 +14,7 @@ namespace {
 using firmware::parse_rig;
 using support::with;
 
-std::string shipped() { return support::TemporaryFolder::read(support::source / "host_sim/rigs/paper_hil_aas.toml"); }
+std::string shipped() { return support::TemporaryFolder::read(support::rig_file("paper_hil_aas")); }
 
 std::string refusal(const std::string& text) {
   try {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+namespace decimation_test {
 namespace {
 
 using namespace host_sim;
@@ -38,3 +39,4 @@ TEST(Decimation, LeavesSlowRecordingsAlone) {
 }
 
 }  // namespace
+}  // namespace decimation_test

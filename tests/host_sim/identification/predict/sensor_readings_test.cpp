@@ -9,6 +9,7 @@
 
 #include "tests/host_sim/identification/test_signals.hpp"
 
+namespace sensor_readings_test {
 namespace {
 
 using namespace firmware;
@@ -80,3 +81,4 @@ TEST(HoldPeriod, IsReadOffTheRenewals) {
 }
 
 }  // namespace
+}  // namespace sensor_readings_test

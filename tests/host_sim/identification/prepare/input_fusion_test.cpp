@@ -9,6 +9,7 @@
 #include "tests/host_sim/identification/test_signals.hpp"
 #include "tests/support/reference_road.hpp"
 
+namespace input_fusion_test {
 namespace {
 
 using namespace firmware;
@@ -99,3 +100,4 @@ TEST(FootPoint, KnowsItsAccelerationAsFarAsItsDisplacementIsAboveNoise) {
 }
 
 }  // namespace
+}  // namespace input_fusion_test

@@ -12,6 +12,7 @@
 #include "tests/host_sim/identification/test_signals.hpp"
 #include "tests/support/reference_road.hpp"
 
+namespace sensor_noise_test {
 namespace {
 
 using namespace firmware;
@@ -93,3 +94,4 @@ TEST(NoiseFactor, TakesADeclarationAsAnRms) {
 }
 
 }  // namespace
+}  // namespace sensor_noise_test

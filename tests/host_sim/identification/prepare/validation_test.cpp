@@ -12,6 +12,7 @@
 #include "tests/host_sim/identification/truth_recording.hpp"
 #include "tests/truth/truth.hpp"
 
+namespace validation_test {
 namespace {
 
 using namespace firmware;
@@ -97,3 +98,4 @@ TEST(Validation, RefusesNumbersThatNoSensorShows) {
 }
 
 }  // namespace
+}  // namespace validation_test

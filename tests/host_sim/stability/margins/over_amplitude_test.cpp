@@ -11,6 +11,7 @@
 #include "model/rig_model.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
+namespace over_amplitude_test {
 namespace {
 
 using host_sim::stability::equivalent_rig;
@@ -151,3 +152,4 @@ TEST(OverAmplitude, RefusesWhatIsNoLoop) {
 }
 
 }  // namespace
+}  // namespace over_amplitude_test
