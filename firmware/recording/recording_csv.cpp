@@ -75,6 +75,28 @@ class CsvReader {
     refuse_endless_line();
   }
 
+  // The header has been read.
+  [[nodiscard]] bool has_columns() const { return !columns_.empty(); }
+
+  // The rows of the run so far: time of the first and of the last. nullopt: none. Rows behind a run end it.
+  struct Span {
+    double from, to;
+    bool ended;
+  };
+  [[nodiscard]] std::optional<Span> span() const {
+    const auto [first, after] = rows_of_the_run();
+    if (first == after) return std::nullopt;
+    return Span{recording_.time[first], recording_.time[after - 1], after != recording_.time.size()};
+  }
+
+  // Leaves the rows out that are not of the run, or not within these times.
+  void keep(double from, double to) {
+    auto [first, after] = rows_of_the_run();
+    while (first != after && recording_.time[first] < from) ++first;
+    while (first != after && recording_.time[after - 1] > to) --after;
+    keep_rows(first, after);
+  }
+
   // Room for a file of which `part` of `whole` bytes have been taken. Pages that stay unused cost no memory.
   void expect(std::size_t part, std::size_t whole) {
     const double rows = static_cast<double>(recording_.time.size()) + 1.0;
@@ -117,24 +139,35 @@ class CsvReader {
   // A recording of rig_controller holds the way to the run and back as well; analyses get the run alone, from t = 0.
   void keep_the_run() {
     if (mode_.empty()) return;
-    const auto in_the_run = [](double mode) {
-      return mode == static_cast<double>(Mode::running) || mode == static_cast<double>(Mode::holding);
-    };
-    const auto first = std::find_if(mode_.begin(), mode_.end(), in_the_run) - mode_.begin();
-    const auto after = std::find_if_not(mode_.begin() + first, mode_.end(), in_the_run) - mode_.begin();
+    const auto [first, after] = rows_of_the_run();
     if (first == after) {
       throw InputError(recording_.source, first_row_, "no row belongs to a run", "a recording whose run has begun");
     }
-    for (const Column& column : columns_) {
-      if (column.values == nullptr || column.values == &mode_) continue;
-      column.values->erase(column.values->begin() + after, column.values->end());
-      column.values->erase(column.values->begin(), column.values->begin() + first);
-    }
+    keep_rows(first, after);
     // Times are whole nanoseconds, printed to the last bit, so their differences are exact as well.
     constexpr double per_second = 1e9;
     const double begin = std::round(recording_.time.front() * per_second);
     for (double& time : recording_.time) time = (std::round(time * per_second) - begin) / per_second;
-    first_row_ += static_cast<std::size_t>(first);
+  }
+
+  // From the first one to behind the last one.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> rows_of_the_run() const {
+    if (mode_.empty()) return {0, recording_.time.size()};
+    const auto in_the_run = [](double mode) {
+      return mode == static_cast<double>(Mode::running) || mode == static_cast<double>(Mode::holding);
+    };
+    const auto first = std::find_if(mode_.begin(), mode_.end(), in_the_run);
+    const auto after = std::find_if_not(first, mode_.end(), in_the_run);
+    return {static_cast<std::size_t>(first - mode_.begin()), static_cast<std::size_t>(after - mode_.begin())};
+  }
+
+  void keep_rows(std::size_t first, std::size_t after) {
+    for (const Column& column : columns_) {
+      if (column.values == nullptr) continue;
+      column.values->erase(column.values->begin() + static_cast<std::ptrdiff_t>(after), column.values->end());
+      column.values->erase(column.values->begin(), column.values->begin() + static_cast<std::ptrdiff_t>(first));
+    }
+    first_row_ += first;
   }
 
   void take_last_row() {
@@ -364,6 +397,86 @@ void read_all(CsvReader& reader, int descriptor, std::string_view head, std::str
   }
 }
 
+// Reads the two ends of a file on a disk.
+class EndsReader {
+ public:
+  EndsReader(int descriptor, std::size_t size, std::string_view source, const ChannelMap& map, Missing missing)
+      : descriptor_(descriptor), size_(size), begin_(source, map, missing), end_(source, map, missing) {}
+
+  std::optional<RecordingEnds> read(std::optional<double> expected_rate, double first, double last) {
+    if (!read_begin(first)) return std::nullopt;
+    const double from = begin_.span()->from;
+    // A controller's recording goes on after the run, until its drive stands still.
+    constexpr double to_stand_still = 30.0;  // [s]
+    const double tail = bytes_a_second_ * (1.1 * last + to_stand_still);
+    if (static_cast<double>(place_) + tail > static_cast<double>(size_)) return std::nullopt;
+    if (!read_end(size_ - static_cast<std::size_t>(tail))) return std::nullopt;
+    const auto span = end_.span();
+    if (!span || span->to - span->from < last) return std::nullopt;
+    constexpr double nearly = 1.0 - 1e-4;  // of the seconds: rounding must not make them a sample more
+    begin_.keep(from, from + nearly * first);
+    end_.keep(span->to - nearly * last, span->to);
+    return RecordingEnds{begin_.finish(expected_rate), end_.finish(expected_rate), span->to - from};
+  }
+
+ private:
+  // Up to a block from a place of the file on; empty at its end.
+  std::string_view block_at(std::size_t place) {
+    for (;;) {
+      const ssize_t got = ::pread(descriptor_, bytes_.data(), bytes_.size(), static_cast<off_t>(place));
+      if (got >= 0) return std::string_view(bytes_).substr(0, static_cast<std::size_t>(got));
+      if (errno != EINTR) return {};
+    }
+  }
+
+  // false: the run ends before.
+  bool read_begin(double seconds) {
+    std::optional<CsvReader::Span> span;
+    for (std::size_t run_begins = 0;;) {
+      std::string_view block = block_at(place_);
+      block = block.substr(0, block.rfind('\n') + 1);  // whole lines
+      if (block.empty()) return false;
+      if (place_ == 0) read_header(block);
+      if (!span) run_begins = place_;
+      begin_.take(block);
+      place_ += block.size();
+      span = begin_.span();
+      if (span && span->ended) return false;
+      if (!span || span->to - span->from < seconds) continue;
+      bytes_a_second_ = static_cast<double>(place_ - run_begins) / (span->to - span->from);
+      return true;
+    }
+  }
+
+  // The end's columns are those of the same header.
+  void read_header(std::string_view text) {
+    while (!end_.has_columns() && !text.empty()) {
+      const std::size_t line = std::min(text.find('\n'), text.size() - 1) + 1;
+      end_.take(text.substr(0, line));
+      text.remove_prefix(line);
+    }
+  }
+
+  // From the line after this place on. false: there is none.
+  bool read_end(std::size_t place) {
+    const std::size_t line = block_at(place).find('\n');
+    if (line == std::string_view::npos || !end_.has_columns()) return false;
+    for (place += line + 1;;) {
+      const std::string_view block = block_at(place);
+      if (block.empty()) return place >= size_;
+      end_.take(block);
+      place += block.size();
+    }
+  }
+
+  int descriptor_;
+  std::size_t size_;
+  CsvReader begin_, end_;
+  std::string bytes_ = std::string(std::size_t{1} << 14U, '\0');  // a block
+  std::size_t place_ = 0;                                         // behind what has been read of the beginning
+  double bytes_a_second_ = 0.0;
+};
+
 void refuse_matlab(const RecordingFile& file, const std::filesystem::path& name) {
   if (file.is_matlab()) throw InputError(name.string(), 0, "is a MATLAB file", "CSV: this program reads no other");
 }
@@ -375,6 +488,20 @@ Recording read_recording_csv(int descriptor, std::string_view head, std::string_
   CsvReader reader(source, map, missing);
   read_all(reader, descriptor, head, source, block);
   return reader.finish(expected_rate);
+}
+
+std::optional<RecordingEnds> read_recording_ends(int descriptor, std::string_view source, const ChannelMap& map,
+                                                 std::optional<double> expected_rate, double first, double last,
+                                                 Missing missing, std::size_t least_size) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size < least_size) return std::nullopt;
+  try {
+    return EndsReader(descriptor, size, source, map, missing).read(expected_rate, first, last);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
 }
 
 Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap& map,

@@ -28,6 +28,24 @@ namespace firmware {
                                            Missing missing = Missing::refuse,
                                            std::size_t block = std::size_t{1} << 20U);
 
+/// [bytes] A text from here on takes a quarter of a second to read.
+inline constexpr std::size_t long_recording = std::size_t{64} << 20U;
+
+/// The two ends of a long recording.
+struct RecordingEnds {
+  Recording first, last;
+  double seconds;  ///< from its first to its last row [s]
+};
+
+/// The first and the last seconds of an opened CSV file of at least `least_size` bytes; what is between is neither read
+/// nor checked. nullopt: read it whole, since it is short, no file on a disk, not as long as both together, or wrong at
+/// one of its ends (the whole reading tells the line).
+[[nodiscard]] std::optional<RecordingEnds> read_recording_ends(int descriptor, std::string_view source,
+                                                               const ChannelMap& map,
+                                                               std::optional<double> expected_rate, double first,
+                                                               double last, Missing missing,
+                                                               std::size_t least_size = long_recording);
+
 /// Reads a CSV file; a MATLAB file is an InputError. For programs without the MATLAB reader.
 [[nodiscard]] Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap& map,
                                            std::optional<double> expected_rate);

@@ -113,6 +113,29 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
   std::printf("%s: verdict.json, report.html, rig.toml\n", folder.string().c_str());
 }
 
+void add_records(std::vector<firmware::Recording>& parts, identification::Use use,
+                 std::vector<identification::Record>& records) {
+  for (firmware::Recording& part : parts) records.push_back({std::move(part), use});
+}
+
+/// Of a long recording only what is used.
+void read_records(const fs::path& file, identification::Use use, const firmware::RigDescription& description,
+                  std::vector<identification::Record>& records) {
+  const identification::UsedSeconds used = identification::used_of_long(use);
+  constexpr double to_know_the_length = 10.0;  // [s] of its end
+  auto ends = read_parts_of_ends(file, description.channels, description.sample_rate, used.first,
+                                 std::max(used.last, to_know_the_length));
+  if (!ends) {
+    auto parts = read_parts(file, description.channels, description.sample_rate, description.rig.kind);
+    return add_records(parts, use, records);
+  }
+  std::string& remark = ends->first.front().remark;
+  remark += (remark.empty() ? firmware::one_line(file.string()) + ": " : "; ") +
+            identification::shortened(ends->seconds, use) + ", and nothing else is read";
+  add_records(ends->first, use == identification::Use::shared ? identification::Use::fitted : use, records);
+  if (used.last > 0.0) add_records(ends->last, identification::Use::held_out, records);
+}
+
 /// UsageError unless a law of that name can be written beside those of the description.
 void check_name(const std::string& name, const firmware::RigDescription& description) {
   const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
@@ -194,17 +217,12 @@ void run_diagnosis(const DiagnoseOptions& options) {
   check_name(options.keep_law, description);
   std::vector<identification::Record> records;
   const identification::Use use = options.holdout.empty() ? identification::Use::shared : identification::Use::fitted;
-  const auto read = [&](const std::vector<fs::path>& files, identification::Use as) {
-    for (const fs::path& file : files) {
-      for (firmware::Recording& part :
-           read_parts(file, description.channels, description.sample_rate, description.rig.kind)) {
-        records.push_back({std::move(part), as});
-      }
-    }
-  };
-  read(options.data, use);
-  read(options.holdout, identification::Use::held_out);
+  for (const fs::path& file : options.data) read_records(file, use, description, records);
+  for (const fs::path& file : options.holdout) {
+    read_records(file, identification::Use::held_out, description, records);
+  }
   prepare_folder(options.out);
+  begin_how_made();
   std::optional<Progress> progress(std::in_place, "diagnose");
   identification::Diagnosis diagnosis = identification::diagnose(
       description, std::move(records),

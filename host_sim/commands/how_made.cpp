@@ -4,9 +4,10 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <future>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
@@ -38,6 +39,18 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// Read in pieces: a recording of an hour is a gigabyte. Empty if it cannot be read.
+std::string sha256_of_file(const std::string& name) {
+  std::ifstream file(name, std::ios::binary);
+  if (!file) return {};
+  firmware::Sha256 hash;
+  std::string piece(std::size_t{1} << 20U, '\0');
+  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())), file.gcount() > 0) {
+    hash.take({piece.data(), static_cast<std::size_t>(file.gcount())});
+  }
+  return file.bad() ? std::string() : hash.digits();
+}
+
 void add_input(const std::string& name, std::vector<report::Origin::Input>& inputs);
 
 /// If the file is a rig description: the tables that it names.
@@ -52,11 +65,35 @@ void add_input(const std::string& name, std::vector<report::Origin::Input>& inpu
   std::error_code error;
   const bool known = std::any_of(inputs.begin(), inputs.end(), [&](const auto& i) { return i.file == name; });
   if (known || name.empty() || !std::filesystem::is_regular_file(name, error)) return;
-  std::ifstream file(name, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) return;
-  inputs.push_back({name, firmware::sha256(bytes)});
+  const std::string digits = sha256_of_file(name);
+  if (digits.empty()) return;
+  inputs.push_back({name, digits});
   add_referenced_files(name, inputs);
+}
+
+report::Origin origin() {
+  report::Origin result{"rigtwin"};
+  std::string option;
+  for (const std::string& word : words_of_command()) {
+    result.command += " " + firmware::one_line(quoted(word));
+    const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+    if (equals != std::string::npos) {
+      if (!is_output(word.substr(0, equals))) add_input(word.substr(equals + 1), result.inputs);
+    } else if (word.starts_with("--")) {
+      option = word;
+      continue;
+    } else if (!is_output(option)) {
+      add_input(word, result.inputs);
+    }
+    option.clear();
+  }
+  return result;
+}
+
+/// What begin_how_made() began.
+std::future<report::Origin>& origin_begun() {
+  static std::future<report::Origin> begun;
+  return begun;
 }
 
 }  // namespace
@@ -65,23 +102,10 @@ void remember_command_line(int argc, const char* const* argv) {
   words_of_command().assign(argv + std::min(argc, 1), argv + argc);
 }
 
+void begin_how_made() { origin_begun() = std::async(std::launch::async, origin); }
+
 std::string with_how_made(std::string page) {
-  report::Origin origin{"rigtwin"};
-  std::string option;
-  for (const std::string& word : words_of_command()) {
-    origin.command += " " + firmware::one_line(quoted(word));
-    const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
-    if (equals != std::string::npos) {
-      if (!is_output(word.substr(0, equals))) add_input(word.substr(equals + 1), origin.inputs);
-    } else if (word.starts_with("--")) {
-      option = word;
-      continue;
-    } else if (!is_output(option)) {
-      add_input(word, origin.inputs);
-    }
-    option.clear();
-  }
-  return report::with_origin(std::move(page), origin);
+  return report::with_origin(std::move(page), origin_begun().valid() ? origin_begun().get() : origin());
 }
 
 }  // namespace host_sim

@@ -9,7 +9,6 @@
 #include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
-#include "firmware/recording/recording_csv.hpp"
 #include "firmware/recording/recording_file.hpp"
 #include "firmware/recording/recording_gaps.hpp"
 #include "host_sim/recording_files/export/mcap_file.hpp"
@@ -123,6 +122,19 @@ firmware::Recording read_recording(const std::filesystem::path& file, const firm
 std::vector<firmware::Recording> read_parts(const std::filesystem::path& file, const firmware::ChannelMap& map,
                                             std::optional<double> usual_rate, std::optional<model::RigKind> kind) {
   return firmware::pieces_of(read(file, {map, usual_rate, kind}, firmware::Missing::mark));
+}
+
+std::optional<PartsOfEnds> read_parts_of_ends(const std::filesystem::path& file, const firmware::ChannelMap& map,
+                                              std::optional<double> usual_rate, double first, double last,
+                                              std::size_t least_size) {
+  const firmware::RecordingFile opened(file);
+  const bool text = kind_of_file(file, opened.head(), opened.is_matlab()) == FileKind::text && !is_called_mat(file);
+  if (!text || !is_contract_csv(opened.head(), map)) return std::nullopt;
+  auto ends = firmware::read_recording_ends(opened.descriptor(), file.string(), map, usual_rate, first, last,
+                                            firmware::Missing::mark, least_size);
+  if (!ends) return std::nullopt;
+  return PartsOfEnds{firmware::pieces_of(std::move(ends->first)), firmware::pieces_of(std::move(ends->last)),
+                     ends->seconds};
 }
 
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording) {

@@ -1,12 +1,14 @@
 // Recordings in all formats that rigtwin reads and writes.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <vector>
 
 #include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
+#include "firmware/recording/recording_csv.hpp"
 #include "model/channel.hpp"
 
 namespace host_sim {
@@ -41,6 +43,20 @@ namespace host_sim {
                                                           const firmware::ChannelMap& map = {},
                                                           std::optional<double> usual_rate = std::nullopt,
                                                           std::optional<model::RigKind> kind = std::nullopt);
+
+/// The two ends of a long recording, each in parts as read_parts gives them.
+struct PartsOfEnds {
+  std::vector<firmware::Recording> first, last;
+  double seconds;  ///< from its first to its last row [s]
+};
+
+/// The first and the last seconds of a CSV file of the contract's form, for an analysis that uses no more of it: of an
+/// hour, all values take a gigabyte and most of the time. nullopt: the file is another one, shorter, or wrong at one of
+/// its ends; read_parts() reads it or tells why not.
+[[nodiscard]] std::optional<PartsOfEnds> read_parts_of_ends(const std::filesystem::path& file,
+                                                            const firmware::ChannelMap& map,
+                                                            std::optional<double> usual_rate, double first, double last,
+                                                            std::size_t least_size = firmware::long_recording);
 
 /// Writes all columns present, `t` first, by the ending of the name: .mat MATLAB 5, .mcap MCAP with JSON messages,
 /// .uff and .unv universal file, .tsv and .de.csv text for spreadsheet programs (with decimal point and comma), else

@@ -1,5 +1,6 @@
 #include "firmware/description/text/sha256.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -19,7 +20,17 @@ constexpr std::array<std::uint32_t, 64> sha256_constants{
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
+constexpr std::size_t block_size = 64;  // [bytes]
+
 using Sha256State = std::array<std::uint32_t, 8>;
+
+/// A round (6.2.2, step 3) without the moves: h becomes the new a, d the new e.
+void take_word(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t& d, std::uint32_t e, std::uint32_t f,
+               std::uint32_t g, std::uint32_t& h, std::uint32_t word) {
+  h += (std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25)) + ((e & f) ^ (~e & g)) + word;
+  d += h;
+  h += (std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22)) + ((a & b) ^ (a & c) ^ (b & c));
+}
 
 void take_block(Sha256State& state, const unsigned char* block) {
   std::array<std::uint32_t, 64> w{};
@@ -33,19 +44,16 @@ void take_block(Sha256State& state, const unsigned char* block) {
            (std::rotr(b, 17) ^ std::rotr(b, 19) ^ b >> 10U);
   }
   auto [a, b, c, d, e, f, g, h] = state;
-  for (std::size_t i = 0; i < 64; ++i) {
-    const std::uint32_t first =
-        h + (std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25)) + ((e & f) ^ (~e & g)) + sha256_constants[i] + w[i];
-    const std::uint32_t second =
-        (std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22)) + ((a & b) ^ (a & c) ^ (b & c));
-    h = g;
-    g = f;
-    f = e;
-    e = d + first;
-    d = c;
-    c = b;
-    b = a;
-    a = first + second;
+  // The names go round instead of the values: eight rounds bring each back to its place.
+  for (std::size_t i = 0; i < 64; i += 8) {
+    take_word(a, b, c, d, e, f, g, h, sha256_constants[i] + w[i]);
+    take_word(h, a, b, c, d, e, f, g, sha256_constants[i + 1] + w[i + 1]);
+    take_word(g, h, a, b, c, d, e, f, sha256_constants[i + 2] + w[i + 2]);
+    take_word(f, g, h, a, b, c, d, e, sha256_constants[i + 3] + w[i + 3]);
+    take_word(e, f, g, h, a, b, c, d, sha256_constants[i + 4] + w[i + 4]);
+    take_word(d, e, f, g, h, a, b, c, sha256_constants[i + 5] + w[i + 5]);
+    take_word(c, d, e, f, g, h, a, b, sha256_constants[i + 6] + w[i + 6]);
+    take_word(b, c, d, e, f, g, h, a, sha256_constants[i + 7] + w[i + 7]);
   }
   const Sha256State change{a, b, c, d, e, f, g, h};
   for (std::size_t i = 0; i < state.size(); ++i) state[i] += change[i];
@@ -53,22 +61,40 @@ void take_block(Sha256State& state, const unsigned char* block) {
 
 }  // namespace
 
-std::string sha256(std::string_view text) {
-  Sha256State state{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-  std::string padded(text);
-  padded += '\x80';
-  while (padded.size() % 64 != 56) padded += '\0';
-  const std::uint64_t bits = 8 * static_cast<std::uint64_t>(text.size());
-  for (unsigned shift = 64; shift > 0; shift -= 8) padded += static_cast<char>(bits >> (shift - 8) & 0xffU);
-  for (std::size_t at = 0; at < padded.size(); at += 64) {
-    take_block(state, reinterpret_cast<const unsigned char*>(padded.data()) + at);
+void Sha256::take(std::string_view piece) {
+  size_ += piece.size();
+  if (!rest_.empty()) {
+    const std::size_t wanted = std::min(block_size - rest_.size(), piece.size());
+    rest_ += piece.substr(0, wanted);
+    piece.remove_prefix(wanted);
+    if (rest_.size() < block_size) return;
+    take_block(state_, reinterpret_cast<const unsigned char*>(rest_.data()));
+    rest_.clear();
   }
+  for (; piece.size() >= block_size; piece.remove_prefix(block_size)) {
+    take_block(state_, reinterpret_cast<const unsigned char*>(piece.data()));
+  }
+  rest_ = piece;
+}
+
+std::string Sha256::digits() {
+  const std::uint64_t bits = 8 * size_;
+  std::string padding(1, '\x80');
+  while ((size_ + padding.size()) % block_size != block_size - 8) padding += '\0';
+  for (unsigned shift = 64; shift > 0; shift -= 8) padding += static_cast<char>(bits >> (shift - 8) & 0xffU);
+  take(padding);
   constexpr std::string_view digits = "0123456789abcdef";
   std::string hexadecimal;
-  for (const std::uint32_t word : state) {
+  for (const std::uint32_t word : state_) {
     for (unsigned shift = 32; shift > 0; shift -= 4) hexadecimal += digits[word >> (shift - 4) & 0xfU];
   }
   return hexadecimal;
+}
+
+std::string sha256(std::string_view text) {
+  Sha256 whole;
+  whole.take(text);
+  return whole.digits();
 }
 
 }  // namespace firmware

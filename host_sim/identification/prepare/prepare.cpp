@@ -21,22 +21,16 @@ std::vector<std::string> leave_out_the_middle(std::vector<Record>& records) {
   std::vector<Record> ends;
   for (Record& record : records) {
     firmware::Recording& r = record.recording;
-    const bool held_out = record.use == Use::held_out;
+    const UsedSeconds used = used_of_long(record.use);
     const std::size_t n = r.size();
     const auto samples = [&](double seconds) { return static_cast<std::size_t>(seconds / r.sample_period); };
-    const std::size_t kept = samples(held_out ? thresholds::longest_held_out : thresholds::longest_fitted);
-    const std::size_t end = record.use == Use::shared ? samples(thresholds::longest_held_out) : 0;
+    const std::size_t kept = samples(used.first), end = samples(used.last);
     if (n <= kept + end) continue;
-    char text[128];
-    std::snprintf(text, sizeof text, ": of %.0f s the first %.0f s are %s", static_cast<double>(n) * r.sample_period,
-                  static_cast<double>(kept) * r.sample_period, held_out ? "held out" : "fitted");
-    remarks.push_back(r.source + text);
+    remarks.push_back(r.source + ": " + shortened(static_cast<double>(n) * r.sample_period, record.use));
     if (end > 0) {
       ends.push_back({cut(r, {n - end, n}), Use::held_out});
       ends.back().recording.lost_rows = 0;  // said of the beginning
       ends.back().recording.gaps.clear();
-      std::snprintf(text, sizeof text, ", the last %.0f s held out", static_cast<double>(end) * r.sample_period);
-      remarks.back() += text;
       record.use = Use::fitted;
     }
     record.recording = cut(r, {0, kept});
@@ -81,13 +75,30 @@ void check_channels(const std::vector<PreparedRecording>& recordings) {
 
 }  // namespace
 
+UsedSeconds used_of_long(Use use) {
+  if (use == Use::held_out) return {thresholds::longest_held_out, 0.0};
+  return {thresholds::longest_fitted, use == Use::shared ? thresholds::longest_held_out : 0.0};
+}
+
+std::string shortened(double seconds, Use use) {
+  const UsedSeconds used = used_of_long(use);
+  char text[128];
+  const int length = std::snprintf(text, sizeof text, "of %.0f s the first %.0f s are %s", seconds, used.first,
+                                   use == Use::held_out ? "held out" : "fitted");
+  if (used.last > 0.0) {
+    std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length), ", the last %.0f s held out",
+                  used.last);
+  }
+  return text;
+}
+
 PreparedData prepare(const firmware::RigDescription& description, std::vector<Record> records) {
   PreparedData data;
-  const std::vector<std::string> shortened = leave_out_the_middle(records);
+  const std::vector<std::string> left_out = leave_out_the_middle(records);
   std::vector<firmware::Recording*> recordings;
   for (Record& record : records) recordings.push_back(&record.recording);
   data.remarks = validate(description, recordings);
-  data.remarks.insert(data.remarks.end(), shortened.begin(), shortened.end());
+  data.remarks.insert(data.remarks.end(), left_out.begin(), left_out.end());
   // What one recording shows of the sensors holds for all: they are explained with the same channels.
   std::vector<SampledRecording> all;
   for (Record& record : records) all.push_back(sampled(description, std::move(record.recording)));

@@ -15,6 +15,15 @@ struct Record {
   Use use;
 };
 
+/// What is used of a long recording [s]: so much of its beginning, and of its end.
+struct UsedSeconds {
+  double first, last;
+};
+[[nodiscard]] UsedSeconds used_of_long(Use use);
+
+/// "of 3600 s the first 120 s are fitted, the last 40 s held out".
+[[nodiscard]] std::string shortened(double seconds, Use use);
+
 struct PreparedData {
   std::vector<PreparedRecording> recordings;  ///< all with the same channels
   std::vector<std::string> remarks;           ///< what was left out, shortened or estimated

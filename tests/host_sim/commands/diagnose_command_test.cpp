@@ -188,4 +188,20 @@ TEST_F(DiagnoseCommand, LeavesNothingHalfWrittenWhenInterrupted) {
   }
 }
 
+// Of a recording of 70 MB the ends alone are read; the hidden delay and the remark are those of the whole.
+TEST_F(DiagnoseCommand, ReadsTheEndsOfALongRecording) {
+  const std::string rig = support::rig_file("paper_hil_fdva");
+  const auto made = rigtwin({"simulate", "--rig", rig, "--duration", "265", "--out", folder / "long.csv"});
+  ASSERT_EQ(made.status, 0) << made.errors;
+  ASSERT_GT(std::filesystem::file_size(folder / "long.csv"), firmware::long_recording);
+  const std::string described =
+      support::with(TemporaryFolder::read(rig), "[effects.actuator_delay]\ndelay = 0.010\n", "");
+  const auto ended = rigtwin({"diagnose", "--rig", folder.write("described.toml", described), "--data",
+                              folder / "long.csv", "--out", folder / "found"});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_THAT(ended.output, testing::HasSubstr("The model lacks actuator_delay (0.01 s)"));
+  EXPECT_THAT(ended.output, testing::HasSubstr("long.csv: of 265 s the first 120 s are fitted, the last 40 s held out, "
+                                               "and nothing else is read\n"));
+}
+
 }  // namespace

@@ -510,6 +510,28 @@ TEST(RecordingFile, SaysWhatAMissingChannelIsNeededFor) {
   }
 }
 
+// Law. The ends of a long recording come in parts, as the whole does; text of other programs is read whole.
+TEST(RecordingFile, ReadsTheEndsOfALongOne) {
+  std::string text = "t,z_r [m]\n", semicolons = "t;z_r [m]\n";
+  for (int k = 0; k < 8000; ++k) {
+    if (k >= 800 && k < 850) continue;  // a gap of half a second
+    const std::string row = std::to_string(k / 100) + (k % 100 < 10 ? ".0" : ".") + std::to_string(k % 100);
+    text += row + "," + std::to_string(k % 7) + "\n";
+    semicolons += row + ";" + std::to_string(k % 7) + "\n";
+  }
+  const support::TemporaryFolder folder;
+  const auto ends = host_sim::read_parts_of_ends(folder.write("long.csv", text), {}, 100.0, 20.0, 10.0, 0);
+  ASSERT_TRUE(ends);
+  ASSERT_EQ(ends->first.size(), 2U);
+  EXPECT_EQ(ends->first[0].size(), 800U);
+  EXPECT_EQ(ends->first[1].size(), 1150U);
+  ASSERT_EQ(ends->last.size(), 1U);
+  EXPECT_EQ(ends->last[0][Channel::z_r][0], 7000 % 7);
+  EXPECT_NEAR(ends->seconds, 79.99, 1e-9);
+  EXPECT_FALSE(host_sim::read_parts_of_ends(folder.write("long.txt", semicolons), {}, 100.0, 20.0, 10.0, 0));
+  EXPECT_FALSE(host_sim::read_parts_of_ends(folder / "long.csv", {}, 100.0, 20.0, 10.0)) << "short";
+}
+
 // Real measurements of others are read as they are.
 TEST(RecordingFile, ReadsTheRealRecordings) {
   const std::filesystem::path real = std::filesystem::path(RIGTWIN_SOURCE_DIR) / ".." / "shared" / "real";

@@ -69,19 +69,19 @@ TEST(PreparedRecording, ExplainsTheBenchOfAHilRig) {
   EXPECT_EQ(explained_part(sample::bench().rig).kind, model::RigKind::component_bench);
 }
 
-// Law. Of 500 s the first 300 s are fitted and the last 100 s held out, as a recording of their own, and it is said.
+// Law. Of 500 s the first 120 s are fitted and the last 40 s held out, as a recording of their own, and it is said.
 TEST(Prepare, LeavesOutTheMiddleOfALongRecording) {
   const firmware::RigDescription bench = sample::bench();
   std::vector<Record> records;
   records.push_back({sample::recorded(bench, 500.0), Use::shared});
   const PreparedData data = prepare(bench, std::move(records));
   ASSERT_EQ(data.recordings.size(), 2U);
-  EXPECT_EQ(data.recordings[0].fitted.size(), 300'000U);
+  EXPECT_EQ(data.recordings[0].fitted.size(), 120'000U);
   EXPECT_EQ(data.recordings[0].held_out.size(), 0U);
-  EXPECT_EQ(data.recordings[1].held_out.size(), 100'000U);
-  EXPECT_NEAR(data.recordings[1].recording.time.front(), 400.0, 1e-9);
+  EXPECT_EQ(data.recordings[1].held_out.size(), 40'000U);
+  EXPECT_NEAR(data.recordings[1].recording.time.front(), 460.0, 1e-9);
   ASSERT_EQ(data.remarks.size(), 1U);
-  EXPECT_NE(data.remarks[0].find("the first 300 s are fitted, the last 100 s held out"), std::string::npos);
+  EXPECT_NE(data.remarks[0].find("of 500 s the first 120 s are fitted, the last 40 s held out"), std::string::npos);
 }
 
 // Something must be fitted, and all recordings must measure the same.
