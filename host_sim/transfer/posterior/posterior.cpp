@@ -46,6 +46,12 @@ Eigen::VectorXd reflected(const ComponentModel& model, Eigen::VectorXd u) {
   return u;
 }
 
+/// Within thresholds::near_bound of the tolerance.
+bool is_near_bound(const FreeParameter& parameter, double u) {
+  const double edge = thresholds::near_bound * 0.5 * (parameter.upper - parameter.lower);
+  return parameter.role == Role::tolerated && (u < parameter.lower + edge || u > parameter.upper - edge);
+}
+
 /// D of (3), relative to the covariance that a fit gives.
 Eigen::VectorXd stretch_of(const IdentificationProblem& problem, const identification::SearchSpace& space,
                            const Fit& fit, const Eigen::MatrixXd& covariance) {
@@ -58,6 +64,8 @@ Eigen::VectorXd stretch_of(const IdentificationProblem& problem, const identific
   }
   for (Eigen::Index i = 0; i < stretch.size(); ++i) {
     const FreeParameter& parameter = fit.parameters[static_cast<std::size_t>(i)];
+    // What lies at a bound has no half width; its draws lie on one side, as far as the likelihood says.
+    if (is_near_bound(parameter, parameter.get(fit.hypothesis))) continue;
     const double deviation = std::sqrt(covariance(i, i));
     const double uniform =
         (parameter.upper - parameter.lower) / std::sqrt(12.0);  // of a prior that says more than data
@@ -221,11 +229,8 @@ void describe(Posterior& posterior) {
     posterior.learned.push_back(learned);
     if (parameter.role != Role::tolerated) continue;
     double near = 0.0;
-    const double edge = thresholds::near_bound * 0.5 * (parameter.upper - parameter.lower);
-    for (Eigen::Index k = 0; k < model.draws.cols(); ++k) {
-      const double u = model.draws(row, k);
-      near += u < parameter.lower + edge || u > parameter.upper - edge ? 1.0 : 0.0;
-    }
+    for (Eigen::Index k = 0; k < model.draws.cols(); ++k)
+      near += is_near_bound(parameter, model.draws(row, k)) ? 1.0 : 0.0;
     if (near <= thresholds::share_at_bound * static_cast<double>(model.draws.cols())) continue;
     posterior.at_bounds.push_back(parameter.path);
     posterior.warnings.push_back("the posterior of " + parameter.path +
@@ -312,6 +317,7 @@ ChainReport sample_model(const IdentificationProblem& problem, double temper, co
     root = factor.matrixL();
   }
   for (Eigen::Index i = 0; i < plain.rows(); ++i) {
+    if (is_near_bound(model.parameters[static_cast<std::size_t>(i)], model.mode(i))) continue;  // one-sided
     const Eigen::VectorXd row = model.draws.row(i);
     const double sampled = std::sqrt((row.array() - row.mean()).square().mean());
     const double expected = std::min(std::sqrt(plain(i, i)), (model.parameters[static_cast<std::size_t>(i)].upper -
@@ -375,8 +381,10 @@ Posterior find_posterior(const firmware::RigDescription& /*from*/, const identif
     warn("only " + figure(report.fewest_effective) + " effective draws: the ends of the bands are uncertain");
   }
   if (std::abs(std::log(report.largest_ratio)) > std::log(thresholds::laplace_ratio)) {
-    warn("the Laplace approximation is " + figure(report.largest_ratio) + " times narrower than the draws of " +
-         report.worst + ": the draws are used");
+    const bool narrower = report.largest_ratio > 1.0;
+    warn("the Laplace approximation is " + figure(narrower ? report.largest_ratio : 1.0 / report.largest_ratio) +
+         (narrower ? " times narrower" : " times wider") + " than the draws of " + report.worst +
+         ": the draws are used");
   }
   const ComponentModel& model = posterior.models.front();
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {

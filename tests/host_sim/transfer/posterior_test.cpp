@@ -104,5 +104,27 @@ TEST(TransferPosterior, IsStretchedWhereResidualsAreMoreThanNoise) {
   EXPECT_NEAR(variance_of_draws(model) / (wanted * wanted), 1.0, 0.08);
 }
 
+// Law. The same recording where only 1 % is tolerated: the spring lies at its bound, its half width says nothing, and
+// the draws lie on one side of the bound, as far as the likelihood says.
+TEST(TransferPosterior, StaysAtABound) {
+  const auto rig = linear_pair::bench("[tolerance]\n\"suspension.stiffness\" = 0.01\n", 1.0);
+  firmware::Recording recording = linear_pair::recorded(rig, 16.0);
+  std::vector<double>& force = recording[model::Channel::F];
+  for (std::size_t k = 0; k < force.size() / 2; ++k) force[k] *= 1.08;
+  const linear_pair::Problem p = linear_pair::problem_of(rig, std::move(recording));
+  const id::Fit fit = id::fit(p.problem, p.given, p.space.common);
+  const double temper = id::temper_of(fit), bound = fit.parameters[0].upper;
+  ASSERT_GT(temper, 1.5);
+  ASSERT_NEAR(fit.parameters[0].get(fit.hypothesis), bound, 1e-9);
+  transfer::ComponentModel model = transfer::laplace_model(p.problem, p.space, fit, temper);
+  const double plain = std::sqrt(fit.covariance()(0, 0) * temper);
+  EXPECT_NEAR(std::sqrt(model.covariance(0, 0)) / plain, 1.0, 0.1);
+  transfer::Discrepancy none;
+  none.widening = Eigen::MatrixXd::Zero(1, 1);
+  (void)transfer::sample_model(p.problem, temper, none, {10000, 3, {}}, model);
+  EXPECT_LE(model.draws.maxCoeff(), bound);
+  EXPECT_GT(model.draws.row(0).mean(), bound - plain);
+}
+
 }  // namespace
 }  // namespace posterior_test
