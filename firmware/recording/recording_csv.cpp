@@ -431,16 +431,17 @@ class EndsReader {
 
   // false: the run ends before.
   bool read_begin(double seconds) {
-    std::optional<CsvReader::Span> span;
-    for (std::size_t run_begins = 0;;) {
+    for (std::size_t run_begins = 0, next_look = 0;;) {
       std::string_view block = block_at(place_);
       block = block.substr(0, block.rfind('\n') + 1);  // whole lines
       if (block.empty()) return false;
       if (place_ == 0) read_header(block);
-      if (!span) run_begins = place_;
       begin_.take(block);
       place_ += block.size();
-      span = begin_.span();
+      if (place_ < next_look) continue;
+      next_look = place_ + place_ / 16;  // a look goes through all rows: a controller may have waited for hours
+      const auto span = begin_.span();
+      if (!span) run_begins = place_;
       if (span && span->ended) return false;
       if (!span || span->to - span->from < seconds) continue;
       bytes_a_second_ = static_cast<double>(place_ - run_begins) / (span->to - span->from);

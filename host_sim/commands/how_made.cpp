@@ -99,6 +99,7 @@ std::future<report::Origin>& origin_begun() {
 }  // namespace
 
 void remember_command_line(int argc, const char* const* argv) {
+  origin_begun() = {};
   words_of_command().assign(argv + std::min(argc, 1), argv + argc);
 }
 
