@@ -222,7 +222,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
     read_records(file, identification::Use::held_out, description, records);
   }
   prepare_folder(options.out);
-  begin_how_made();
+  HowMade how_made;
   std::optional<Progress> progress(std::in_place, "diagnose");
   identification::Diagnosis diagnosis = identification::diagnose(
       description, std::move(records),
@@ -241,7 +241,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
   firmware::OutputFile verdict(options.out / "verdict.json"), report(options.out / "report.html"),
       rig(options.out / "rig.toml");
   verdict.write(identification::to_json(diagnosis).dump(2) + "\n");
-  report.write(with_how_made(identification::report_html(diagnosis, description)));
+  report.write(how_made.in(identification::report_html(diagnosis, description)));
   rig.write(identification::result_rig(diagnosis.rig, options.rig.filename().string()));
   verdict.commit();
   report.commit();

@@ -4,7 +4,6 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <future>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -13,7 +12,6 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/sha256.hpp"
-#include "host_sim/report/report.hpp"
 
 namespace host_sim {
 namespace {
@@ -90,23 +88,16 @@ report::Origin origin() {
   return result;
 }
 
-/// What begin_how_made() began.
-std::future<report::Origin>& origin_begun() {
-  static std::future<report::Origin> begun;
-  return begun;
-}
-
 }  // namespace
 
 void remember_command_line(int argc, const char* const* argv) {
-  origin_begun() = {};
   words_of_command().assign(argv + std::min(argc, 1), argv + argc);
 }
 
-void begin_how_made() { origin_begun() = std::async(std::launch::async, origin); }
+HowMade::HowMade() : origin_(std::async(std::launch::async, origin)) {}
 
-std::string with_how_made(std::string page) {
-  return report::with_origin(std::move(page), origin_begun().valid() ? origin_begun().get() : origin());
-}
+std::string HowMade::in(std::string page) { return report::with_origin(std::move(page), origin_.get()); }
+
+std::string with_how_made(std::string page) { return HowMade().in(std::move(page)); }
 
 }  // namespace host_sim

@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/internet_address.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/watch/access.hpp"
 #include "host_sim/watch/receiver.hpp"
 #include "host_sim/watch/watch_server.hpp"
@@ -48,11 +50,15 @@ void watch_rig(const WatchOptions& options) {
   watch::Feed feed;
   const watch::Receiver receiver(from, feed);
   const watch::WatchServer server({address, options.port, socket}, feed);
-  std::printf("%s\n", server.url().c_str());
-  std::printf("  values     from UDP %s (rig_controller --publish)\n", receiver.address().text().c_str());
-  std::printf("  requests   to %s\n", socket.c_str());
-  if (!watch::is_loopback(address)) {
-    std::printf("  NOTE: not encrypted. Whoever reads along on this network learns the token and can ask the rig.\n");
+  const nlohmann::ordered_json started{
+      {"url", server.url()}, {"values_from", receiver.address().text()}, {"requests_to", socket}};
+  if (!write_json(options.json, started)) {
+    std::printf("%s\n", server.url().c_str());
+    std::printf("  values     from UDP %s (rig_controller --publish)\n", receiver.address().text().c_str());
+    std::printf("  requests   to %s\n", socket.c_str());
+    if (!watch::is_loopback(address)) {
+      std::printf("  NOTE: not encrypted. Whoever reads along on this network learns the token and can ask the rig.\n");
+    }
   }
   std::fflush(stdout);
   int signal = 0;
@@ -76,6 +82,7 @@ void add_watch(CLI::App& app, WatchOptions& options) {
       ->capture_default_str();
   command->add_option("--socket", options.socket, "Of the controller, for requests (/run/rigtwin/control.sock)");
   command->add_option("--rig", options.rig, "Rig description (TOML) that names that socket ([controller] socket)");
+  add_json_option(*command, options.json, "the page's address with its token, as soon as it is served,");
   command->callback([&options] { watch_rig(options); });
 }
 

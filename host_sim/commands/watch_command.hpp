@@ -13,7 +13,7 @@ struct WatchOptions {
   int port = 8080;
   std::string address = "127.0.0.1";
   std::string receive = "localhost:9870";
-  std::string socket, rig;
+  std::string socket, rig, json;
 };
 
 void add_watch(CLI::App& app, WatchOptions& options);

@@ -196,4 +196,29 @@ TEST(Watch, RefusesWhatDoesNotFitInOneLine) {
   EXPECT_EQ(support::rigtwin({"watch", "--rig", "missing.toml"}).status, 3);
 }
 
+// For a script that starts the page: its address alone on standard output, at which the page is.
+TEST(WatchCommand, SaysAsJsonWhereThePageIs) {
+  const TemporaryFolder folder;
+  GuardedProgram program(folder,
+                         {"watch", "--port", "0", "--receive", "127.0.0.1:0", "--socket", "/no/socket", "--json", "-"});
+  const auto until = std::chrono::steady_clock::now() + hang;
+  json started = json::value_t::discarded;
+  while (program.running() && std::chrono::steady_clock::now() < until && started.is_discarded()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    started = json::parse(TemporaryFolder::read(folder / "stdout.txt"), nullptr, false);
+  }
+  ASSERT_TRUE(started.is_object());
+  EXPECT_EQ(started["requests_to"], "/no/socket");
+  EXPECT_THAT(started["values_from"].get<std::string>(), testing::StartsWith("127.0.0.1:"));
+  const std::string url = started["url"];
+  int port = 0;
+  char path[64] = "";
+  ASSERT_EQ(std::sscanf(url.c_str(), "http://localhost:%d%63s", &port, path), 2) << url;
+  const auto page = httplib::Client("127.0.0.1", port).Get(path);
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, 200);
+  ::kill(program.id(), SIGTERM);
+  EXPECT_EQ(program.wait().status, 0);
+}
+
 }  // namespace
