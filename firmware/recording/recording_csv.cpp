@@ -400,8 +400,8 @@ void read_all(CsvReader& reader, int descriptor, std::string_view head, std::str
 // Reads the two ends of a file on a disk.
 class EndsReader {
  public:
-  EndsReader(int descriptor, std::size_t size, std::string_view source, const ChannelMap& map, Missing missing)
-      : descriptor_(descriptor), size_(size), begin_(source, map, missing), end_(source, map, missing) {}
+  EndsReader(int descriptor, std::size_t size, std::string_view source, const ChannelMap& map)
+      : descriptor_(descriptor), size_(size), begin_(source, map, Missing::mark), end_(source, map, Missing::mark) {}
 
   std::optional<RecordingEnds> read(std::optional<double> expected_rate, double first, double last) {
     if (!read_begin(first)) return std::nullopt;
@@ -493,13 +493,13 @@ Recording read_recording_csv(int descriptor, std::string_view head, std::string_
 
 std::optional<RecordingEnds> read_recording_ends(int descriptor, std::string_view source, const ChannelMap& map,
                                                  std::optional<double> expected_rate, double first, double last,
-                                                 Missing missing, std::size_t least_size) {
+                                                 std::size_t least_size) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size < least_size) return std::nullopt;
   try {
-    return EndsReader(descriptor, size, source, map, missing).read(expected_rate, first, last);
+    return EndsReader(descriptor, size, source, map).read(expected_rate, first, last);
   } catch (const InputError&) {
     return std::nullopt;
   }

@@ -38,13 +38,12 @@ struct RecordingEnds {
 };
 
 /// The first and the last seconds of an opened CSV file of at least `least_size` bytes; what is between is neither read
-/// nor checked. nullopt: read it whole, since it is short, no file on a disk, not as long as both together, or wrong at
-/// one of its ends (the whole reading tells the line).
+/// nor checked, and what is missing in them is marked (Missing::mark). nullopt: read it whole, since it is short, no
+/// file on a disk, not as long as both together, or wrong at one of its ends (the whole reading tells the line).
 [[nodiscard]] std::optional<RecordingEnds> read_recording_ends(int descriptor, std::string_view source,
                                                                const ChannelMap& map,
                                                                std::optional<double> expected_rate, double first,
-                                                               double last, Missing missing,
-                                                               std::size_t least_size = long_recording);
+                                                               double last, std::size_t least_size = long_recording);
 
 /// Reads a CSV file; a MATLAB file is an InputError. For programs without the MATLAB reader.
 [[nodiscard]] Recording read_csv_recording(const std::filesystem::path& file, const ChannelMap& map,

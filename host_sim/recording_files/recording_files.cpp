@@ -130,8 +130,8 @@ std::optional<PartsOfEnds> read_parts_of_ends(const std::filesystem::path& file,
   const firmware::RecordingFile opened(file);
   const bool text = kind_of_file(file, opened.head(), opened.is_matlab()) == FileKind::text && !is_called_mat(file);
   if (!text || !is_contract_csv(opened.head(), map)) return std::nullopt;
-  auto ends = firmware::read_recording_ends(opened.descriptor(), file.string(), map, usual_rate, first, last,
-                                            firmware::Missing::mark, least_size);
+  auto ends =
+      firmware::read_recording_ends(opened.descriptor(), file.string(), map, usual_rate, first, last, least_size);
   if (!ends) return std::nullopt;
   return PartsOfEnds{firmware::pieces_of(std::move(ends->first)), firmware::pieces_of(std::move(ends->last)),
                      ends->seconds};

@@ -24,14 +24,6 @@ constexpr std::size_t block_size = 64;  // [bytes]
 
 using Sha256State = std::array<std::uint32_t, 8>;
 
-/// A round (6.2.2, step 3) without the moves: h becomes the new a, d the new e.
-void take_word(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t& d, std::uint32_t e, std::uint32_t f,
-               std::uint32_t g, std::uint32_t& h, std::uint32_t word) {
-  h += (std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25)) + ((e & f) ^ (~e & g)) + word;
-  d += h;
-  h += (std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22)) + ((a & b) ^ (a & c) ^ (b & c));
-}
-
 void take_block(Sha256State& state, const unsigned char* block) {
   std::array<std::uint32_t, 64> w{};
   for (std::size_t i = 0; i < 16; ++i) {
@@ -44,16 +36,19 @@ void take_block(Sha256State& state, const unsigned char* block) {
            (std::rotr(b, 17) ^ std::rotr(b, 19) ^ b >> 10U);
   }
   auto [a, b, c, d, e, f, g, h] = state;
-  // The names go round instead of the values: eight rounds bring each back to its place.
-  for (std::size_t i = 0; i < 64; i += 8) {
-    take_word(a, b, c, d, e, f, g, h, sha256_constants[i] + w[i]);
-    take_word(h, a, b, c, d, e, f, g, sha256_constants[i + 1] + w[i + 1]);
-    take_word(g, h, a, b, c, d, e, f, sha256_constants[i + 2] + w[i + 2]);
-    take_word(f, g, h, a, b, c, d, e, sha256_constants[i + 3] + w[i + 3]);
-    take_word(e, f, g, h, a, b, c, d, sha256_constants[i + 4] + w[i + 4]);
-    take_word(d, e, f, g, h, a, b, c, sha256_constants[i + 5] + w[i + 5]);
-    take_word(c, d, e, f, g, h, a, b, sha256_constants[i + 6] + w[i + 6]);
-    take_word(b, c, d, e, f, g, h, a, sha256_constants[i + 7] + w[i + 7]);
+  for (std::size_t i = 0; i < 64; ++i) {
+    const std::uint32_t first =
+        h + (std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25)) + ((e & f) ^ (~e & g)) + sha256_constants[i] + w[i];
+    const std::uint32_t second =
+        (std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22)) + ((a & b) ^ (a & c) ^ (b & c));
+    h = g;
+    g = f;
+    f = e;
+    e = d + first;
+    d = c;
+    c = b;
+    b = a;
+    a = first + second;
   }
   const Sha256State change{a, b, c, d, e, f, g, h};
   for (std::size_t i = 0; i < state.size(); ++i) state[i] += change[i];

@@ -15,7 +15,7 @@ struct Record {
   Use use;
 };
 
-/// What is used of a long recording [s]: so much of its beginning, and of its end.
+/// Of a long recording, the seconds from its beginning on and the seconds up to its end that a diagnosis uses.
 struct UsedSeconds {
   double first, last;
 };

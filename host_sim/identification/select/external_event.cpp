@@ -257,7 +257,7 @@ LeftOut leave_out_all(const firmware::RigDescription& description, Identificatio
   return out;
 }
 
-/// What lasts behind the events, as long as a rest is left.
+/// Leaves out the slow motion behind the events too, a piece at a time, until the model leaves nothing but noise.
 void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& space, LeftOut& out) {
   while (leaves_rest(problem, out.model.fit.hypothesis) && leave_out_tails(problem, out)) {
     out.model = ModelFitter::refitted_in(problem, space, SelectionCriterion(), out.model);

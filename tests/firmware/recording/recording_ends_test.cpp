@@ -38,8 +38,7 @@ std::string rows(std::size_t count, const std::function<std::string(std::size_t)
 std::optional<RecordingEnds> ends_of(const std::string& text, double first, double last) {
   const support::TemporaryFolder folder;
   const firmware::RecordingFile file(folder.write("long.csv", text));
-  return firmware::read_recording_ends(file.descriptor(), "long.csv", {}, rate, first, last, firmware::Missing::mark,
-                                       0);
+  return firmware::read_recording_ends(file.descriptor(), "long.csv", {}, rate, first, last, 0);
 }
 
 void expect_rows(const Recording& recording, std::size_t from, std::size_t to) {
@@ -92,8 +91,7 @@ TEST(RecordingEnds, LeaveOthersToTheWholeReading) {
   }
   const support::TemporaryFolder folder;
   const firmware::RecordingFile file(folder.write("long.csv", good));
-  EXPECT_FALSE(firmware::read_recording_ends(file.descriptor(), "long.csv", {}, rate, 20.0, 10.0,
-                                             firmware::Missing::mark, good.size() + 1));
+  EXPECT_FALSE(firmware::read_recording_ends(file.descriptor(), "long.csv", {}, rate, 20.0, 10.0, good.size() + 1));
 }
 
 }  // namespace
