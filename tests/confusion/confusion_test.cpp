@@ -5,6 +5,7 @@
 #include <set>
 
 #include "tests/confusion/golden.hpp"
+#include "tests/confusion/laws.hpp"
 #include "tests/confusion/plan.hpp"
 #include "tests/confusion/rough.hpp"
 #include "tests/confusion/table.hpp"
@@ -229,6 +230,54 @@ TEST(Confusion, KnowsWhatIsRightOnRoughRigs) {
   EXPECT_FALSE(outcome(d).right());
   EXPECT_EQ(rough_plan(1, 3, "").size(), 3 * truth::conditions().size());
   EXPECT_NE(rough_text({outcome(d)}).find("parameters_off"), std::string::npos);
+}
+
+// Point. A law is recognised by any of its names alone; an exponent counts where one hides; a rig without a law must
+// not get one. Soft friction is dry friction where no channel's error tells them apart.
+TEST(Confusion, KnowsWhatIsRightOfLaws) {
+  truth::Truth truth;
+  truth.unknown = "a power";
+  truth.unknown_parameters = {{"power", 400.0}, {"exponent", 1.5}};
+  const auto outcome = [&](const char* group, const Diagnosis& d) {
+    const Asked asked{group, 7};
+    Outcome o = judged(asked, truth, d);
+    judge_law(o, truth, d);
+    return o;
+  };
+  host_sim::identification::DescribedLaw law;
+  law.shape = "power law";
+  law.confidence = 0.9;
+  law.numbers = {{"exponent", 1.53, 1.5, 1.56}};
+  Diagnosis d;
+  d.verdict = Verdict::named;
+  d.laws = {law};
+  const char* power = "law:hil:power_law_low";
+  EXPECT_TRUE(outcome(power, d).right());
+  EXPECT_NEAR(outcome(power, d).exponent_error, 0.03, 1e-12);
+  const Outcome again = outcome_from(nlohmann::ordered_json::parse(to_json(outcome(power, d)).dump()));
+  EXPECT_TRUE(again.right());
+  EXPECT_NEAR(again.exponent_error, 0.03, 1e-12);
+  d.effects = {named("quadratic_damping", std::nullopt, 100.0, 0.9)};
+  EXPECT_FALSE(outcome(power, d).right()) << "and another name";
+  d.laws.clear();
+  EXPECT_TRUE(outcome(power, d).wrong_law);
+
+  d.effects = {named("bouc_wen", std::nullopt, 100.0, 0.9)};
+  EXPECT_TRUE(outcome("law:hil:hysteresis", d).right());
+  EXPECT_FALSE(outcome("law:hil:iwan", d).right());
+  d.effects = {named("coulomb_friction", std::nullopt, 100.0, 0.9)};
+  EXPECT_TRUE(outcome("law:hil:smooth_friction", d).right());
+  d.prediction_errors = {{Channel::F, {}}};
+  d.prediction_errors.begin()->second.after = 0.3;
+  d.prediction_errors.begin()->second.noise_floor = 0.2;
+  EXPECT_FALSE(outcome("law:hil:smooth_friction", d).right()) << "1.5 times the floor";
+
+  d.laws = {law};
+  EXPECT_TRUE(outcome("none:hil", d).wrong_law);
+  d.laws.clear();
+  EXPECT_FALSE(outcome("none:hil", d).wrong_law);
+  EXPECT_EQ(laws_plan(1, 2).size(), 3 * (17 * 2 + 2 + 9));
+  EXPECT_NE(laws_text({outcome("law:hil:iwan", d)}).find("with memory"), std::string::npos);
 }
 
 }  // namespace

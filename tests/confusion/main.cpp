@@ -14,6 +14,7 @@
 #include "host_sim/sweep/merge.hpp"
 #include "host_sim/sweep/run_cases.hpp"
 #include "tests/confusion/golden.hpp"
+#include "tests/confusion/laws.hpp"
 #include "tests/confusion/rough.hpp"
 #include "tests/confusion/workers.hpp"
 
@@ -32,6 +33,8 @@ struct Options {
   std::uint64_t rough_seed = 1;
   std::size_t count = 10;
   std::string condition;
+  bool laws = false;
+  std::uint64_t laws_seed = 1;
   std::string out, golden, against;
   std::filesystem::path results;  ///< folder of the shards
   std::string shard;
@@ -39,7 +42,7 @@ struct Options {
 };
 
 std::vector<Asked> chosen(const Options& options) {
-  std::vector<Asked> all = plan(options.run.seed);
+  std::vector<Asked> all = options.laws ? laws_plan(options.laws_seed, options.count) : plan(options.run.seed);
   if (!options.part.empty()) {
     unsigned part = 0, parts = 0;
     if (std::sscanf(options.part.c_str(), "%u/%u", &part, &parts) != 2 || part < 1 || part > parts) {
@@ -137,7 +140,9 @@ int main_of(const Options& options) {
   const auto outcomes = options.merge ? merged(options, asked)
                                       : run_all(asked, options.run.wanted, options.jobs, options.most_seconds, tell);
   const Table table = table_of(outcomes);
-  const std::string words = options.rough ? rough_text(outcomes) : text(table, outcomes);
+  const std::string words = options.rough  ? rough_text(outcomes)
+                            : options.laws ? laws_text(outcomes)
+                                           : text(table, outcomes);
   std::printf("%s", words.c_str());
   if (!options.out.empty()) {
     nlohmann::ordered_json all = golden_copy(options.run, today(), table, {});
@@ -166,8 +171,13 @@ int main(int argc, char** argv) {
   CLI::Option* rough =
       app.add_option("--rough", options.rough_seed, "Rigs that are not as described; a seed may follow")
           ->expected(0, 1);
+  CLI::Option* laws =
+      app.add_option("--laws", options.laws_seed, "Laws outside the catalogue on every kind of rig; a seed may follow")
+          ->expected(0, 1)
+          ->excludes(rough);
   app.add_option("--condition", options.condition, "Of --rough: one condition alone");
-  app.add_option("--count", options.count, "Of --rough: recordings of each condition")->capture_default_str();
+  app.add_option("--count", options.count, "Of --rough and --laws: recordings of each condition or law")
+      ->capture_default_str();
   app.add_option("--jobs", options.jobs, "Recordings at once")->capture_default_str();
   app.add_option("--most-seconds", options.most_seconds, "For one recording; more is a failure")->capture_default_str();
   app.add_flag("--list", options.list, "Name the recordings and end");
@@ -183,6 +193,7 @@ int main(int argc, char** argv) {
       throw CLI::ValidationError("--results", "expected the folder of the shards");
     }
     options.rough = rough->count() > 0;
+    options.laws = laws->count() > 0;
     return main_of(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);

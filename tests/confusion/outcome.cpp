@@ -18,6 +18,7 @@
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
+#include "tests/confusion/laws.hpp"
 #include "tests/confusion/rough.hpp"
 
 namespace confusion {
@@ -113,8 +114,9 @@ bool says_what_is_outside(const std::string& id, const truth::Truth& truth, cons
 bool is_hidden_law(const truth::Truth& truth, const host_sim::identification::DescribedLaw& law) {
   if (truth.unknown_parameters.empty() || !truth.unknown_channel.empty()) return false;
   if (law.law.place != host_sim::identification::CurvePlace::suspension) return false;
-  for (const char* value : {"wen_force", "stribeck_force", "cubic_damping", "asymmetry", "leaf_friction", "lopsided",
-                            "stroke_damping", "power", "smooth_friction", "bristle", "blow_off"}) {
+  for (const char* value :
+       {"wen_force", "stribeck_force", "cubic_damping", "asymmetry", "leaf_friction", "lopsided", "stroke_damping",
+        "power", "smooth_friction", "bristle", "blow_off", "degressive", "iwan", "fractional"}) {
     if (truth.unknown_parameters.contains(value)) return true;
   }
   return false;
@@ -138,6 +140,7 @@ bool Outcome::wrong_name() const {
 bool Outcome::right() const {
   if (!failure.empty()) return false;
   if (asked.what() == "rough") return rough_right;
+  if (asked.what() == "law") return shape_right;
   if (asked.what() == "none") return verdict == "no_discrepancy" && named.empty();
   if (asked.what() == "unknown") return (flagged() || outside_said) && !wrong_name();
   return exact() && (verdict == "named" || verdict == "ambiguous");
@@ -237,6 +240,8 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
     const Diagnosis diagnosis = host_sim::identification::diagnose(description, std::move(records));
     outcome = judged(asked, truth, diagnosis);
     if (rough) judge_rough(outcome, truth, diagnosis);
+    judge_law(outcome, truth, diagnosis);
+    outcome.law_numbers = truth.unknown_parameters;
     outcome.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     outcome.processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
   } catch (const std::exception& problem) {
@@ -267,6 +272,10 @@ ordered_json to_json(const Outcome& o) {
                      {"faults_hidden", o.faults_hidden}, {"faults_found", o.faults_found}, {"wrong", o.wrong_rough},
                      {"same_thing", o.same_thing},       {"right", o.rough_right}};
   }
+  if (o.asked.what() == "law") {
+    json["law"] = {{"shape_right", o.shape_right}, {"exponent_error", o.exponent_error}, {"numbers", o.law_numbers}};
+  }
+  json["wrong_law"] = o.wrong_law;
   json["gap"] = o.gap;
   json["gap_channel"] = o.gap_channel;
   json["residual_power"] = o.residual_power;
@@ -304,6 +313,12 @@ Outcome outcome_from(const ordered_json& json) {
     o.same_thing = rough.at("same_thing");
     o.rough_right = rough.at("right");
   }
+  if (json.contains("law")) {
+    o.shape_right = json.at("law").at("shape_right");
+    o.exponent_error = number_from(json.at("law").at("exponent_error"));
+    o.law_numbers = json.at("law").at("numbers").get<std::map<std::string, double>>();
+  }
+  o.wrong_law = json.value("wrong_law", false);
   o.gap = number_from(json.at("gap"));
   o.gap_channel = json.at("gap_channel");
   o.residual_power = number_from(json.at("residual_power"));

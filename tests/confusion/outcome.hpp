@@ -1,6 +1,8 @@
 // One recording whose answer is known, diagnosed and judged.
 #pragma once
 
+#include <cmath>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -53,6 +55,11 @@ struct Outcome {
   std::size_t same_thing = 0;                       ///< effects that are another name of a parameter that is off
   bool wrong_rough = false;                         ///< effect, parameter or fault above 0.5 that is not there
   bool rough_right = false;
+  // laws only (judge_law)
+  bool shape_right = false;                     ///< named as what it is, and as nothing else
+  bool wrong_law = false;                       ///< a sure name beside; of a rig without a law: a law
+  double exponent_error = NAN;                  ///< of a power; NaN: none is said, or none hides
+  std::map<std::string, double> law_numbers{};  ///< of the hidden law
 
   [[nodiscard]] std::size_t effects_found() const;  ///< of those hidden
   [[nodiscard]] bool exact() const;                 ///< all that is hidden is named, and nothing else

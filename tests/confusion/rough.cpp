@@ -96,11 +96,6 @@ bool is_right(const Outcome& o, const truth::Truth& truth) {
   return o.verdict == "no_discrepancy" || (o.verdict == "named" && o.faults_hidden > 0);
 }
 
-std::string per_cent(const Share& share) {
-  return share.of == 0 ? std::string("       –   ")
-                       : written("%3zu/%-3zu %3.0f%%", share.count, share.of, 100.0 * share.value());
-}
-
 struct Line {
   Share right, wrong_name, false_alarm, faults, intervals;
   double processor = 0.0;

@@ -32,6 +32,11 @@ nlohmann::ordered_json to_json(const Share& share) { return {{"count", share.cou
 
 }  // namespace
 
+std::string per_cent(const Share& share) {
+  return share.of == 0 ? std::string("       –   ")
+                       : written("%3zu/%-3zu %3.0f%%", share.count, share.of, 100.0 * share.value());
+}
+
 Table table_of(const std::vector<Outcome>& outcomes) {
   Table table;
   for (const char* what : {"single", "pair", "triple", "none", "unknown"}) table.right[what];

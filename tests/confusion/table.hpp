@@ -22,6 +22,9 @@ struct Share {
   [[nodiscard]] double value() const { return of == 0 ? 1.0 : static_cast<double>(count) / static_cast<double>(of); }
 };
 
+/// "  3/4    75%", a column of a table; a dash where nothing was asked.
+[[nodiscard]] std::string per_cent(const Share& share);
+
 struct Table {
   std::map<std::string, Share> right;              ///< by "single", "pair", "triple", "none", "unknown"
   Share singles_found;                             ///< the hidden effect is among those named

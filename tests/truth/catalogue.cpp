@@ -271,9 +271,10 @@ const std::vector<Candidate>& neighbour_laws() {
 const std::vector<Candidate>& laws() {
   static const std::vector<Candidate> all = [] {
     std::vector<Candidate> list = neighbour_laws();
+    std::erase_if(list, [](const Candidate& c) { return c.name == "machine_play"; });
     for (const Candidate& c : outside_effects()) {
       if (c.name == "cubic_damping" || c.name == "lopsided_spring" || c.name == "hysteresis" ||
-          c.name == "leaf_friction")
+          c.name == "leaf_friction" || c.name == "stroke_damping" || c.name == "fading_damping")
         list.push_back(c);
     }
     list.push_back({"blow_off",
@@ -285,6 +286,45 @@ const std::vector<Candidate>& laws() {
                     3000,
                     false,
                     "damping whose valve opens at a velocity: beyond it a seventh of the slope"});
+    list.push_back({"degressive_damper",
+                    "qhb",
+                    {{"degressive", 200, 900}, {"degressive_velocity", 0.05, 0.3}},
+                    "degressive",
+                    1,
+                    20,
+                    3000,
+                    false,
+                    "damping whose slope falls with velocity all along"});
+    list.push_back({"iwan",
+                    "qhb",
+                    {{"iwan", 30, 150}, {"iwan_travel", 2e-3, 10e-3}},
+                    "iwan",
+                    1,
+                    10,
+                    400,
+                    false,
+                    "elastic sliders that slip one after the other (Iwan)"});
+    list.push_back({"fractional_damping",
+                    "qhb",
+                    {{"fractional", 300, 1500}, {"fractional_exponent", 0.3, 0.7}},
+                    "fractional",
+                    1,
+                    30,
+                    6000,
+                    false,
+                    "force with a fractional derivative of the deflection"});
+    list.push_back({"payne_rubber",
+                    "qhb",
+                    {{"iwan", 30, 150},
+                     {"iwan_travel", 0.5e-3, 4e-3},
+                     {"fractional", 200, 900},
+                     {"fractional_exponent", 0.15, 0.4}},
+                    "iwan",
+                    1,
+                    10,
+                    400,
+                    false,
+                    "rubber whose stiffness falls with amplitude (Payne) and grows with frequency"});
     return list;
   }();
   return all;

@@ -120,6 +120,12 @@ void put_outside(const Truth& truth, Numbers& n) {
   n.bristle_excess = outside("bristle_excess");
   n.bristle_stiffness = outside("bristle_stiffness");
   n.bristle_velocity = outside("bristle_velocity", 1.0);
+  n.iwan = outside("iwan");
+  n.iwan_travel = outside("iwan_travel", 1.0);
+  n.fractional = outside("fractional");
+  n.fractional_exponent = outside("fractional_exponent", 0.5);
+  n.degressive = outside("degressive");
+  n.degressive_velocity = outside("degressive_velocity", 1.0);
   n.machine_play = outside("machine_play");
 }
 
@@ -413,6 +419,7 @@ void Rig::dissipative(const State& s, double e, double ev, double spring, double
   force += n_.ripple_sine * std::sin(turn) + n_.ripple_cosine * (std::cos(turn) - 1.0);
   force += n_.quadratic * ev * std::abs(ev) + n_.cubic_damping * ev * ev * ev;
   velocity_laws(s, ev, r);
+  memory_laws(s, e, ev, r);
   if (n_.wen > 0.0) {
     force += n_.wen * s[wen];
     // ż = (k/F) (v − (1 + u)/2 |v| z − (1 − u)/2 v |z|): z stays within ± 1.
@@ -430,6 +437,7 @@ void Rig::dissipative(const State& s, double e, double ev, double spring, double
 void Rig::velocity_laws(const State& s, double ev, Rates& r) const {
   if (n_.power > 0.0) r.force += n_.power * sign(ev) * std::pow(std::abs(ev), n_.exponent);
   if (n_.smooth_friction > 0.0) r.force += n_.smooth_friction * std::tanh(ev / n_.smooth_velocity);
+  if (n_.degressive > 0.0) r.force += n_.degressive * ev / (1.0 + std::abs(ev) / n_.degressive_velocity);
   if (n_.blow_off > 0.0) {
     const double slow = std::min(std::abs(ev), n_.blow_off_velocity);
     r.force += n_.blow_off * sign(ev) * (slow + (std::abs(ev) - slow) / 7.0);
@@ -441,6 +449,28 @@ void Rig::velocity_laws(const State& s, double ev, Rates& r) const {
     r.force += n_.bristle_stiffness * s[bristle];
     r.rate[bristle] = ev - n_.bristle_stiffness * std::abs(ev) * s[bristle] / limit;
   }
+}
+
+void Rig::memory_laws(const State& s, double e, double ev, Rates& r) const {
+  for (std::size_t i = 0; n_.iwan > 0.0 && i < sliders; ++i) {
+    const double share = std::clamp(s[slider + i], -1.0, 1.0);
+    const double travel = n_.iwan_travel * static_cast<double>(i + 1) / static_cast<double>(sliders);
+    r.force += n_.iwan / static_cast<double>(sliders) * share;
+    r.rate[slider + i] = share * sign(ev) >= 1.0 ? 0.0 : ev / travel;
+  }
+  if (n_.fractional <= 0.0) return;
+  // s^α = sin(πα)/π ∫ T^(−α−1) sT/(1 + sT) dT: Maxwell branches whose T grow twofold, and what lies below and above
+  // them, a damper and a spring.
+  constexpr double shortest = 0.2e-3, ratio = 2.0;  // [s]
+  const double alpha = n_.fractional_exponent, edge = std::sqrt(ratio);
+  const double all = n_.fractional * std::sin(pi * alpha) / pi, softer = std::pow(ratio, -alpha);
+  double time = shortest, stiffness = all * std::log(ratio) * std::pow(time, -alpha);
+  r.force += all * std::pow(time / edge, 1.0 - alpha) / (1.0 - alpha) * ev;
+  for (std::size_t i = 0; i < creeps; ++i, time *= ratio, stiffness *= softer) {
+    r.force += stiffness * (e - s[creep + i]);
+    r.rate[creep + i] = (e - s[creep + i]) / time;
+  }
+  r.force += all * std::pow(time / edge, -alpha) / alpha * e;
 }
 
 double Rig::pushed(const char* where, double t) const {
@@ -629,6 +659,8 @@ void Rig::step() {
     t += high;
     (void)broken(s_, t, true);
   }
+
+  for (std::size_t i = slider; i < creep; ++i) s_[i] = std::clamp(s_[i], -1.0, 1.0);
 
   // The algebraic and the limited parts, at the node.
   State unused{};

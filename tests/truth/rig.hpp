@@ -38,9 +38,12 @@ struct Numbers {
   double smooth_friction = 0, smooth_velocity = 1;  ///< F = force tanh(v / velocity)
   double blow_off = 0, blow_off_velocity = 1;       ///< damping, a seventh of it beyond the velocity
   double bristle = 0, bristle_excess = 0, bristle_stiffness = 0, bristle_velocity = 1;  ///< LuGre
-  double machine_play = 0;                                                              ///< [m] whole width
-  double tyre_drift = 0;                                                                ///< relative, over the record
-  std::vector<Event> events;                                                            ///< times since the run's begin
+  double iwan = 0, iwan_travel = 1;  ///< eight equal elastic sliders: force of all, travel at which the last one slips
+  double fractional = 0, fractional_exponent = 0.5;  ///< F = c dᵅx/dtᵅ [N s^α/m]
+  double degressive = 0, degressive_velocity = 1;    ///< F = c v/(1 + |v|/w)
+  double machine_play = 0;                           ///< [m] whole width
+  double tyre_drift = 0;                             ///< relative, over the record
+  std::vector<Event> events;                         ///< times since the run's begin
 };
 
 [[nodiscard]] Numbers numbers_of(const Truth& truth);
@@ -69,8 +72,11 @@ class Rig {
     wen,
     tyre_x,
     bristle,
-    state_count
+    slider,              ///< force of the first of `sliders`, as a share of its limit
+    creep = slider + 8,  ///< the first of `creeps`: where the damper of that Maxwell branch is
+    state_count = creep + 18
   };
+  static constexpr std::size_t sliders = creep - slider, creeps = state_count - creep;
   using State = std::array<double, state_count>;
 
   /// `force_sensor` is F's in a hil rig, where what it says goes back into the car; else nullptr.
@@ -108,7 +114,8 @@ class Rig {
   [[nodiscard]] Deflection component(const State& s, double t, double deflection, double velocity, Rates& r) const;
   [[nodiscard]] double undamped_behind_mount(const State& s, double deflection, double spring) const;
   void dissipative(const State& s, double e, double ev, double spring, double damping, Rates& r) const;
-  void velocity_laws(const State& s, double ev, Rates& r) const;   ///< near those of the catalogue
+  void velocity_laws(const State& s, double ev, Rates& r) const;  ///< near those of the catalogue
+  void memory_laws(const State& s, double e, double ev, Rates& r) const;
   [[nodiscard]] double pushed(const char* where, double t) const;  ///< by events [N]
   void piston_rates(const State& s, double e, Rates& r) const;
   [[nodiscard]] double tyre_load(const State& s, double t, const Motion& input, Rates& r) const;

@@ -26,6 +26,7 @@ using truth::Signal;
 using truth::Truth;
 constexpr double pi = std::numbers::pi;
 constexpr Fineness silent{20, false};
+constexpr double fine = 5e-5;  // [s] step of the generator
 
 /// A spring and a damper on a machine without faults, 4 s.
 Truth bench() {
@@ -177,6 +178,69 @@ TEST(TruthNeighbours, BristlesSlideAtTheirForce) {
     ++fast;
   }
   EXPECT_GT(fast, 100);
+}
+
+/// Force of a component that is moved along a sine, node by node; every law but those of `numbers` is off.
+std::vector<double> force_along_sine(truth::Numbers numbers, double amplitude, double frequency, double seconds) {
+  numbers.kind = truth::Kind::component_bench;
+  std::vector<Motion> knots;
+  const double omega = 2.0 * pi * frequency;
+  for (double t = 0.0; t < seconds + 2e-3; t += 1e-3)
+    knots.push_back({amplitude * std::sin(omega * t), amplitude * omega * std::cos(omega * t),
+                     -amplitude * omega * omega * std::sin(omega * t)});
+  const Signal command(std::move(knots));
+  truth::Rig rig(numbers, command, fine, seconds, nullptr);
+  std::vector<double> force{rig.values().force};
+  for (int node = 1; node <= static_cast<int>(std::lround(seconds / fine)); ++node) {
+    rig.step();
+    force.push_back(rig.values().force);
+  }
+  return force;
+}
+
+// Point. A fractional derivative of a sine is c ω^α sin(ωt + απ/2). What the start leaves falls as t^(−1−α): at 5 s
+// 1e-3 of it; the branches, a factor of two apart, ripple by 4 exp(−2π²/ln 2) → 0, the two ends cost 1e-3.
+TEST(TruthNeighbours, DifferentiateByAFraction) {
+  for (const double alpha : {0.3, 0.6}) {
+    truth::Numbers numbers;
+    numbers.fractional = 800.0, numbers.fractional_exponent = alpha;
+    const std::vector<double> force = force_along_sine(numbers, 0.01, 3.0, 6.0);
+    const double omega = 2.0 * pi * 3.0, size = 8.0 * std::pow(omega, alpha);
+    for (double t = 5.0; t < 6.0; t += 0.05) {
+      EXPECT_NEAR(force[static_cast<std::size_t>(std::lround(t / fine))], size * std::sin(omega * t + 0.5 * pi * alpha),
+                  3e-3 * size)
+          << alpha << " at " << t;
+    }
+  }
+}
+
+// Point. Eight sliders that slip at i/8 of a travel w bear, at the first travel x ≤ w, F/8 Σ min(1, 8x/(i w)); from w
+// on F. Coming back from there each needs twice its travel. A step is 1e-5 of a travel.
+TEST(TruthNeighbours, SlidersSlipOneAfterTheOther) {
+  truth::Numbers numbers;
+  numbers.iwan = 80.0, numbers.iwan_travel = 8e-3;
+  const std::vector<double> force = force_along_sine(numbers, 0.012, 0.5, 1.5);
+  const auto at = [&](double t) { return force[static_cast<std::size_t>(std::lround(t / fine))]; };
+  const auto travel = [](double t) { return 0.012 * std::sin(pi * t); };
+  for (double t = 0.02; t < 0.5; t += 0.02) {
+    double first = 0.0, back = 0.0;
+    for (int i = 1; i <= 8; ++i) {
+      first += 10.0 * std::min(1.0, travel(t) / (1e-3 * i));
+      back += 10.0 * std::max(-1.0, 1.0 - (0.012 - travel(t + 0.5)) / (1e-3 * i));
+    }
+    EXPECT_NEAR(at(t), first, 0.05) << t;
+    EXPECT_NEAR(at(t + 0.5), back, 0.05) << t;
+  }
+}
+
+// Point. A degressive damper by hand.
+TEST(TruthNeighbours, DampsLessAndLess) {
+  const Truth valve = outside({{"degressive", 500.0}, {"degressive_velocity", 0.1}});
+  const std::vector<double> force = added(valve);
+  for (std::size_t i = 1500; i < 4000; i += 250) {
+    const double v = velocity(valve, i);
+    EXPECT_NEAR(force[i], 500.0 * v / (1.0 + std::abs(v) / 0.1), 1e-6);
+  }
 }
 
 // Law. Behind play of width w the machine is never further than w/2 from its command, and turns later than it.

@@ -43,6 +43,7 @@ CatalogueEntry entry_of(bool of_channel) {
                        .corner = card.corner,
                        .contains = card.contains,
                        .imitates = card.imitates,
+                       .remembers = requires(const Effect& e) { e.force_after(0.0, 0.0); },
                        .of_channel = of_channel,
                        .tyre_force = nullptr};
   if constexpr (model::TyreLaw<Effect>) entry.tyre_force = tyre_force_of<Effect>;

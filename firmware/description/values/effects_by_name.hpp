@@ -27,6 +27,7 @@ struct CatalogueEntry {
   model::Corner corner;
   std::string_view contains;  ///< an effect whose place this one takes
   bool imitates;              ///< named only where it leaves nothing but noise
+  bool remembers;             ///< a force that depends on how the deflection went
   bool of_channel;            ///< a sensor effect: it needs the name of a channel
   /// For a tyre law with these values: F_w from the force of the laws before it, dz_w and the static load. nullptr if
   /// the effect is not a tyre law.

@@ -76,6 +76,14 @@ Certainty certainty_of(const IdentificationProblem& problem, const SearchResult&
           std::max(1.0, found.best.fit.chi_squared / count), seen_from(count, problem.channels().size())};
 }
 
+/// Whether a channel's error is as large as its signal, beyond noise: then nothing is explained, however much worse the
+/// description is.
+bool leaves_a_whole_signal(const std::map<Channel, PredictionError>& errors) {
+  return std::any_of(errors.begin(), errors.end(), [](const auto& error) {
+    return error.second.after >= std::max(1.0, 2.0 * error.second.noise_floor);
+  });
+}
+
 /// Effects of the virtual tyre. Their rival is the tyre without them; the residual of its equation has one channel and
 /// one band, whose noise is what the estimate leaves.
 void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& criterion, Diagnosis& result) {
@@ -216,8 +224,11 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
     result.unexplained = true;
     result.residual = "the model that fits best does not stay finite over the whole recording";
   }
-  const double explained = explained_share(result.residual_power.refit, result.residual_power.after,
-                                           static_cast<double>(problem.residual_count()));
+  result.prediction_errors = prediction_errors(problem, space.given, refit, after);
+  const bool nothing = result.unexplained && leaves_a_whole_signal(result.prediction_errors);
+  const double explained = nothing ? 0.0
+                                   : explained_share(result.residual_power.refit, result.residual_power.after,
+                                                     static_cast<double>(problem.residual_count()));
 
   const SelectionCriterion criterion;
   const Certainty certainty = certainty_of(problem, found, result.unexplained, explained);
@@ -250,7 +261,6 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
 
   locate(problem, found, !car.effects.empty(), result);
   result.power_over_time = power_over_time(problem, refit, after);
-  result.prediction_errors.merge(prediction_errors(problem, space.given, refit, after));
   result.overlays = overlays_of(problem, space.given, refit, after);
   put_into_rig(description, after, result);
   return result;

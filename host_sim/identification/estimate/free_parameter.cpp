@@ -261,6 +261,10 @@ std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effec
       u.scale = std::max(effect.values[i], 1e-12);
       u.lower = card.lower > 0.0 ? std::log(card.lower / u.scale) : thresholds::lowest_logarithm;
       u.upper = std::log(card.upper / u.scale);
+      if (card.kept_within > 0.0) {
+        u.lower = std::max(u.lower, std::log(1.0 - card.kept_within));
+        u.upper = std::min(u.upper, std::log(1.0 + card.kept_within));
+      }
     }
     parameters.push_back(u);
   }

@@ -49,7 +49,7 @@ std::vector<FamilyMember> families_of(const CurveFit& curve, bool beside_frictio
   const PlacedLaw& free = curve.model.fit.hypothesis.laws.back();
   std::vector<FamilyMember> list;
   for (const LawFamily family : {LawFamily::power, LawFamily::two_slopes, LawFamily::two_powers, LawFamily::soft_sign,
-                                 LawFamily::falling, LawFamily::knee, LawFamily::one_sided}) {
+                                 LawFamily::falling, LawFamily::knee, LawFamily::one_sided, LawFamily::levelling}) {
     if (family == LawFamily::falling && !(beside_friction && free.over == CurveOver::velocity)) continue;
     if (family == LawFamily::soft_sign && free.over != CurveOver::velocity) continue;
     if (family == LawFamily::one_sided && free.over != CurveOver::deflection) continue;

@@ -43,8 +43,7 @@ class LawDescription {
     add_curve(out);
     switch (law_.family) {
       case LawFamily::points:
-        out.shape = "curve";
-        out.words = "no simple shape";
+        free_curve(out);
         break;
       case LawFamily::power:
         power(out);
@@ -62,6 +61,9 @@ class LawDescription {
       case LawFamily::knee:
       case LawFamily::one_sided:
         knee(out);
+        break;
+      case LawFamily::levelling:
+        levelling(out);
         break;
       case LawFamily::sliders:
         sliders(out);
@@ -92,10 +94,13 @@ class LawDescription {
   }
   [[nodiscard]] const char* symbol() const { return law_.over == CurveOver::velocity ? "v" : "x"; }
 
-  void power(DescribedLaw& out) const {
+  void power(DescribedLaw& out) const { power(out, 1); }
+
+  /// Sides that differ by less than a reader cares for: one power, whose exponent is the last value.
+  void power(DescribedLaw& out, std::size_t exponent) const {
     out.shape = "power law";
-    out.numbers.push_back(number("exponent", 1));
-    const double scale = std::pow(law_.rms, -law_.values[1]);
+    out.numbers.push_back(number("exponent", exponent));
+    const double scale = std::pow(law_.rms, -law_.values[exponent]);
     out.numbers.push_back(number("coefficient", 0, scale));
     const LawNumber& p = out.numbers.front();
     const double half = 0.5 * (p.upper - p.lower);
@@ -127,6 +132,11 @@ class LawDescription {
       half = std::max(half, std::abs(harder(moved) - harder(law_)));
     }
     const double more = harder(law_);
+    if (powers && std::abs(more) < thresholds::same_on_both_sides) {  // [%]
+      out.numbers.clear();
+      power(out, 2);
+      return;
+    }
     out.numbers.push_back({"rebound_harder_by_per_cent", more, more - half, more + half});
     out.words = formatted("rebound %.0f %% %s than compression", std::abs(more), more > 0.0 ? "harder" : "softer");
     if (powers) out.words += formatted(", with |%s|^%.2f", symbol(), law_.values[2]);
@@ -161,6 +171,67 @@ class LawDescription {
                    number(one_sided ? "rebound" : "slope_above", 1, 1.0 / law_.rms, slope_)};
     out.words = formatted("%s from %.3g %s on", stiffer ? "stiffens" : "gives way", 1e3 * law_.values[2],
                           law_.over == CurveOver::velocity ? "mm/s" : "mm");
+  }
+
+  void levelling(DescribedLaw& out) const {
+    const double at_rest = law_.values[0] / law_.rms;
+    const double end = 1.0 + law_.largest / law_.values[1], at_end = slope_ + at_rest / (end * end);
+    out.shape = at_rest > 0.0 ? "degressive" : "progressive";
+    out.numbers = {number("slope_at_rest", 0, 1.0 / law_.rms, slope_), number("half_at", 1, std::sqrt(2.0) - 1.0)};
+    out.words = slope_words(out.shape.c_str(), slope_ + at_rest, at_end);
+  }
+
+  [[nodiscard]] std::string slope_words(const char* shape, double at_rest, double at_end) const {
+    const bool velocity = law_.over == CurveOver::velocity;
+    return formatted("%s all along: %s %s at rest, %s at %.3g %s", shape, figures(at_rest).c_str(),
+                     velocity ? "N s/m" : "N/m", figures(at_end).c_str(), 1e3 * law_.largest, velocity ? "mm/s" : "mm");
+  }
+
+  /// A slope of rig and law together, between points of the curve, with what is known of it.
+  struct Slope {
+    double value, half;
+  };
+  [[nodiscard]] Slope slope_between(const DescribedLaw& out, std::size_t a, std::size_t b) const {
+    const double run = out.at[b] - out.at[a];
+    const auto half = [&](std::size_t k) { return 0.5 * (out.upper[k] - out.lower[k]); };
+    return {slope_ + (out.force[b] - out.force[a]) / run, std::hypot(half(a), half(b)) / std::abs(run)};
+  }
+
+  /// A free curve by its slopes at rest and at its ends, and by the difference of its sides.
+  void free_curve(DescribedLaw& out) const {
+    out.shape = "curve";
+    out.words = "no simple shape";
+    const auto zero = static_cast<std::size_t>(std::lower_bound(out.at.begin(), out.at.end(), 0.0) - out.at.begin());
+    const std::size_t last = out.at.size() - 1;
+    if (zero < 4 || last - zero < 4) return;
+    int falls = 0, rises = 0;
+    double at_rest = 0.0, at_end = 0.0;
+    for (const std::size_t end : {std::size_t{0}, last}) {
+      const std::size_t inner = end == 0 ? zero - 2 : zero + 2, outer = end == 0 ? 2 : last - 2;
+      const Slope first = slope_between(out, zero, inner), second = slope_between(out, outer, end);
+      const double certain = std::hypot(first.half, second.half);
+      falls += second.value < first.value - certain ? 1 : 0;
+      rises += second.value > first.value + certain ? 1 : 0;
+      at_rest += 0.5 * first.value;
+      at_end += 0.5 * second.value;
+    }
+    const double more = harder(law_);
+    PlacedLaw moved = law_;  // either end, by its half width
+    for (std::size_t k = 0; k < moved.values.size(); ++k)
+      moved.values[k] += out.at[k] < 0.0 ? 0.5 * (out.upper[k] - out.lower[k]) : 0.0;
+    const double half = std::sqrt(2.0) * std::abs(harder(moved) - more);
+    const bool lopsided = std::abs(more) > half;
+    if (falls == 2 || rises == 2) {
+      out.shape = falls == 2 ? "degressive" : "progressive";
+      out.words = slope_words(out.shape.c_str(), at_rest, at_end);
+    } else if (lopsided) {
+      out.shape = "asymmetric";
+      out.words.clear();
+    }
+    if (!lopsided) return;
+    out.numbers.push_back({"rebound_harder_by_per_cent", more, more - half, more + half});
+    out.words += formatted("%srebound %.0f %% %s than compression", out.words.empty() ? "" : "; ", std::abs(more),
+                           more > 0.0 ? "harder" : "softer");
   }
 
   /// The end of the curve, at which every slider slides.

@@ -22,12 +22,17 @@ namespace host_sim::identification {
 /// | stribeck             | falling          | break_away F_c, sliding F_c − c, velocity w; F_c: dry friction beside |
 /// | degressive           | knee             | slopes b + c/r below, b + c′/r above the knee w; the upper is lower   |
 /// | progressive          | knee, one_sided  | the upper slope is larger: "stiffens from w on"                       |
+/// | degressive           | levelling        | slope_at_rest b + c/r, half_at: where half of c/r is left; c < 0:      |
+/// |                      |                  | progressive                                                            |
 /// | hysteresis           | sliders          | force Σ c_i, half_travel: within it half of the force builds up;       |
 /// |                      |                  | lost_motion, where there is a gap                                      |
 /// | relaxation           | maxwell          | stiffness Σ c_i/r, time_constant: its ends are the smallest and the    |
 /// |                      |                  | largest T_i                                                           |
 /// | follows the load     | follows_load     | share c/(k r) of the spring's load, velocity w                        |
 /// | along the stroke     | along_stroke     | exponent p, damping at the end of the stroke                          |
+/// | degressive,          | points           | slope_at_rest, slope_at_end: where those of both sides differ alike by |
+/// | progressive          |                  | more than their intervals; rebound_harder_by_per_cent                  |
+/// | asymmetric           | points           | rebound_harder_by_per_cent, where only that is more than its interval  |
 /// | curve                | points           | none                                                                  |
 ///
 /// Numbers are known as their parameters are (estimate/uncertainty.hpp). The band of the curve is Uncertainty (5) of

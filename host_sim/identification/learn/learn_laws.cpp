@@ -1,15 +1,14 @@
 #include "host_sim/identification/learn/learn_laws.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
-#include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/learn/curve_family.hpp"
+#include "host_sim/identification/learn/law_and_effects.hpp"
+#include "host_sim/identification/learn/law_beside.hpp"
 #include "host_sim/identification/learn/stack_fit.hpp"
 #include "host_sim/identification/learn/thresholds.hpp"
 #include "host_sim/identification/select/held_out.hpp"
@@ -18,96 +17,6 @@
 
 namespace host_sim::identification {
 namespace {
-
-using EffectsBeside = std::vector<firmware::PlacedEffect>;
-
-/// A place and what acts beside a law there.
-struct Beside {
-  CurvePlace place;
-  CurveOver over;
-  EffectsBeside effects;
-};
-
-bool are_same(const EffectsBeside& a, const EffectsBeside& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const auto& x, const auto& y) { return x.entry == y.entry && x.channel == y.channel; });
-}
-
-bool is_friction(const firmware::PlacedEffect& effect) { return effect.entry->name == "coulomb_friction"; }
-
-/// Whether an effect is itself a curve over that variable, at the suspension or the tyre.
-bool is_curve(const firmware::PlacedEffect& effect, CurveOver over) {
-  constexpr std::array<std::string_view, 5> over_velocity{"coulomb_friction", "stribeck_friction", "viscous_damping",
-                                                          "quadratic_damping", "asymmetric_damper"};
-  constexpr std::array<std::string_view, 4> over_deflection{"progressive_spring", "bump_stop", "progressive_tyre",
-                                                            "position_ripple"};
-  const auto has = [&](const auto& names) {
-    return std::find(names.begin(), names.end(), effect.entry->name) != names.end();
-  };
-  return over == CurveOver::velocity ? has(over_velocity) : has(over_deflection);
-}
-
-/// What of the effects that were found may act beside a law: those of sensors and of the machine, then also those of
-/// other parts of the rig, with the friction at the place, and all of them.
-std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace place, CurveOver over) {
-  const model::Subsystem own = place == CurvePlace::tyre ? model::Subsystem::tyre : model::Subsystem::suspension;
-  const auto those = [&](const auto& keep) {
-    EffectsBeside kept;
-    std::copy_if(all.begin(), all.end(), std::back_inserter(kept), keep);
-    return kept;
-  };
-  const auto elsewhere = [](const firmware::PlacedEffect& e) {
-    return e.channel.has_value() || e.entry->subsystem == model::Subsystem::machine;
-  };
-  std::vector<EffectsBeside> list{
-      {}, those(elsewhere), those([&](const auto& e) { return elsewhere(e) || e.entry->subsystem != own; })};
-  if (over == CurveOver::velocity) {
-    list.push_back(those(is_friction));
-    list.push_back(those([&](const auto& e) { return elsewhere(e) || is_friction(e); }));
-    list.push_back(those([&](const auto& e) { return elsewhere(e) || e.entry->subsystem != own || is_friction(e); }));
-  }
-  // Of those at the place, laws of another kind: a curve over velocity beside free play, a spring, a branch.
-  list.push_back(those([&](const auto& e) { return e.entry->subsystem != own || !is_curve(e, over); }));
-  std::vector<EffectsBeside> different;
-  for (EffectsBeside& effects : list) {
-    if (std::none_of(different.begin(), different.end(), [&](const EffectsBeside& d) { return are_same(d, effects); }))
-      different.push_back(std::move(effects));
-  }
-  return different;
-}
-
-/// What may act beside a stack of branches: everything but other memory and dry friction at the suspension, also with
-/// dry friction, and what is elsewhere alone.
-std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
-  constexpr std::array<std::string_view, 4> with_memory{"stribeck_friction", "bouc_wen", "relaxation",
-                                                        "coulomb_friction"};
-  std::vector<EffectsBeside> different;
-  const auto add = [&](const auto& keep) {
-    EffectsBeside kept;
-    std::copy_if(all.begin(), all.end(), std::back_inserter(kept), keep);
-    if (std::none_of(different.begin(), different.end(), [&](const EffectsBeside& d) { return are_same(d, kept); }))
-      different.push_back(std::move(kept));
-  };
-  const auto remembers = [&](const firmware::PlacedEffect& e) {
-    return std::find(with_memory.begin(), with_memory.end(), e.entry->name) != with_memory.end();
-  };
-  add([&](const auto& e) { return !remembers(e); });
-  add([&](const auto& e) { return !remembers(e) || is_friction(e); });
-  add([](const auto& e) { return e.channel || e.entry->subsystem != model::Subsystem::suspension; });
-  return different;
-}
-
-bool is_guide(CurvePlace place) { return place == CurvePlace::body_guide || place == CurvePlace::wheel_guide; }
-
-/// Beside a law of a guide: everything but effects of that guide.
-EffectsBeside effects_beside_guide(const EffectsBeside& all, CurvePlace place) {
-  const model::Subsystem own =
-      place == CurvePlace::body_guide ? model::Subsystem::body_guide : model::Subsystem::wheel_guide;
-  EffectsBeside kept;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(kept),
-               [&](const auto& e) { return e.channel.has_value() || e.entry->subsystem != own; });
-  return kept;
-}
 
 /// What a law is, in words that tell it from laws of another kind.
 std::string kind_of(const PlacedLaw& law) {
@@ -130,76 +39,11 @@ std::string kind_of(const PlacedLaw& law) {
   return text;
 }
 
-/// The effect of the catalogue that a law is, as far as its family and its place tell: a power of three over the
-/// deflection is a progressive spring. nullopt: none.
-std::optional<firmware::PlacedEffect> effect_like(const PlacedLaw& law) {
-  const bool two = law.family == LawFamily::two_powers;
-  if (!two && law.family != LawFamily::power) return std::nullopt;
-  const double force = two ? 0.5 * (law.values[0] + law.values[1]) : law.values[0], exponent = law.values.back();
-  struct Power {
-    CurvePlace place;
-    CurveOver over;
-    double exponent;
-    std::string_view effect;
-  };
-  constexpr std::array<Power, 3> powers{{{CurvePlace::suspension, CurveOver::deflection, 3.0, "progressive_spring"},
-                                         {CurvePlace::tyre, CurveOver::deflection, 3.0, "progressive_tyre"},
-                                         {CurvePlace::suspension, CurveOver::velocity, 2.0, "quadratic_damping"}}};
-  for (const Power& power : powers) {
-    if (power.place != law.place || power.over != law.over) continue;
-    if (std::abs(exponent - power.exponent) > thresholds::exponent_of_effect) continue;
-    return firmware::PlacedEffect{
-        firmware::find_effect(power.effect), std::nullopt, {force / std::pow(law.rms, power.exponent)}};
-  }
-  return std::nullopt;
-}
-
-/// The force at x of effects that act at a place without memory: what a curve begins with that takes their place.
-class ForceOfEffects {
- public:
-  ForceOfEffects(const EffectsBeside& all, const EffectsBeside& kept, CurvePlace place, CurveOver over)
-      : place_(place), over_(over) {
-    for (const firmware::PlacedEffect& effect : all) {
-      if (std::none_of(kept.begin(), kept.end(),
-                       [&](const auto& k) { return k.entry == effect.entry && k.channel == effect.channel; })) {
-        firmware::put_effect(rig_, effect);
-      }
-    }
-  }
-
-  [[nodiscard]] double operator()(double x) const {
-    const double deflection = over_ == CurveOver::deflection ? x : 0.0,
-                 velocity = over_ == CurveOver::velocity ? x : 0.0;
-    double force = 0.0;
-    model::SuspensionComponent<double> part{};
-    rig_.effects.for_each([&](const auto& slot) {
-      if (!slot.active) return;
-      if constexpr (requires { slot.effect.suspension_force(deflection, velocity); }) {
-        if (place_ == CurvePlace::suspension) force += slot.effect.suspension_force(deflection, velocity);
-      }
-      if constexpr (requires { slot.effect.act_on(part); }) {
-        if (place_ == CurvePlace::suspension) slot.effect.act_on(part);
-      } else if constexpr (requires { slot.effect.tyre_force(force, deflection, 0.0); }) {
-        if (place_ == CurvePlace::tyre && slot.effect.card.subsystem == model::Subsystem::tyre &&
-            slot.effect.values.size() > 0) {
-          force += slot.effect.tyre_force(0.0, deflection, 0.0);
-        }
-      }
-    });
-    return force + part.damping * velocity + part.dry_friction * (velocity > 0.0 ? 1.0 : velocity < 0.0 ? -1.0 : 0.0);
-  }
-
- private:
-  CurvePlace place_;
-  CurveOver over_;
-  model::RigParameters<double> rig_{};
-};
-
 class LawSearch {
  public:
   LawSearch(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
-            SearchResult& found)
-      : problem_(problem), space_(space), progress_(progress), found_(found) {}
+            const Reasons& reasons, SearchResult& found)
+      : problem_(problem), space_(space), progress_(progress), reasons_(reasons), found_(found) {}
 
   Learned learn();
 
@@ -207,7 +51,7 @@ class LawSearch {
   struct Curve {
     Beside beside;
     CurveFit fit;
-    double cost = 0.0;  ///< as that of a candidate model
+    double cost = 0.0;  ///< as that of a candidate model, at the price of the simplest family
   };
   /// A law on the whole problem.
   struct Candidate {
@@ -229,7 +73,6 @@ class LawSearch {
   [[nodiscard]] double cost_of(const CandidateModel& model, double freedom) const;
   [[nodiscard]] static bool is_possible(const Candidate& candidate);
   void eliminate(Candidate& law) const;
-  [[nodiscard]] bool draws_friction(const Candidate& law) const;
   [[nodiscard]] static bool can_be_described(const PlacedLaw& law);
   [[nodiscard]] bool is_kept(const Candidate& law, Learned& learned) const;
   [[nodiscard]] bool replace_by_effect(const Candidate& law);
@@ -241,6 +84,7 @@ class LawSearch {
   IdentificationProblem& problem_;
   const SearchSpace& space_;
   const ProgressCallback& progress_;
+  const Reasons& reasons_;
   SearchResult& found_;
   SelectionCriterion criterion_{};
   mutable std::vector<double> gains_{};  ///< of the effects beside the law
@@ -264,6 +108,11 @@ std::vector<Beside> LawSearch::places() const {
     if (std::any_of(laws.begin(), laws.end(),
                     [&, p = place, o = over](const PlacedLaw& law) { return law.place == p && law.over == o; }))
       continue;
+    if (!reasons_.holds(place, over)) continue;
+    if (!reasons_.rest) {  // in the place of all such effects
+      list.push_back({place, over, effects_beside(found_.best.effects, place, over).back()});
+      continue;
+    }
     if (is_guide(place)) {
       list.push_back({place, over, effects_beside_guide(found_.best.effects, place)});
       continue;
@@ -323,7 +172,7 @@ std::vector<LawSearch::Curve> LawSearch::curves() const {
   const auto fit_from = [&](std::size_t i, const Hypothesis& start, int most) {
     auto curve = fit_curve(part, space_, start, all[i].effects, most);
     if (!curve) return;
-    const double cost = cost_of(curve->model, curve->freedom);
+    const double cost = cost_of(curve->model, std::min(curve->freedom, thresholds::fewest_values));
     fitted[i] = Curve{all[i], std::move(*curve), cost};
   };
   for_all(all.size(), [&](std::size_t i) {
@@ -434,6 +283,7 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
   const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
   std::vector<Stack> best;
   for (const LawFamily family : {LawFamily::sliders, LawFamily::maxwell}) {
+    if (!reasons_.rest && !(reasons_.memory && family == LawFamily::maxwell)) continue;
     std::vector<Stack> tried;
     for (EffectsBeside& effects : effects_beside_stack(found_.best.effects)) {
       tried.push_back({family, std::move(effects)});
@@ -445,7 +295,8 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
       for (const double gap : thresholds::gaps) with_play.push_back({family, nearest.effects, gap});
       for_all(with_play.size(), [&](std::size_t i) { fit_on(part, with_play[i]); });
       const Stack& play = *std::min_element(with_play.begin(), with_play.end(), better);
-      if (better(play, nearest)) nearest = play;
+      const double margin = thresholds::law_margin * temper_of(nearest.model->fit);
+      if (play.cost + margin < nearest.cost) nearest = play;
     }
     if (nearest.model) best.push_back(std::move(nearest));
   }
@@ -482,7 +333,7 @@ std::optional<Hypothesis> LawSearch::start_of_surface(LawFamily family, const Ef
 /// Families of surfaces on the whole: of each the one beside the right effects.
 std::vector<LawSearch::Candidate> LawSearch::surfaces() const {
   const auto& laws = found_.best.fit.hypothesis.laws;
-  if (space_.given.rig.laws.surface_count == space_.given.rig.laws.surfaces.size() ||
+  if (!reasons_.rest || space_.given.rig.laws.surface_count == space_.given.rig.laws.surfaces.size() ||
       std::any_of(laws.begin(), laws.end(), [](const PlacedLaw& law) { return is_surface(law.family); }))
     return {};
   const auto fit_on = [&](const IdentificationProblem& problem, LawFamily family, const EffectsBeside& effects,
@@ -563,14 +414,6 @@ void LawSearch::eliminate(Candidate& law) const {
   }
 }
 
-/// Whether a curve stands in the place of dry friction, which no curve of points can draw.
-bool LawSearch::draws_friction(const Candidate& law) const {
-  const auto has = [](const EffectsBeside& effects) {
-    return std::any_of(effects.begin(), effects.end(), is_friction);
-  };
-  return !has_memory(law.family) && has(found_.best.effects) && !has(law.model.effects);
-}
-
 /// True if a rig description accepts the law's table. That of a recording in wrong units reaches over metres and is
 /// refused.
 bool LawSearch::can_be_described(const PlacedLaw& law) {
@@ -594,10 +437,18 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
   if (learned.gain < thresholds::law_margin * temper) return false;
   const double before = held_out_chi_squared(problem_, without), after = held_out_chi_squared(problem_, with);
   learned.gain_held_out = before - after;
-  if (before > 0.0 && learned.gain_held_out < thresholds::law_margin_held_out * temper) return false;
+  // A law in the place of effects that leave nothing but noise gains their price, which held-out data do not know: they
+  // must only not speak for the effects.
+  const double wanted = (reasons_.rest ? 1.0 : -1.0) * thresholds::law_margin_held_out * temper;
+  if (before > 0.0 && learned.gain_held_out < wanted) return false;
   if (!stays_finite(problem_, with)) return false;
+  const PlacedLaw& curve = with.laws.back();
+  const EffectsBeside &all = found_.best.effects, &kept = law.model.effects;
   constexpr double share = thresholds::law_replaces_error * thresholds::law_replaces_error;
-  if (before > 0.0 && after < share * before && !draws_friction(law)) return true;
+  if (before > 0.0 && after < share * before && !draws_friction(curve, all, kept)) return true;
+  const auto noise = static_cast<double>(held_out_count(problem_));
+  if (before > noise && after - noise < thresholds::refines_error * (before - noise) && refines(curve, all, kept))
+    return true;
   const Explained now{law.model.fit.chi_squared, static_cast<double>(law.model.fit.residual.size()), after};
   return explains_nearly_all(now, {chi_squared_without_, now.residuals, before}) || is_whole(problem_, with);
 }
@@ -605,9 +456,10 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
 /// Puts an effect of the catalogue in the place of a law of the same shape, if it explains as much: the search does not
 /// always reach it from the starts on its card. Returns true if `found` holds the effect now.
 bool LawSearch::replace_by_effect(const Candidate& law) {
-  const auto effect = effect_like(law.model.fit.hypothesis.laws.back());
-  if (!effect) return false;
   EffectsBeside effects = law.model.effects;
+  const auto effect = effect_like(law.model.fit.hypothesis.laws.back(), effects);
+  if (!effect) return false;
+  if (law.family == LawFamily::falling) std::erase_if(effects, is_friction);  // part of Stribeck's
   effects.push_back(*effect);
   Hypothesis start = with_effects(space_, law.model.fit.hypothesis, effects);
   start.laws.pop_back();
@@ -694,12 +546,14 @@ Learned LawSearch::learn() {
 
 Learned learn_laws(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
                    SearchResult& found) {
-  if (drifts(found.best.faults()) || !std::isfinite(found.best.fit.chi_squared) || !leaves_a_rest(problem, found))
-    return {};
-  Learned learned = LawSearch(problem, space, progress, found).learn();
+  if (drifts(found.best.faults()) || !std::isfinite(found.best.fit.chi_squared)) return {};
+  const Reasons reasons = reasons_for(problem, found);
+  if (!reasons.any()) return {};
+  Learned learned = LawSearch(problem, space, progress, reasons, found).learn();
   if (!learned.found || !leaves_a_rest(problem, found)) return learned;
   // A curve beside branches with memory, or one over the other variable.
-  const Learned second = LawSearch(problem, space, progress, found).learn();
+  const Reasons rest{.rest = true};
+  const Learned second = LawSearch(problem, space, progress, rest, found).learn();
   if (!second.found) return learned;
   learned.gain += second.gain;
   learned.gain_held_out += second.gain_held_out;

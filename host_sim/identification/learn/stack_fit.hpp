@@ -9,7 +9,7 @@
 
 namespace host_sim::identification {
 
-/// A stack without forces, (9) or (10) of predict/placed_law.hpp, over deflections of half a range X:
+/// A stack without forces, (10) or (11) of predict/placed_law.hpp, over deflections of half a range X:
 ///
 ///   (1)  d_i = X/2^i                          elastic sliders, i = 1, 2 …
 ///   (2)  T_i = thresholds::shortest_time · 3^i    Maxwell branches, i = 0, 1 …

@@ -82,6 +82,17 @@ inline constexpr double law_margin_held_out = 4.0;
 /// stacks for a friction damper, learned on two of its three records, 0.58, 0.78 and 0.66. Half: none of these. Of the
 /// distance to 1, half: all three.
 inline constexpr double law_replaces_error = 0.75;
+/// [1] Share of the dry friction in whose place a curve stands, from which its step at rest is that friction. A power
+/// of 1.3 has a step of a tenth of its force at the rms of the velocity. Half: powers below 1.2 count as friction.
+/// Twice: none does.
+inline constexpr double steps_like_friction = 0.5;
+/// [1] Of what is beyond noise on held-out windows, the share that a law may leave whose limit is the effect it
+/// replaces: friction that sets in softly, in the place of dry friction. The noise of a driving channel blurs where it
+/// sets in, so that its own truth leaves a rest (0.59 and 0.73, seed 100 of rigtwin_confusion --laws). Half: neither is
+/// learned.
+inline constexpr double refines_error = 0.8;
+/// Values of the simplest family of curves: what a free curve is expected to cost in the end.
+inline constexpr double fewest_values = 2.0;
 /// [ln] Odds are capped, so that they stay finite numbers.
 inline constexpr double most_odds = 300.0;
 
@@ -92,6 +103,9 @@ inline constexpr double exponent_of_effect = 0.3;
 /// Steps of that effect's fit, which begins where the law ended.
 inline constexpr int effect_steps = 8;
 
+/// [%] Difference of the sides of a power below which words and numbers are those of one power. Half and twice: other
+/// words for a difference that nobody would act on.
+inline constexpr double same_on_both_sides = 1.0;
 /// [1] Half width of the band of a curve that is not known at all, relative to the law. Half and twice: as wide to a
 /// reader.
 inline constexpr double widest_band = 10.0;

@@ -137,7 +137,7 @@ bool relations_hold_for(const model::RigParameters<double>& rig) {
     const auto subsystem = effect.entry->subsystem;
     const bool has_relations = subsystem == model::Subsystem::suspension || subsystem == model::Subsystem::fdva ||
                                subsystem == model::Subsystem::machine;
-    return has_relations && effect.entry->corner != model::Corner::sticking;
+    return has_relations && effect.entry->corner != model::Corner::sticking && !effect.entry->remembers;
   });
 }
 

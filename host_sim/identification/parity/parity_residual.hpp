@@ -38,9 +38,10 @@ struct ParityResidual {
   }
 };
 
-/// Over the fitted windows. Empty for a rig whose description has effects outside its component and machine, laws, or
-/// dry friction: the relations are those of a rig without. A force of friction follows from the measured motion only up
-/// to its sign, which noise decides wherever the motion is slow.
+/// Over the fitted windows. Empty for a rig whose description has effects outside its component and machine, laws, dry
+/// friction or hysteresis: the relations are those of a rig without. A force of friction follows from the measured
+/// motion only up to its sign, which noise decides wherever the motion is slow; what an element with memory holds at
+/// the start of a recording nobody has measured.
 [[nodiscard]] std::vector<ParityResidual> parity_residuals(const firmware::RigDescription& description,
                                                            const std::vector<PreparedRecording>& recordings);
 

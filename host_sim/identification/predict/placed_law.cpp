@@ -26,9 +26,8 @@ double bend(const PlacedLaw& law) {
   switch (law.family) {
     case LawFamily::soft_sign:
     case LawFamily::falling:
+    case LawFamily::levelling:
       return 0.5 * law.values[1];
-    case LawFamily::power:
-      return (law.values[1] < 1.0 ? 0.02 : 0.3) * law.rms;
     default:
       return 0.3 * law.rms;
   }
@@ -90,6 +89,7 @@ const std::vector<LawValue>& values_of(LawFamily family) {
                                                                        {c, width},
                                                                        {c, other, width},
                                                                        {c, other, width},
+                                                                       {c, width},
                                                                        {},
                                                                        {},
                                                                        {c, width},
@@ -137,6 +137,8 @@ double PlacedLaw::force(double x) const {
       return s * (values[0] * std::min(a, values[2]) + values[1] * std::max(a - values[2], 0.0)) / rms;
     case LawFamily::one_sided:
       return (values[0] * std::max(x - values[2], 0.0) + values[1] * std::min(x + values[2], 0.0)) / rms;
+    case LawFamily::levelling:
+      return values[0] * x / (rms * (1.0 + a / values[1]));
     case LawFamily::follows_load:
     case LawFamily::along_stroke:
       return force(x, rms_velocity);
@@ -182,8 +184,15 @@ LawTable table_of(const PlacedLaw& law) {
   if (law.family == LawFamily::points) return {law.at, law.values};
   constexpr int each_side = 16;
   std::vector<double> side;  // x > 0
-  const double s = bend(law), last = std::asinh(law.largest / s);
-  for (int i = 1; i <= each_side; ++i) side.push_back(s * std::sinh(last * i / each_side));
+  if (law.family == LawFamily::power || law.family == LawFamily::two_powers) {
+    // The cubics are off by some h³ F″²/F′, h: to the next point. It is the same everywhere where x grows as i^(3/p).
+    const double grows = 3.0 / law.values.back();
+    for (int i = 1; i <= each_side; ++i)
+      side.push_back(law.largest * std::pow(static_cast<double>(i) / each_side, grows));
+  } else {
+    const double s = bend(law), last = std::asinh(law.largest / s);
+    for (int i = 1; i <= each_side; ++i) side.push_back(s * std::sinh(last * i / each_side));
+  }
   if (law.family == LawFamily::knee || law.family == LawFamily::one_sided) {  // a point on the corner and one beside it
     const double w = law.values[2];
     auto nearest = std::min_element(side.begin(), side.end(),

@@ -19,18 +19,18 @@ namespace host_sim::identification {
 ///   falling       (6)  F = −c (1 − exp(−(x/w)²)) sgn(x)                   values: c, w; beside dry friction: Stribeck
 ///   knee          (7)  F = (c min(|x|, w) + c′ max(|x| − w, 0)) sgn(x)/r          values: c, c′, w
 ///   one_sided     (8)  F = c (x − w)/r for x > w, c′ (x + w)/r for x < −w   values: c, c′, w
+///   levelling     (9)  F = c (x/r)/(1 + |x|/w): the slope at w is a quarter of c/r         values: c, w
 ///
 /// and with memory of a deflection, stacks of branches (model/laws/branch.hpp):
 ///
-///   sliders       (9)  F = Σ u_i, u_i ← clamp(u_i + c_i Δx/d_i, ±c_i)      values: c_i ≥ 0 of the slip travels d_i;
+///   sliders      (10)  F = Σ u_i, u_i ← clamp(u_i + c_i Δx/d_i, ±c_i)      values: c_i ≥ 0 of the slip travels d_i;
 ///                      with a gap all of them have that free play in series
-///   maxwell      (10)  F = Σ u_i, u̇_i = c_i ẋ/r − u_i/T_i                values: c_i ≥ 0 of the time constants T_i
+///   maxwell      (11)  F = Σ u_i, u̇_i = c_i ẋ/r − u_i/T_i                values: c_i ≥ 0 of the time constants T_i
 ///
 /// and surfaces over deflection x and velocity v, q: rms of v:
 ///
-///   follows_load (11)  F = c |x|/r · tanh(v/w)                            values: c, w: friction, times the spring's
-///   load along_stroke (12)  F = c |x/r|^p · v/q                                values: c, p: damping that grows along
-///   the stroke
+///   follows_load (12)  F = c |x|/r · tanh(v/w)                            values: c, w: friction, times the load
+///   along_stroke (13)  F = c |x/r|^p · v/q                                values: c, p: damping along the stroke
 enum class LawFamily : unsigned char {
   points,
   power,
@@ -40,12 +40,13 @@ enum class LawFamily : unsigned char {
   falling,
   knee,
   one_sided,
+  levelling,
   sliders,
   maxwell,
   follows_load,
   along_stroke
 };
-inline constexpr std::size_t law_families = 12;
+inline constexpr std::size_t law_families = 13;
 [[nodiscard]] constexpr bool has_memory(LawFamily family) {
   return family == LawFamily::sliders || family == LawFamily::maxwell;
 }
@@ -68,13 +69,13 @@ struct PlacedLaw {
   double rms = 1.0, largest = 1.0;                    ///< r and X
   double rms_velocity = 1.0, largest_velocity = 1.0;  ///< q of a surface, and the largest |v|
   double size = 1.0;         ///< a force [N] that matters here: unit of the values that are forces, in a fit
-  std::vector<double> at{};  ///< x_i of (1), d_i [m] of (9), T_i [s] of (10)
+  std::vector<double> at{};  ///< x_i of (1), d_i [m] of (10), T_i [s] of (11)
   std::vector<double> values{};
-  double gap = 0.0;      ///< [m] of (9): lost motion; 0: none
+  double gap = 0.0;      ///< [m] of (10): lost motion; 0: none
   std::size_t slot = 0;  ///< of the rig's laws, curve, surface or first branch: behind those of its description
 
-  /// F(x) of (2)–(8); of (1) the straight lines between points. With memory: at the end of a first travel from rest to
-  /// x, for (10) one that is fast beside every T_i.
+  /// F(x) of (2)–(9); of (1) the straight lines between points. With memory: at the end of a first travel from rest to
+  /// x, for (11) one that is fast beside every T_i.
   /// Of a surface: while v = q.
   [[nodiscard]] double force(double x) const;
   [[nodiscard]] double force(double x, double v) const;  ///< of a surface
@@ -88,7 +89,7 @@ struct PlacedLaw {
   [[nodiscard]] std::vector<double> forces_along(const std::vector<double>& x, double period) const;
 };
 
-/// The branches of (9) and (10) that carry a force.
+/// The branches of (10) and (11) that carry a force.
 [[nodiscard]] std::vector<model::BranchNumbers<double>> branches_of(const PlacedLaw& law);
 
 /// What a value of a family is: its unit is a force, or x, or none.

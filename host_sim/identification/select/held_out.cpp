@@ -10,11 +10,18 @@
 
 namespace host_sim::identification {
 
+namespace {
+
+/// Whether a recording's held-out window begins in a state that is known.
+bool is_judged(const ProblemRecording& r) { return r.is_held_out() && (r.is_fitted() || r.samples->at_rest); }
+
+}  // namespace
+
 double held_out_chi_squared(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
   double sum = 0.0;
   for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
     const ProblemRecording& r = problem.recordings()[i];
-    if (!r.is_held_out() || (!r.is_fitted() && !r.samples->at_rest)) continue;
+    if (!is_judged(r)) continue;
     const Response response =
         read_channels(hypothesis, *r.samples, r.samples->input, hypothesis.starts[i], r.held_out.to, r.resolution());
     std::vector<double> whitened(r.held_out_whitening->count());
@@ -22,6 +29,12 @@ double held_out_chi_squared(const IdentificationProblem& problem, const Hypothes
     for (const double v : whitened) sum += v * v;
   }
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+std::size_t held_out_count(const IdentificationProblem& problem) {
+  std::size_t count = 0;
+  for (const ProblemRecording& r : problem.recordings()) count += is_judged(r) ? r.held_out_whitening->count() : 0;
+  return count;
 }
 
 Explained explained(const IdentificationProblem& problem, const Hypothesis& hypothesis) {

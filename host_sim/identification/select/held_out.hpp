@@ -13,6 +13,9 @@ namespace host_sim::identification {
 /// analysis, A. P. Dawid, J. R. Stat. Soc. A 147, 1984.
 [[nodiscard]] double held_out_chi_squared(const IdentificationProblem& problem, const Hypothesis& hypothesis);
 
+/// Residuals that it is the sum of.
+[[nodiscard]] std::size_t held_out_count(const IdentificationProblem& problem);
+
 /// χ² of a model in the fitted windows, with its n residuals, and in the held-out ones.
 struct Explained {
   double fitted = 0.0, residuals = 0.0, held_out = 0.0;

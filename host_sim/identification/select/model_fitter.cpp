@@ -34,7 +34,8 @@ Hypothesis with(const Hypothesis& hypothesis, const Candidate& candidate, const 
 bool has_left(const Start& start, const firmware::PlacedEffect& found) {
   for (std::size_t i = 0; i < found.values.size(); ++i) {
     const double within = found.entry->parameters[i].kept_within;
-    if (within > 0.0 && std::abs(found.values[i] - start.values[i]) > within * std::abs(start.values[i])) return true;
+    const double moved = std::abs(found.values[i] - start.values[i]);
+    if (within > 0.0 && moved > (1.0 - thresholds::at_bound) * within * std::abs(start.values[i])) return true;
   }
   return false;
 }

@@ -119,11 +119,17 @@ class ParameterSearch {
     return ModelFitter(problem_, untied(space_, freed).common, criterion_, effort_).without_fault(whole, fault);
   }
 
-  /// The model with one of its parameters as described again, within its tolerance.
+  /// The model with one of its parameters within its tolerance again: from where it is, if that is within, else as
+  /// described.
   [[nodiscard]] CandidateModel tied(const CandidateModel& whole, const std::vector<FreeParameter>& others,
                                     const FreeParameter& parameter) {
     Hypothesis start = whole.fit.hypothesis;
-    parameter.put(start, parameter.get(space_.given));
+    const auto within = [&](const FreeParameter& tolerated) {
+      const double at = tolerated.get(start);
+      return is_same(tolerated, parameter) && at >= tolerated.lower && at <= tolerated.upper;
+    };
+    if (std::none_of(space_.tolerated.begin(), space_.tolerated.end(), within))
+      parameter.put(start, parameter.get(space_.given));
     return fitted(start, others, whole.effects);
   }
 

@@ -188,6 +188,38 @@ TEST(Diagnosis, NamesNothingMoreOnceWhatItFoundIsDescribed) {
   }
 }
 
+// Law. An element with memory holds a force at the start of a recording that nobody has measured: balances between
+// channels that leave it out are not held against the rig that describes it.
+TEST(Diagnosis, DoesNotJudgeDescribedHysteresisByBalances) {
+  sample::Given given = sample::given("single:quarter_car:bouc_wen", 100);
+  const Diagnosis first = identification::diagnose(given.description, {{given.recording, Use::shared}});
+  ASSERT_EQ(first.effects.size(), 1U);
+  EXPECT_FALSE(first.relations.empty());
+  const Diagnosis again = identification::diagnose(first.rig, {{given.recording, Use::shared}});
+  EXPECT_TRUE(again.relations.empty());
+  EXPECT_EQ(again.verdict, Verdict::no_discrepancy) << identification::sentence(again);
+}
+
+// Law. A parameter within its tolerance is not off, wherever a search beside free play has left it.
+TEST(Diagnosis, SaysOfNoParameterWithinItsToleranceThatItIsOff) {
+  const Diagnosis found = [] {
+    sample::Given given = sample::given("single:quarter_car:backlash", 100);
+    return identification::diagnose(given.description, {{std::move(given.recording), Use::shared}});
+  }();
+  for (const identification::ParameterOff& off : found.parameters_off) {
+    EXPECT_GT(std::abs(off.value.value / off.described - 1.0), off.tolerance) << off.path;
+  }
+}
+
+// Law. Where what is left is as large as the signals, nothing is explained: a loop that its machine's limit has driven
+// metres apart has no name above a half.
+TEST(Diagnosis, NamesNothingThatLeavesAnErrorAsLargeAsTheSignals) {
+  sample::Given given = sample::given("single:hil:actuator_rate_limit", 100);
+  const Diagnosis found = identification::diagnose(given.description, {{std::move(given.recording), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::unexplained);
+  for (const auto& named : found.effects) EXPECT_LE(named.confidence, 0.5) << identification::words(named.effect);
+}
+
 // Law. The less an effect gains, the more a law that is not in the catalogue could differ from it without being seen,
 // so the less sure is its name: an offset of 3 N in 10 N of noise is less sure than one of 8 N, and that less than one
 // of 120 N, beside which nothing could hide that is worth a name. The right name stays the likelier one throughout.

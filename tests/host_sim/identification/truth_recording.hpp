@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
@@ -16,12 +17,14 @@ struct Given {
   firmware::Recording recording;
 };
 
-/// 12 s of a group, as read from its files.
-inline Given given(const std::string& group, std::uint64_t seed = 1) {
+/// A recording of a group, as read from its files; `beside`: more effects than the group's.
+inline Given given(const std::string& group, std::uint64_t seed = 1, const std::vector<truth::Effect>& beside = {},
+                   double seconds = 12.0) {
   truth::Wanted wanted;
-  wanted.duration = 12.0;
+  wanted.duration = seconds;
   truth::Truth truth = truth::draw(group, seed, wanted);
   truth.records.resize(1);
+  truth.effects.insert(truth.effects.end(), beside.begin(), beside.end());
   Given result{firmware::parse_rig(truth::rig_toml(truth), "rig.toml"), {}};
   result.recording = firmware::parse_recording_csv(truth::csv(truth, truth::simulate(truth).front()), "rec.csv");
   return result;

@@ -116,4 +116,15 @@ TEST(FreeParameter, HasRoomForAStepEvenBeyondItsBounds) {
   }
 }
 
+// Law. What is read off a recording stays near it in every fit: a ripple of 5 mm between 4 and 6 mm.
+TEST(FreeParameter, StaysNearWhatARecordingShows) {
+  const PlacedEffect ripple{find_effect("position_ripple"), std::nullopt, {5e-3, 10.0, 3.0}};
+  const identification::FreeParameter period = identification::effect_parameters(ripple)[0];
+  EXPECT_NEAR(period.value(period.lower), 4e-3, 1e-12);
+  EXPECT_NEAR(period.value(period.upper), 6e-3, 1e-12);
+  const PlacedEffect stop{find_effect("bump_stop"), std::nullopt, {5e-3, 1e5}};
+  const identification::FreeParameter clearance = identification::effect_parameters(stop)[0];
+  EXPECT_LT(clearance.value(clearance.lower), 1e-3);
+}
+
 }  // namespace

@@ -77,6 +77,44 @@ TEST(DescribeLaw, SaysEachShapeInWordsWithNumbers) {
             "damping grows along the stroke: 640 N s/m more at 40 mm, with |x|^2");
 }
 
+// Point. Curves whose slope falls all along, by hand: 1000 + 500 N s/m at rest, a quarter of the 500 at 0.1 m/s, a
+// twenty-fifth at 0.4. Powers of both sides that differ by less than 1 % are one.
+TEST(DescribeLaw, SaysSlopesThatChangeAllAlong) {
+  const DescribedLaw levelling = described(LawFamily::levelling, CurveOver::velocity, {50.0, 0.1});
+  EXPECT_EQ(levelling.shape, "degressive");
+  EXPECT_EQ(levelling.words, "degressive all along: 1500 N s/m at rest, 1020 at 400 mm/s");
+  EXPECT_NEAR(levelling.numbers[0].value, 1500.0, 1e-9);
+  EXPECT_NEAR(levelling.numbers[1].value, 0.1 * (std::sqrt(2.0) - 1.0), 1e-12);
+  EXPECT_EQ(described(LawFamily::levelling, CurveOver::deflection, {-50.0, 0.01}).shape, "progressive");
+
+  const DescribedLaw alike = described(LawFamily::two_powers, CurveOver::velocity, {50.0, 50.1, 1.5});
+  EXPECT_EQ(alike.shape, "power law");
+  EXPECT_THAT(alike.words, StartsWith("grows with |v|^1.50"));
+  EXPECT_EQ(described(LawFamily::two_powers, CurveOver::velocity, {50.0, 60.0, 1.5}).shape, "asymmetric power law");
+}
+
+// Point. A free curve is named by its slopes where both sides agree, by its sides where only they differ, else not. Its
+// points are known to 0.025 of 100 N: slopes over 0.1 m/s to 35 N s/m.
+TEST(DescribeLaw, NamesAFreeCurveByItsSlopes) {
+  const std::vector<double> at{-0.4, -0.3, -0.2, -0.1, -0.05, 0.0, 0.05, 0.1, 0.2, 0.3, 0.4};
+  const auto curve = [&](auto force) {
+    std::vector<double> values;
+    for (const double x : at) values.push_back(force(x));
+    return described(LawFamily::points, CurveOver::velocity, values, at);
+  };
+  const auto sign = [](double x) { return x < 0.0 ? -1.0 : 1.0; };
+  const DescribedLaw falls = curve([&](double x) { return sign(x) * 100.0 * std::sqrt(std::abs(x)); });
+  EXPECT_EQ(falls.shape, "degressive");
+  EXPECT_THAT(falls.words, StartsWith("degressive all along: 1320 N s/m at rest"));  // 1000 + √0.1·100/0.1
+  EXPECT_EQ(curve([](double x) { return 2000.0 * x * std::abs(x); }).shape, "progressive");
+  const DescribedLaw sides = curve([](double x) { return x < 0.0 ? 200.0 * x : 0.0; });
+  EXPECT_EQ(sides.shape, "asymmetric");
+  EXPECT_EQ(sides.words, "rebound 20 % harder than compression");
+  const DescribedLaw bumps = curve([](double x) { return 30.0 * std::sin(x / 0.05); });
+  EXPECT_EQ(bumps.shape, "curve");
+  EXPECT_EQ(bumps.words, "no simple shape");
+}
+
 // Point. Effects of the catalogue have the same words.
 TEST(DescribeLaw, SaysEffectsOfTheCatalogueInTheSameWords) {
   EXPECT_EQ(of_effect("asymmetric_damper", {-113.2}), "rebound 12 % harder than compression");  // 1056.6/943.4

@@ -16,8 +16,8 @@ namespace {
 
 using namespace host_sim::identification;
 
-Diagnosis diagnosed(const std::string& group, std::uint64_t seed) {
-  sample::Given given = sample::given(group, seed);
+Diagnosis diagnosed(const std::string& group, std::uint64_t seed, double seconds = 12.0) {
+  sample::Given given = sample::given(group, seed, {}, seconds);
   return diagnose(given.description, {{std::move(given.recording), Use::shared}});
 }
 
@@ -52,6 +52,33 @@ TEST(LearnLaws, namesHiddenLawsByTheirShape) {
   ASSERT_EQ(valve.laws.size(), 1U);
   EXPECT_EQ(valve.laws.front().shape, "degressive");
   EXPECT_NEAR(number(valve.laws.front(), "from"), hidden(group + "blow_off", 1, "blow_off_velocity"), 0.01);
+}
+
+// Truth by construction. Where two effects of the catalogue leave nothing but noise of a power, the power is named,
+// with its exponent; where the two hide indeed, they are, and no law is learned in their place.
+TEST(LearnLaws, takesOneLawForTwoThatImitateIt) {
+  const std::string power = "law:hil:power_law_low";
+  const Diagnosis found = diagnosed(power, 100, 30.0);
+  ASSERT_EQ(found.laws.size(), 1U);
+  EXPECT_EQ(found.laws.front().shape, "power law");
+  EXPECT_NEAR(number(found.laws.front(), "exponent"), hidden(power, 100, "exponent"), 0.05);
+  EXPECT_TRUE(found.effects.empty());
+
+  sample::Given two =
+      sample::given("single:component_bench:quadratic_damping", 1, {{"viscous_damping", "", {{"damping", 300.0}}}});
+  const Diagnosis both = diagnose(two.description, {{std::move(two.recording), Use::shared}});
+  EXPECT_TRUE(both.laws.empty());
+  EXPECT_EQ(both.effects.size(), 2U);
+}
+
+// Truth by construction. A damper whose slope falls all along is named so, with its slope at rest.
+TEST(LearnLaws, NamesASlopeThatFallsAllAlong) {
+  const std::string group = "law:component_bench:degressive_damper";
+  const Diagnosis found = diagnosed(group, 100);
+  ASSERT_EQ(found.laws.size(), 1U);
+  EXPECT_EQ(found.laws.front().shape, "degressive");
+  const double velocity = hidden(group, 100, "degressive_velocity");
+  EXPECT_NEAR(number(found.laws.front(), "half_at") / (velocity * (std::sqrt(2.0) - 1.0)), 1.0, 0.1);
 }
 
 // Law. The band of a curve holds the curve, its table stands in the rig that is written, and verdict.json says all of

@@ -1,0 +1,119 @@
+#include "host_sim/identification/learn/law_and_effects.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "host_sim/identification/learn/thresholds.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+std::optional<firmware::PlacedEffect> named_like(const PlacedLaw& law, double friction) {
+  const auto effect = [](std::string_view name, std::vector<double> values) {
+    return firmware::PlacedEffect{firmware::find_effect(name), std::nullopt, std::move(values)};
+  };
+  const bool damper = law.place == CurvePlace::suspension && law.over == CurveOver::velocity;
+  if (damper && law.family == LawFamily::falling && friction > law.values[0]) {
+    const double sliding = friction - law.values[0];
+    return effect("stribeck_friction", {sliding, law.values[0] / sliding, law.values[1]});
+  }
+  if (damper && law.family == LawFamily::two_slopes)
+    return effect("asymmetric_damper", {(law.values[0] - law.values[1]) / law.rms});
+  const bool two = law.family == LawFamily::two_powers;
+  if (!two && law.family != LawFamily::power) return std::nullopt;
+  const double force = two ? 0.5 * (law.values[0] + law.values[1]) : law.values[0], exponent = law.values.back();
+  struct Power {
+    CurvePlace place;
+    CurveOver over;
+    double exponent;
+    std::string_view effect;
+  };
+  constexpr std::array<Power, 3> powers{{{CurvePlace::suspension, CurveOver::deflection, 3.0, "progressive_spring"},
+                                         {CurvePlace::tyre, CurveOver::deflection, 3.0, "progressive_tyre"},
+                                         {CurvePlace::suspension, CurveOver::velocity, 2.0, "quadratic_damping"}}};
+  for (const Power& power : powers) {
+    if (power.place != law.place || power.over != law.over) continue;
+    if (std::abs(exponent - power.exponent) > thresholds::exponent_of_effect) continue;
+    return effect(power.effect, {force / std::pow(law.rms, power.exponent)});
+  }
+  return std::nullopt;
+}
+
+/// Whether values lie within what the card of their effect allows.
+bool is_allowed(const firmware::PlacedEffect& effect) {
+  for (std::size_t i = 0; i < effect.values.size(); ++i) {
+    const model::EffectParameter& card = effect.entry->parameters[i];
+    if (!(effect.values[i] >= card.lower && effect.values[i] <= card.upper)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<firmware::PlacedEffect> effect_like(const PlacedLaw& law, const EffectsBeside& beside) {
+  const auto friction = std::find_if(beside.begin(), beside.end(), is_friction);
+  auto effect = named_like(law, friction != beside.end() ? friction->values.front() : 0.0);
+  return effect && is_allowed(*effect) ? effect : std::nullopt;
+}
+
+bool draws_friction(const PlacedLaw& law, const EffectsBeside& all, const EffectsBeside& kept) {
+  if (has_memory(law.family) || is_surface(law.family)) return false;
+  if (std::any_of(kept.begin(), kept.end(), is_friction)) return false;
+  const auto removed = std::find_if(all.begin(), all.end(), is_friction);
+  if (removed == all.end()) return false;
+  const double step = law.force(thresholds::innermost_point * law.rms);
+  return step > thresholds::steps_like_friction * removed->values.front();
+}
+
+bool refines(const PlacedLaw& law, const EffectsBeside& all, const EffectsBeside& kept) {
+  constexpr std::array<std::pair<LawFamily, std::string_view>, 8> limits{{{LawFamily::soft_sign, "coulomb_friction"},
+                                                                          {LawFamily::falling, "coulomb_friction"},
+                                                                          {LawFamily::levelling, "coulomb_friction"},
+                                                                          {LawFamily::levelling, "viscous_damping"},
+                                                                          {LawFamily::power, "viscous_damping"},
+                                                                          {LawFamily::power, "quadratic_damping"},
+                                                                          {LawFamily::two_powers, "quadratic_damping"},
+                                                                          {LawFamily::two_slopes, "viscous_damping"}}};
+  if (law.place != CurvePlace::suspension || law.over != CurveOver::velocity) return false;
+  return std::any_of(all.begin(), all.end(), [&](const auto& effect) {
+    const bool stays = std::any_of(kept.begin(), kept.end(), [&](const auto& k) { return k.entry == effect.entry; });
+    return (!stays || law.family == LawFamily::falling) &&
+           std::find(limits.begin(), limits.end(), std::pair(law.family, effect.entry->name)) != limits.end();
+  });
+}
+
+ForceOfEffects::ForceOfEffects(const EffectsBeside& all, const EffectsBeside& kept, CurvePlace place, CurveOver over)
+    : place_(place), over_(over) {
+  for (const firmware::PlacedEffect& effect : all) {
+    if (std::none_of(kept.begin(), kept.end(),
+                     [&](const auto& k) { return k.entry == effect.entry && k.channel == effect.channel; })) {
+      firmware::put_effect(rig_, effect);
+    }
+  }
+}
+
+double ForceOfEffects::operator()(double x) const {
+  const double deflection = over_ == CurveOver::deflection ? x : 0.0, velocity = over_ == CurveOver::velocity ? x : 0.0;
+  double force = 0.0;
+  model::SuspensionComponent<double> part{};
+  rig_.effects.for_each([&](const auto& slot) {
+    if (!slot.active) return;
+    if constexpr (requires { slot.effect.suspension_force(deflection, velocity); }) {
+      if (place_ == CurvePlace::suspension) force += slot.effect.suspension_force(deflection, velocity);
+    }
+    if constexpr (requires { slot.effect.act_on(part); }) {
+      if (place_ == CurvePlace::suspension) slot.effect.act_on(part);
+    } else if constexpr (requires { slot.effect.tyre_force(force, deflection, 0.0); }) {
+      if (place_ == CurvePlace::tyre && slot.effect.card.subsystem == model::Subsystem::tyre &&
+          slot.effect.values.size() > 0) {
+        force += slot.effect.tyre_force(0.0, deflection, 0.0);
+      }
+    }
+  });
+  return force + part.damping * velocity + part.dry_friction * (velocity > 0.0 ? 1.0 : velocity < 0.0 ? -1.0 : 0.0);
+}
+
+}  // namespace host_sim::identification

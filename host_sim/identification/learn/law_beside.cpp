@@ -1,0 +1,107 @@
+#include "host_sim/identification/learn/law_beside.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include "host_sim/identification/select/select_model.hpp"
+
+namespace host_sim::identification {
+namespace {
+
+bool are_same(const EffectsBeside& a, const EffectsBeside& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.entry == y.entry && x.channel == y.channel; });
+}
+
+/// Whether an effect is itself a curve over that variable, at the suspension or the tyre.
+bool is_curve(const firmware::PlacedEffect& effect, CurveOver over) {
+  constexpr std::array<std::string_view, 5> over_velocity{"coulomb_friction", "stribeck_friction", "viscous_damping",
+                                                          "quadratic_damping", "asymmetric_damper"};
+  constexpr std::array<std::string_view, 4> over_deflection{"progressive_spring", "bump_stop", "progressive_tyre",
+                                                            "position_ripple"};
+  const auto has = [&](const auto& names) {
+    return std::find(names.begin(), names.end(), effect.entry->name) != names.end();
+  };
+  return over == CurveOver::velocity ? has(over_velocity) : has(over_deflection);
+}
+
+}  // namespace
+
+bool is_friction(const firmware::PlacedEffect& effect) { return effect.entry->name == "coulomb_friction"; }
+bool is_guide(CurvePlace place) { return place == CurvePlace::body_guide || place == CurvePlace::wheel_guide; }
+
+std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace place, CurveOver over) {
+  const model::Subsystem own = place == CurvePlace::tyre ? model::Subsystem::tyre : model::Subsystem::suspension;
+  const auto those = [&](const auto& keep) {
+    EffectsBeside kept;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(kept), keep);
+    return kept;
+  };
+  const auto elsewhere = [](const firmware::PlacedEffect& e) {
+    return e.channel.has_value() || e.entry->subsystem == model::Subsystem::machine;
+  };
+  std::vector<EffectsBeside> list{
+      {}, those(elsewhere), those([&](const auto& e) { return elsewhere(e) || e.entry->subsystem != own; })};
+  if (over == CurveOver::velocity) {
+    list.push_back(those(is_friction));
+    list.push_back(those([&](const auto& e) { return elsewhere(e) || is_friction(e); }));
+    list.push_back(those([&](const auto& e) { return elsewhere(e) || e.entry->subsystem != own || is_friction(e); }));
+  }
+  // Last, of those at the place, laws of another kind: a curve over velocity beside free play, a spring, a branch.
+  list.push_back(those([&](const auto& e) { return e.entry->subsystem != own || !is_curve(e, over); }));
+  std::vector<EffectsBeside> different;
+  for (auto effects = list.rbegin(); effects != list.rend(); ++effects) {
+    if (std::none_of(different.begin(), different.end(), [&](const EffectsBeside& d) { return are_same(d, *effects); }))
+      different.push_back(std::move(*effects));
+  }
+  std::reverse(different.begin(), different.end());
+  return different;
+}
+
+std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
+  constexpr std::array<std::string_view, 4> with_memory{"stribeck_friction", "bouc_wen", "relaxation",
+                                                        "coulomb_friction"};
+  std::vector<EffectsBeside> different;
+  const auto add = [&](const auto& keep) {
+    EffectsBeside kept;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(kept), keep);
+    if (std::none_of(different.begin(), different.end(), [&](const EffectsBeside& d) { return are_same(d, kept); }))
+      different.push_back(std::move(kept));
+  };
+  const auto remembers = [&](const firmware::PlacedEffect& e) {
+    return std::find(with_memory.begin(), with_memory.end(), e.entry->name) != with_memory.end();
+  };
+  add([&](const auto& e) { return !remembers(e); });
+  add([&](const auto& e) { return !remembers(e) || is_friction(e); });
+  add([](const auto& e) { return e.channel || e.entry->subsystem != model::Subsystem::suspension; });
+  return different;
+}
+
+EffectsBeside effects_beside_guide(const EffectsBeside& all, CurvePlace place) {
+  const model::Subsystem own =
+      place == CurvePlace::body_guide ? model::Subsystem::body_guide : model::Subsystem::wheel_guide;
+  EffectsBeside kept;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(kept),
+               [&](const auto& e) { return e.channel.has_value() || e.entry->subsystem != own; });
+  return kept;
+}
+
+Reasons reasons_for(const IdentificationProblem& problem, const SearchResult& found) {
+  const auto& effects = found.best.effects;
+  const auto two = [&](CurveOver over) {
+    return std::count_if(effects.begin(), effects.end(), [over](const auto& e) {
+             return e.entry->subsystem == model::Subsystem::suspension && is_curve(e, over);
+           }) > 1;
+  };
+  const auto at_suspension = std::count_if(
+      effects.begin(), effects.end(), [](const auto& e) { return e.entry->subsystem == model::Subsystem::suspension; });
+  const bool relaxes =
+      std::any_of(effects.begin(), effects.end(), [](const auto& e) { return e.entry->name == "relaxation"; });
+  return {leaves_a_rest(problem, found), two(CurveOver::velocity), two(CurveOver::deflection),
+          relaxes && at_suspension > 1};
+}
+
+}  // namespace host_sim::identification
