@@ -102,12 +102,14 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                 place.lowest, place.highest, 100.0 * place.share, place.subsystem.c_str());
   }
   if (!diagnosis.prediction_errors.empty()) {
-    std::printf("error ÷ rms on held-out data\n  %-8s %10s %10s %10s %12s\n", "channel", "before", "refit", "after",
-                "noise floor");
+    std::printf("error ÷ rms on held-out data\n  %-8s %10s %10s %10s %12s%s\n", "channel", "before", "refit", "after",
+                "noise floor", diagnosis.prediction_errors.begin()->second.catalogue ? "  catalogue alone" : "");
   }
   for (const auto& [channel, gap] : diagnosis.prediction_errors) {
-    std::printf("  %-8s %10.5f %10.5f %10.5f %12.5f\n", std::string(model::name(channel)).c_str(), gap.before,
-                gap.refit, gap.after, gap.noise_floor);
+    std::printf("  %-8s %10.5f %10.5f %10.5f %12.5f", std::string(model::name(channel)).c_str(), gap.before, gap.refit,
+                gap.after, gap.noise_floor);
+    if (gap.catalogue) std::printf(" %16.5f", *gap.catalogue);
+    std::printf("\n");
   }
   for (const std::string& remark : diagnosis.remarks) std::printf("%s\n", remark.c_str());
   std::printf("%s: verdict.json, report.html, rig.toml\n", folder.string().c_str());

@@ -1,9 +1,11 @@
 // What the confusion matrix calls right, and what worse. That the matrix is good itself is what rigtwin_confusion says.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "tests/confusion/black_box.hpp"
 #include "tests/confusion/golden.hpp"
 #include "tests/confusion/laws.hpp"
 #include "tests/confusion/plan.hpp"
@@ -278,6 +280,24 @@ TEST(Confusion, KnowsWhatIsRightOfLaws) {
   EXPECT_FALSE(outcome("none:hil", d).wrong_law);
   EXPECT_EQ(laws_plan(1, 2).size(), 3 * (17 * 2 + 2 + 9));
   EXPECT_NE(laws_text({outcome("law:hil:iwan", d)}).find("with memory"), std::string::npos);
+}
+
+// Point. A black box finds a recursion of its own terms exactly, up to rounding, and leaves what is none of them.
+TEST(Confusion, ABlackBoxFindsItsOwnTerms) {
+  const auto error = [](double friction) {
+    firmware::Recording bench;
+    std::vector<double>&x = bench[Channel::x_act], &force = bench[Channel::F];
+    for (std::size_t k = 0; k < 20000; ++k) {
+      const double t = 1e-3 * static_cast<double>(k);
+      x.push_back(8e-3 * std::sin(9.0 * t) + 5e-3 * std::sin(31.0 * t + 1.0) + 3e-3 * std::sin(4.1 * t * t));
+      const double moved = k >= 5 ? x[k] - x[k - 5] : 0.0;
+      force.push_back(3e4 * x[k] + 1e8 * x[k] * x[k] * x[k] + 2e5 * moved + 0.4 * (k >= 5 ? force[k - 5] : 0.0) +
+                      friction * (moved > 0.0 ? 1.0 : -1.0));
+    }
+    return BlackBox(bench).error();
+  };
+  EXPECT_LT(error(0.0), 1e-6);
+  EXPECT_GT(error(200.0), 0.02);
 }
 
 }  // namespace

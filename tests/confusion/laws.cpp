@@ -155,6 +155,14 @@ std::string laws_text(const std::vector<Outcome>& outcomes) {
   for (const Known& law : known_laws())
     if (const auto it = lines.find(std::string(law.law)); it != lines.end()) out += law_line(it->first, it->second);
   out += law_line("without memory", memoryless) + law_line("with memory", memory) + law_line("no law", nothing);
+  out += "\nerror of F on held-out data [%]: described, refitted, catalogue alone, with law, black box, noise\n";
+  for (const Outcome& o : outcomes) {
+    if (o.errors_of_force.empty()) continue;
+    out += written("%-18s", law_of(o.asked).c_str());
+    for (const char* of : {"described", "refitted", "catalogue", "law", "black box", "noise"})
+      out += written(" %8.2f", 100.0 * o.errors_of_force.at(of));
+    out += "\n";
+  }
   bool first = true;
   for (const Outcome& o : outcomes) {
     const Known* law = known(o.asked);

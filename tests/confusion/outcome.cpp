@@ -10,6 +10,7 @@
 #include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "firmware/recording/output_file.hpp"
@@ -18,6 +19,7 @@
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
+#include "tests/confusion/black_box.hpp"
 #include "tests/confusion/laws.hpp"
 #include "tests/confusion/rough.hpp"
 
@@ -120,6 +122,15 @@ bool is_hidden_law(const truth::Truth& truth, const host_sim::identification::De
     if (truth.unknown_parameters.contains(value)) return true;
   }
   return false;
+}
+
+/// What stands beside each other in laws_text().
+std::map<std::string, double> errors_of_force(const Diagnosis& diagnosis, double black_box) {
+  const auto it = diagnosis.prediction_errors.find(model::Channel::F);
+  if (it == diagnosis.prediction_errors.end()) return {};
+  const auto& gap = it->second;
+  return {{"described", gap.before}, {"refitted", gap.refit},  {"catalogue", gap.catalogue.value_or(gap.after)},
+          {"law", gap.after},        {"black box", black_box}, {"noise", gap.noise_floor}};
 }
 
 /// JSON has no NaN: it is written as null.
@@ -235,6 +246,9 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
                                                        description.sample_rate),
                          host_sim::identification::Use::shared});
     }
+    std::optional<BlackBox> black_box;
+    if (asked.what() == "law" && truth.kind == truth::Kind::component_bench && records.size() == 1)
+      black_box.emplace(records.front().recording);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();
     const Diagnosis diagnosis = host_sim::identification::diagnose(description, std::move(records));
@@ -242,6 +256,7 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
     if (rough) judge_rough(outcome, truth, diagnosis);
     judge_law(outcome, truth, diagnosis);
     outcome.law_numbers = truth.unknown_parameters;
+    if (black_box) outcome.errors_of_force = errors_of_force(diagnosis, black_box->error());
     outcome.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     outcome.processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
   } catch (const std::exception& problem) {
@@ -273,7 +288,10 @@ ordered_json to_json(const Outcome& o) {
                      {"same_thing", o.same_thing},       {"right", o.rough_right}};
   }
   if (o.asked.what() == "law") {
-    json["law"] = {{"shape_right", o.shape_right}, {"exponent_error", o.exponent_error}, {"numbers", o.law_numbers}};
+    json["law"] = {{"shape_right", o.shape_right},
+                   {"exponent_error", o.exponent_error},
+                   {"numbers", o.law_numbers},
+                   {"errors_of_force", o.errors_of_force}};
   }
   json["wrong_law"] = o.wrong_law;
   json["gap"] = o.gap;
@@ -317,6 +335,7 @@ Outcome outcome_from(const ordered_json& json) {
     o.shape_right = json.at("law").at("shape_right");
     o.exponent_error = number_from(json.at("law").at("exponent_error"));
     o.law_numbers = json.at("law").at("numbers").get<std::map<std::string, double>>();
+    o.errors_of_force = json.at("law").at("errors_of_force").get<std::map<std::string, double>>();
   }
   o.wrong_law = json.value("wrong_law", false);
   o.gap = number_from(json.at("gap"));

@@ -198,10 +198,10 @@ std::string_view name(Verdict verdict) {
 }
 
 Diagnosis assess(const firmware::RigDescription& description, const IdentificationProblem& problem,
-                 const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found,
-                 const Learned& learned) {
+                 const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found, Learned learned) {
   estimate_held_out_starts(found.nothing.fit.hypothesis, description, problem.samples());
   estimate_held_out_starts(found.best.fit.hypothesis, description, problem.samples());
+  if (learned.without) estimate_held_out_starts(*learned.without, description, problem.samples());
   const bool diverges = !stays_finite(problem, found.best.fit.hypothesis);
   if (diverges) give_up(found);
   const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
@@ -224,7 +224,8 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
     result.unexplained = true;
     result.residual = "the model that fits best does not stay finite over the whole recording";
   }
-  result.prediction_errors = prediction_errors(problem, space.given, refit, after);
+  result.prediction_errors =
+      prediction_errors(problem, space.given, refit, after, learned.without ? &*learned.without : nullptr);
   const bool nothing = result.unexplained && leaves_a_whole_signal(result.prediction_errors);
   const double explained = nothing ? 0.0
                                    : explained_share(result.residual_power.refit, result.residual_power.after,

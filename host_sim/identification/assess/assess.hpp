@@ -13,12 +13,13 @@ namespace host_sim::identification {
 ///   2  effects with intervals, confidence and rivals                                 named_effect.hpp
 ///   3  the virtual tyre's effects, which the real-time program itself computes       estimate/virtual_car_estimate.hpp
 ///   4  verdict   no_discrepancy  nothing named, nothing left
-///                unexplained     something is left, and less than thresholds::explains_all explained
+///                unexplained     something is left, and less than thresholds::explains_all explained, or a channel's
+///                                error on held-out data is as large as its signal
 ///                ambiguous       a rival has odds below thresholds::close_odds
 ///                named           else
 ///   5  where the disagreement sits, prediction errors on held-out data, curves for figures, the rig with all of it
 [[nodiscard]] Diagnosis assess(const firmware::RigDescription& description, const IdentificationProblem& problem,
                                const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found,
-                               const Learned& learned);
+                               Learned learned);
 
 }  // namespace host_sim::identification

@@ -48,14 +48,17 @@ double noise_floor(const IdentificationProblem& problem, Channel channel) {
 }  // namespace
 
 std::map<Channel, PredictionError> prediction_errors(const IdentificationProblem& problem, const Hypothesis& given,
-                                                     const Hypothesis& refit, const Hypothesis& after) {
+                                                     const Hypothesis& refit, const Hypothesis& after,
+                                                     const Hypothesis* catalogue) {
   std::map<Channel, PredictionError> result;
   if (!problem.has_held_out()) return result;
   const auto of_given = read_all(problem, given), of_refit = read_all(problem, refit),
              of_after = read_all(problem, after);
+  const auto of_catalogue = catalogue != nullptr ? read_all(problem, *catalogue) : std::vector<Response>();
   for (const Channel channel : problem.channels()) {
     result[channel] = {error_of(problem, of_given, channel), error_of(problem, of_refit, channel),
                        error_of(problem, of_after, channel), noise_floor(problem, channel)};
+    if (catalogue != nullptr) result[channel].catalogue = error_of(problem, of_catalogue, channel);
   }
   return result;
 }

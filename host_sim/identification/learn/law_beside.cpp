@@ -91,17 +91,18 @@ EffectsBeside effects_beside_guide(const EffectsBeside& all, CurvePlace place) {
 
 Reasons reasons_for(const IdentificationProblem& problem, const SearchResult& found) {
   const auto& effects = found.best.effects;
-  const auto two = [&](CurveOver over) {
-    return std::count_if(effects.begin(), effects.end(), [over](const auto& e) {
-             return e.entry->subsystem == model::Subsystem::suspension && is_curve(e, over);
+  const auto named = [&](std::string_view name) {
+    return std::any_of(effects.begin(), effects.end(), [&](const auto& e) { return e.entry->name == name; });
+  };
+  const auto several = [&](const auto& keep) {
+    return std::count_if(effects.begin(), effects.end(), [&](const auto& e) {
+             return e.entry->subsystem == model::Subsystem::suspension && keep(e);
            }) > 1;
   };
-  const auto at_suspension = std::count_if(
-      effects.begin(), effects.end(), [](const auto& e) { return e.entry->subsystem == model::Subsystem::suspension; });
-  const bool relaxes =
-      std::any_of(effects.begin(), effects.end(), [](const auto& e) { return e.entry->name == "relaxation"; });
-  return {leaves_a_rest(problem, found), two(CurveOver::velocity), two(CurveOver::deflection),
-          relaxes && at_suspension > 1};
+  const auto over = [](CurveOver variable) { return [variable](const auto& e) { return is_curve(e, variable); }; };
+  return {leaves_a_rest(problem, found), several(over(CurveOver::velocity)) || named("quadratic_damping"),
+          several(over(CurveOver::deflection)) || named("progressive_spring"),
+          named("relaxation") && several([](const auto& /*e*/) { return true; })};
 }
 
 }  // namespace host_sim::identification

@@ -17,8 +17,9 @@ struct Beside {
   EffectsBeside effects;
 };
 
-/// What a law is asked for: whether more than noise is left, and of the variables over which two effects at the
-/// suspension may be one law, and whether branches with memory may be one.
+/// What a law is asked for: whether more than noise is left; of the variables over which what was found may be another
+/// law: two effects that may be one, or a power whose exponent may be another; and whether branches with memory may be
+/// one.
 struct Reasons {
   bool rest = false;
   bool velocity = false, deflection = false, memory = false;

@@ -63,6 +63,9 @@ class LawSearch {
   [[nodiscard]] std::vector<Beside> places() const;
   [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
   [[nodiscard]] std::vector<Curve> curves() const;
+  [[nodiscard]] IdentificationProblem part_of_it() const;
+  [[nodiscard]] std::optional<Candidate> fitted_as(LawFamily family, const IdentificationProblem& problem,
+                                                   const Hypothesis& start, const EffectsBeside& effects) const;
   [[nodiscard]] std::vector<Candidate> candidates(const std::vector<Curve>& curves) const;
   [[nodiscard]] std::optional<Hypothesis> start_of_stack(LawFamily family, const EffectsBeside& effects,
                                                          double gap) const;
@@ -163,10 +166,15 @@ std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
   return start;
 }
 
+/// As much of the recordings as tells laws apart, at a coarse step.
+IdentificationProblem LawSearch::part_of_it() const {
+  const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
+  return problem_.truncated_and_coarse(share_with(problem_, seconds));
+}
+
 /// The curves worth fitting on the whole, best first.
 std::vector<LawSearch::Curve> LawSearch::curves() const {
-  const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
-  const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
+  const IdentificationProblem part = part_of_it();
   const std::vector<Beside> all = places();
   std::vector<std::optional<Curve>> fitted(all.size());
   const auto fit_from = [&](std::size_t i, const Hypothesis& start, int most) {
@@ -196,11 +204,27 @@ std::vector<LawSearch::Curve> LawSearch::curves() const {
   return list;
 }
 
+std::optional<LawSearch::Candidate> LawSearch::fitted_as(LawFamily family, const IdentificationProblem& problem,
+                                                         const Hypothesis& start, const EffectsBeside& effects) const {
+  if (family == LawFamily::points) {
+    auto curve = fit_curve(problem, space_, start, effects, thresholds::curve_steps);
+    if (!curve) return std::nullopt;
+    const double cost = cost_of(curve->model, curve->freedom);
+    return Candidate{std::move(curve->model), cost, family};
+  }
+  CandidateModel model = fitted_with_laws(problem, space_, start, effects, thresholds::family_steps);
+  if (!std::isfinite(model.fit.chi_squared)) return std::nullopt;
+  const double cost = cost_of(model, static_cast<double>(values_of(family).size()));
+  return Candidate{std::move(model), cost, family};
+}
+
+/// Curves and the families nearest to them, on the part; those that explain most there, on the whole.
 std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>& curves) const {
   struct Task {
     Hypothesis start;
     const Curve* curve;
     LawFamily family;
+    std::optional<Candidate> fitted{};
   };
   std::vector<Task> tasks;
   for (const Curve& curve : curves) {
@@ -216,26 +240,20 @@ std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>
       tasks.push_back({start, &curve, member.law.family});
     }
   }
-  std::vector<std::optional<Candidate>> fitted(tasks.size());
-  for_all(tasks.size(), [&](std::size_t i) {
-    const Task& task = tasks[i];
-    const EffectsBeside& effects = task.curve->beside.effects;
-    if (task.family == LawFamily::points) {
-      auto curve = fit_curve(problem_, space_, task.start, effects, thresholds::curve_steps);
-      if (!curve) return;
-      const double cost = cost_of(curve->model, curve->freedom);
-      fitted[i] = Candidate{std::move(curve->model), cost, task.family};
-    } else {
-      CandidateModel model = fitted_with_laws(problem_, space_, task.start, effects, thresholds::family_steps);
-      if (!std::isfinite(model.fit.chi_squared)) return;
-      const double cost = cost_of(model, static_cast<double>(values_of(task.family).size()));
-      fitted[i] = Candidate{std::move(model), cost, task.family};
-    }
-  });
+  const auto fit_on = [&](const IdentificationProblem& problem) {
+    for_all(tasks.size(), [&](std::size_t i) {
+      tasks[i].fitted = fitted_as(tasks[i].family, problem, tasks[i].start, tasks[i].curve->beside.effects);
+    });
+    std::erase_if(tasks, [](const Task& task) { return !task.fitted || !is_possible(*task.fitted); });
+  };
+  fit_on(part_of_it());
+  const auto cost = [](const Task& task) { return task.fitted ? task.fitted->cost : INFINITY; };
+  std::sort(tasks.begin(), tasks.end(), [&](const Task& a, const Task& b) { return cost(a) < cost(b); });
+  if (tasks.size() > thresholds::fitted_on_whole) tasks.resize(thresholds::fitted_on_whole);
+  for (Task& task : tasks) task.start = task.fitted->model.fit.hypothesis;
+  fit_on(problem_);
   std::vector<Candidate> list;
-  for (auto& candidate : fitted) {
-    if (candidate && is_possible(*candidate)) list.push_back(std::move(*candidate));
-  }
+  for (Task& task : tasks) list.push_back(std::move(*task.fitted));
   return list;
 }
 
@@ -279,8 +297,7 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
     stack.cost = cost_of(*stack.model, 2.0 * branches + (stack.gap > 0.0 ? 1.0 : 0.0));
   };
   const auto better = [](const Stack& a, const Stack& b) { return a.cost < b.cost; };
-  const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
-  const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
+  const IdentificationProblem part = part_of_it();
   std::vector<Stack> best;
   for (const LawFamily family : {LawFamily::sliders, LawFamily::maxwell}) {
     if (!reasons_.rest && !(reasons_.memory && family == LawFamily::maxwell)) continue;
@@ -343,8 +360,7 @@ std::vector<LawSearch::Candidate> LawSearch::surfaces() const {
     const double cost = cost_of(model, static_cast<double>(values_of(family).size()));
     return Candidate{std::move(model), cost, family};
   };
-  const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
-  const IdentificationProblem part = problem_.truncated_and_coarse(share_with(problem_, seconds));
+  const IdentificationProblem part = part_of_it();
   const std::vector<EffectsBeside> beside =
       effects_beside(found_.best.effects, CurvePlace::suspension, CurveOver::velocity);
   std::vector<std::optional<Candidate>> tried(2 * beside.size());
@@ -549,7 +565,9 @@ Learned learn_laws(IdentificationProblem& problem, const SearchSpace& space, con
   if (drifts(found.best.faults()) || !std::isfinite(found.best.fit.chi_squared)) return {};
   const Reasons reasons = reasons_for(problem, found);
   if (!reasons.any()) return {};
+  Hypothesis without = found.best.fit.hypothesis;
   Learned learned = LawSearch(problem, space, progress, reasons, found).learn();
+  if (learned.found) learned.without = std::move(without);
   if (!learned.found || !leaves_a_rest(problem, found)) return learned;
   // A curve beside branches with memory, or one over the other variable.
   const Reasons rest{.rest = true};

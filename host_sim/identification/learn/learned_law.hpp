@@ -1,6 +1,7 @@
 // A law that was learned: its curve, what it looks like, and how sure that is.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,7 @@ struct Learned {
   std::vector<std::string> remarks{};
   /// The two kinds that explain most, the better first: the law that was learned, or what came nearest. Two or none.
   std::vector<Contender> contenders{};
+  std::optional<Hypothesis> without{};  ///< effects of the catalogue alone, where a law was found
   bool found = false;
 };
 

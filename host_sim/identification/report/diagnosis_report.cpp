@@ -51,7 +51,7 @@ void add_gaps(Report& page, const Diagnosis& diagnosis) {
   panel.y.quantity = "channel";
   panel.y.of_names = true;
   report::Bars before{"before", {}, {}, 6}, refit{"tolerances refitted", {}, {}, 4}, after{"after", {}, {}, 0},
-      floor{"noise floor", {}, {}, 2};
+      floor{"noise floor", {}, {}, 2}, catalogue{"effects of the catalogue alone", {}, {}, 5};
   for (auto entry = diagnosis.prediction_errors.rbegin(); entry != diagnosis.prediction_errors.rend(); ++entry) {
     const std::string channel(model::name(entry->first));
     for (auto [bars, value] : {std::pair(&floor, entry->second.noise_floor), std::pair(&after, entry->second.after),
@@ -59,8 +59,13 @@ void add_gaps(Report& page, const Diagnosis& diagnosis) {
       bars->names.push_back(channel);
       bars->values.push_back(100.0 * value);
     }
+    if (!entry->second.catalogue) continue;
+    catalogue.names.push_back(channel);
+    catalogue.values.push_back(100.0 * *entry->second.catalogue);
   }
-  panel.bars = {floor, after, refit, before};
+  panel.bars = {floor, after};
+  if (!catalogue.names.empty()) panel.bars.push_back(catalogue);
+  panel.bars.insert(panel.bars.end(), {refit, before});
   figure.panels.push_back(panel);
   figure.height = 140 + 80 * static_cast<int>(diagnosis.prediction_errors.size());
   page.add_figure(figure);

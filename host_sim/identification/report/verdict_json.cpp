@@ -147,6 +147,7 @@ ordered_json to_json(const Diagnosis& diagnosis) {
   for (const auto& [channel, gap] : diagnosis.prediction_errors) {
     json["gap"][model::name(channel)] = {
         {"before", gap.before}, {"refit", gap.refit}, {"after", gap.after}, {"noise_floor", gap.noise_floor}};
+    if (gap.catalogue) json["gap"][model::name(channel)]["catalogue"] = *gap.catalogue;
   }
   json["parameters"] = ordered_json::object();
   for (const auto& [path, value] : diagnosis.parameters) json["parameters"][path] = to_json(value);

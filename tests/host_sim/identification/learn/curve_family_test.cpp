@@ -5,9 +5,12 @@
 
 #include <algorithm>
 
+#include "tests/host_sim/identification/example_law.hpp"
+
 namespace {
 
 using namespace host_sim::identification;
+using sample::law_of;
 
 /// A free curve that went exactly through a law, every point known to 1 N.
 CurveFit curve_through(const PlacedLaw& law) {
@@ -25,22 +28,12 @@ CurveFit curve_through(const PlacedLaw& law) {
   return curve;
 }
 
-PlacedLaw law_of(LawFamily family, std::vector<double> values, CurveOver over = CurveOver::velocity) {
-  PlacedLaw law;
-  law.over = over;
-  law.family = family;
-  law.rms = 0.1;
-  law.largest = 0.4;
-  law.values = std::move(values);
-  return law;
-}
-
 // Truth by construction. The family that a curve was drawn from comes first, with its values.
 TEST(CurveFamily, findsTheFamilyOfACurve) {
-  const std::vector<PlacedLaw> laws{law_of(LawFamily::power, {200.0, 1.55}),
-                                    law_of(LawFamily::two_slopes, {150.0, 80.0}),
-                                    law_of(LawFamily::two_powers, {150.0, 80.0, 1.7}),
-                                    law_of(LawFamily::one_sided, {900.0, 500.0, 0.1}, CurveOver::deflection)};
+  const std::vector<PlacedLaw> laws{
+      law_of(LawFamily::power, {200.0, 1.55}), law_of(LawFamily::two_slopes, {150.0, 80.0}),
+      law_of(LawFamily::two_powers, {150.0, 80.0, 1.7}), law_of(LawFamily::levelling, {150.0, 0.08}),
+      law_of(LawFamily::one_sided, {900.0, 500.0, 0.1}, CurveOver::deflection)};
   for (const PlacedLaw& law : laws) {
     const std::vector<FamilyMember> list = families_of(curve_through(law), false);
     ASSERT_FALSE(list.empty());

@@ -6,23 +6,15 @@
 #include <cmath>
 #include <utility>
 
-namespace law_and_effects_test {
+#include "tests/host_sim/identification/example_law.hpp"
+
 namespace {
 
 using namespace host_sim::identification;
+using sample::law_of;
 
 firmware::PlacedEffect effect(const char* name, std::vector<double> values) {
   return {firmware::find_effect(name), std::nullopt, std::move(values)};
-}
-
-PlacedLaw law_of(LawFamily family, std::vector<double> values, CurveOver over = CurveOver::velocity) {
-  PlacedLaw law;
-  law.over = over;
-  law.family = family;
-  law.rms = 0.1;
-  law.largest = 0.4;
-  law.values = std::move(values);
-  return law;
 }
 
 // Point. Families that are an effect of the catalogue, by hand: 50 N at r is 50/r³ of a cubic spring; friction of 85 N
@@ -81,4 +73,3 @@ TEST(LawAndEffects, AddsUpWhatIsReplaced) {
 }
 
 }  // namespace
-}  // namespace law_and_effects_test

@@ -40,11 +40,16 @@ TEST(LearnLaws, namesHiddenLawsByTheirShape) {
   ASSERT_EQ(power.laws.size(), 1U);
   EXPECT_EQ(power.laws.front().shape, "power law");
   EXPECT_NEAR(number(power.laws.front(), "exponent"), hidden(group + "power_law_low", 1, "exponent"), 0.05);
+  const PredictionError& gap = power.prediction_errors.at(model::Channel::F);
+  ASSERT_TRUE(gap.catalogue);
+  EXPECT_GT(*gap.catalogue, gap.after);
+  EXPECT_LT(*gap.catalogue, gap.refit);
   EXPECT_EQ(power.verdict, Verdict::named);
   EXPECT_FALSE(power.unexplained);
 
   const Diagnosis lopsided = diagnosed(group + "asymmetric_damper", 1);
   EXPECT_TRUE(lopsided.laws.empty());
+  EXPECT_FALSE(lopsided.prediction_errors.at(model::Channel::F).catalogue);
   ASSERT_EQ(lopsided.effects.size(), 1U);
   EXPECT_EQ(lopsided.effects.front().effect.entry->name, "asymmetric_damper");
 
@@ -79,6 +84,18 @@ TEST(LearnLaws, NamesASlopeThatFallsAllAlong) {
   EXPECT_EQ(found.laws.front().shape, "degressive");
   const double velocity = hidden(group, 100, "degressive_velocity");
   EXPECT_NEAR(number(found.laws.front(), "half_at") / (velocity * (std::sqrt(2.0) - 1.0)), 1.0, 0.1);
+}
+
+// Truth by construction. Friction that sets in within 10 mm/s, where the stroke's noise moves it by as much: the law
+// that has dry friction as its limit is learned, with a rest beside it.
+TEST(LearnLaws, RefinesDryFrictionThoughNoiseBlursIt) {
+  const std::string group = "law:component_bench:smooth_friction";
+  const Diagnosis found = diagnosed(group, 100);
+  ASSERT_EQ(found.laws.size(), 1U);
+  EXPECT_EQ(found.laws.front().shape, "smooth friction");
+  EXPECT_NEAR(number(found.laws.front(), "velocity") / hidden(group, 100, "smooth_velocity"), 1.0, 0.1);
+  EXPECT_TRUE(found.effects.empty());
+  EXPECT_TRUE(found.unexplained);
 }
 
 // Law. The band of a curve holds the curve, its table stands in the rig that is written, and verdict.json says all of

@@ -8,19 +8,12 @@
 
 #include "model/laws/curve.hpp"
 #include "model/laws/surface.hpp"
+#include "tests/host_sim/identification/example_law.hpp"
 
 namespace {
 
 using namespace host_sim::identification;
-
-PlacedLaw law_of(LawFamily family, std::vector<double> values) {
-  PlacedLaw law;
-  law.family = family;
-  law.rms = 0.1;
-  law.largest = 0.4;
-  law.values = std::move(values);
-  return law;
-}
+using sample::law_of;
 
 // Point. Each family by hand, at a point on either side of its corner and of zero.
 TEST(PlacedLaw, familiesByHand) {

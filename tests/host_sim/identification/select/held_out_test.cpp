@@ -31,6 +31,8 @@ TEST(HeldOut, CountsWhatNoFitHasSeen) {
   firmware::put_effect(other.rig, {firmware::find_effect("coulomb_friction"), std::nullopt, {20.0}});
   EXPECT_GT(held_out_chi_squared(bench.problem, other), 2.0 * count);
   EXPECT_EQ(held_out_chi_squared(bench.problem.truncated(0.5), bench.given), 0.0);
+  EXPECT_EQ(held_out_count(bench.problem), recording.held_out_whitening->count());
+  EXPECT_EQ(held_out_count(bench.problem.truncated(0.5)), 0U);
 }
 
 // Law. An effect that the fitted windows support and the held-out ones contradict is left out again. The friction acts
