@@ -12,8 +12,8 @@ export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 LEFT_OUT=-$(xargs <<'END' | tr ' ' ':'
 *RoundTrip.OfEveryEffectThroughEveryCommand/0 *RoundTrip.OfEveryEffectThroughEveryCommand/1 *RoundTrip.OfEveryEffectThroughEveryCommand/2
 AirSpringDiagnosis.* Calibration.* CharacteristicRoots.AgreeWith* Classics.* CompensatedStability.Judges* CompensatedStability.Margins*
-CompensatedStability.Says* CompensationCommand.* DiagnoseCommand.ReadsTheEnds* Diagnosis.FindsANegative* Diagnosis.IsLess* Diagnosis.Learns* Diagnosis.Names* Diagnosis.Reads*
-Diagnosis.Weighs* DiagnosisAtAnyRate.* DiagnosisWithoutRoad.* DuctPolicy.Beats* DuctPolicy.LosesLittle* DuctPolicy.Reaches*
+CompensatedStability.Says* CompensationCommand.* DiagnoseCommand.ReadsTheEnds* Diagnosis.DoesNotJudge* Diagnosis.FindsANegative* Diagnosis.IsLess* Diagnosis.Learns* Diagnosis.Names* Diagnosis.Reads*
+Diagnosis.SaysOfNo* Diagnosis.Weighs* DiagnosisAtAnyRate.* DiagnosisWithoutRoad.* DuctPolicy.Beats* DuctPolicy.LosesLittle* DuctPolicy.Reaches*
 EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Finite.VerdictOrOneLine* HeldOut.TakesAway* HowMade.*
 Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.ReachesTheBounds* LawBand.Holds* LawConstancy.Doubts* LearnLaws.* Manual.*
 ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstReference.Follows*Delay ModelAgainstReference.Follows*Friction
@@ -23,7 +23,7 @@ RecordingFaults.TheInputs* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.S
 SampledLoop.TendsTo* Search.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityMap.IsExact* StabilityMap.TakesAny*
 StabilityReport.IsWhole* StackFit.Diagnosis* SuspectParameters.A* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand*
 SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is*
-TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthSimulation.*
+TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthNeighbours.DifferentiateBy* TruthSimulation.*
 Uncertainty.HoldsTheTruth* UnitCheck.AreNotSeen* UnitCheck.FindTheChannel*
 END
 )

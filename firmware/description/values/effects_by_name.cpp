@@ -29,6 +29,11 @@ double tyre_force_of(std::span<const double> values, double force, double deflec
 }
 
 template <class Effect>
+concept Remembers = requires(const Effect& effect) {
+  effect.force_after(0.0, 0.0);
+};
+
+template <class Effect>
 CatalogueEntry entry_of(bool of_channel) {
   const auto& card = Effect::card;
   CatalogueEntry entry{.name = card.name,
@@ -43,7 +48,7 @@ CatalogueEntry entry_of(bool of_channel) {
                        .corner = card.corner,
                        .contains = card.contains,
                        .imitates = card.imitates,
-                       .remembers = requires(const Effect& e) { e.force_after(0.0, 0.0); },
+                       .remembers = Remembers<Effect>,
                        .of_channel = of_channel,
                        .tyre_force = nullptr};
   if constexpr (model::TyreLaw<Effect>) entry.tyre_force = tyre_force_of<Effect>;
