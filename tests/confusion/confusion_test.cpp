@@ -259,6 +259,11 @@ TEST(Confusion, KnowsWhatIsRightOfLaws) {
   const Outcome again = outcome_from(nlohmann::ordered_json::parse(to_json(outcome(power, d)).dump()));
   EXPECT_TRUE(again.right());
   EXPECT_NEAR(again.exponent_error, 0.03, 1e-12);
+  Outcome diverged = outcome(power, d);
+  diverged.errors_of_force = {{"black box", INFINITY}, {"law", 0.02}};
+  const auto through_text = outcome_from(nlohmann::ordered_json::parse(to_json(diverged).dump())).errors_of_force;
+  EXPECT_FALSE(std::isfinite(through_text.at("black box")));
+  EXPECT_EQ(through_text.at("law"), 0.02);
   d.effects = {named("quadratic_damping", std::nullopt, 100.0, 0.9)};
   EXPECT_FALSE(outcome(power, d).right()) << "and another name";
   d.laws.clear();

@@ -76,8 +76,7 @@ Certainty certainty_of(const IdentificationProblem& problem, const SearchResult&
           std::max(1.0, found.best.fit.chi_squared / count), seen_from(count, problem.channels().size())};
 }
 
-/// Whether a channel's error is as large as its signal, beyond noise: then nothing is explained, however much worse the
-/// description is.
+/// True if a channel's error is as large as its signal, and more than noise: the model then explains nothing.
 bool leaves_a_whole_signal(const std::map<Channel, PredictionError>& errors) {
   return std::any_of(errors.begin(), errors.end(), [](const auto& error) {
     return error.second.after >= std::max(1.0, 2.0 * error.second.noise_floor);

@@ -42,7 +42,7 @@ std::optional<firmware::PlacedEffect> named_like(const PlacedLaw& law, double fr
   return std::nullopt;
 }
 
-/// Whether values lie within what the card of their effect allows.
+/// True if every value lies within the bounds of its effect's card.
 bool is_allowed(const firmware::PlacedEffect& effect) {
   for (std::size_t i = 0; i < effect.values.size(); ++i) {
     const model::EffectParameter& card = effect.entry->parameters[i];

@@ -1,4 +1,4 @@
-// What laws and effects of the catalogue have in common.
+// A law that is an effect of the catalogue, and an effect that is a law's limit.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@ namespace host_sim::identification {
 /// as its card allows. nullopt: none.
 [[nodiscard]] std::optional<firmware::PlacedEffect> effect_like(const PlacedLaw& law, const EffectsBeside& beside);
 
-/// Whether a curve stands in the place of dry friction of `all`, which is not among `kept`: it steps at rest by as much
-/// as half of that friction, which no curve of points can draw.
+/// True if a curve replaces dry friction: `all` holds one, `kept` none, and the curve steps at rest by half of it or
+/// more. No curve of points can draw such a step.
 [[nodiscard]] bool draws_friction(const PlacedLaw& law, const EffectsBeside& all, const EffectsBeside& kept);
 
 /// Whether a family holds an effect whose place it takes as its limit: one more number for the same law.

@@ -43,7 +43,12 @@ class LawSearch {
  public:
   LawSearch(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
             const Reasons& reasons, SearchResult& found)
-      : problem_(problem), space_(space), progress_(progress), reasons_(reasons), found_(found) {}
+      : problem_(problem),
+        part_(part_of(problem)),
+        space_(space),
+        progress_(progress),
+        reasons_(reasons),
+        found_(found) {}
 
   Learned learn();
 
@@ -63,7 +68,6 @@ class LawSearch {
   [[nodiscard]] std::vector<Beside> places() const;
   [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
   [[nodiscard]] std::vector<Curve> curves() const;
-  [[nodiscard]] IdentificationProblem part_of_it() const;
   [[nodiscard]] std::optional<Candidate> fitted_as(LawFamily family, const IdentificationProblem& problem,
                                                    const Hypothesis& start, const EffectsBeside& effects) const;
   [[nodiscard]] std::vector<Candidate> candidates(const std::vector<Curve>& curves) const;
@@ -84,7 +88,14 @@ class LawSearch {
     if (progress_) progress_(share, what, found_.simulations, found_.candidates);
   }
 
+  /// As much of the recordings as tells laws apart, at a coarse step.
+  [[nodiscard]] static IdentificationProblem part_of(const IdentificationProblem& problem) {
+    const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem.fitted_count());
+    return problem.truncated_and_coarse(share_with(problem, seconds));
+  }
+
   IdentificationProblem& problem_;
+  const IdentificationProblem part_;
   const SearchSpace& space_;
   const ProgressCallback& progress_;
   const Reasons& reasons_;
@@ -166,19 +177,12 @@ std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
   return start;
 }
 
-/// As much of the recordings as tells laws apart, at a coarse step.
-IdentificationProblem LawSearch::part_of_it() const {
-  const double seconds = thresholds::seconds_of_curves / static_cast<double>(problem_.fitted_count());
-  return problem_.truncated_and_coarse(share_with(problem_, seconds));
-}
-
 /// The curves worth fitting on the whole, best first.
 std::vector<LawSearch::Curve> LawSearch::curves() const {
-  const IdentificationProblem part = part_of_it();
   const std::vector<Beside> all = places();
   std::vector<std::optional<Curve>> fitted(all.size());
   const auto fit_from = [&](std::size_t i, const Hypothesis& start, int most) {
-    auto curve = fit_curve(part, space_, start, all[i].effects, most);
+    auto curve = fit_curve(part_, space_, start, all[i].effects, most);
     if (!curve) return;
     const double cost = cost_of(curve->model, std::min(curve->freedom, thresholds::fewest_values));
     fitted[i] = Curve{all[i], std::move(*curve), cost};
@@ -246,7 +250,7 @@ std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>
     });
     std::erase_if(tasks, [](const Task& task) { return !task.fitted || !is_possible(*task.fitted); });
   };
-  fit_on(part_of_it());
+  fit_on(part_);
   const auto cost = [](const Task& task) { return task.fitted ? task.fitted->cost : INFINITY; };
   std::sort(tasks.begin(), tasks.end(), [&](const Task& a, const Task& b) { return cost(a) < cost(b); });
   if (tasks.size() > thresholds::fitted_on_whole) tasks.resize(thresholds::fitted_on_whole);
@@ -297,7 +301,6 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
     stack.cost = cost_of(*stack.model, 2.0 * branches + (stack.gap > 0.0 ? 1.0 : 0.0));
   };
   const auto better = [](const Stack& a, const Stack& b) { return a.cost < b.cost; };
-  const IdentificationProblem part = part_of_it();
   std::vector<Stack> best;
   for (const LawFamily family : {LawFamily::sliders, LawFamily::maxwell}) {
     if (!reasons_.rest && !(reasons_.memory && family == LawFamily::maxwell)) continue;
@@ -305,12 +308,12 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
     for (EffectsBeside& effects : effects_beside_stack(found_.best.effects)) {
       tried.push_back({family, std::move(effects)});
     }
-    for_all(tried.size(), [&](std::size_t i) { fit_on(part, tried[i]); });
+    for_all(tried.size(), [&](std::size_t i) { fit_on(part_, tried[i]); });
     Stack nearest = *std::min_element(tried.begin(), tried.end(), better);
     if (family == LawFamily::sliders && nearest.model) {
       std::vector<Stack> with_play;
       for (const double gap : thresholds::gaps) with_play.push_back({family, nearest.effects, gap});
-      for_all(with_play.size(), [&](std::size_t i) { fit_on(part, with_play[i]); });
+      for_all(with_play.size(), [&](std::size_t i) { fit_on(part_, with_play[i]); });
       const Stack& play = *std::min_element(with_play.begin(), with_play.end(), better);
       const double margin = thresholds::law_margin * temper_of(nearest.model->fit);
       if (play.cost + margin < nearest.cost) nearest = play;
@@ -360,14 +363,13 @@ std::vector<LawSearch::Candidate> LawSearch::surfaces() const {
     const double cost = cost_of(model, static_cast<double>(values_of(family).size()));
     return Candidate{std::move(model), cost, family};
   };
-  const IdentificationProblem part = part_of_it();
   const std::vector<EffectsBeside> beside =
       effects_beside(found_.best.effects, CurvePlace::suspension, CurveOver::velocity);
   std::vector<std::optional<Candidate>> tried(2 * beside.size());
   const auto family_of = [](std::size_t i) { return i % 2 == 0 ? LawFamily::follows_load : LawFamily::along_stroke; };
   for_all(tried.size(), [&](std::size_t i) {
     if (const auto start = start_of_surface(family_of(i), beside[i / 2]))
-      tried[i] = fit_on(part, family_of(i), beside[i / 2], *start);
+      tried[i] = fit_on(part_, family_of(i), beside[i / 2], *start);
   });
   std::vector<std::size_t> best;
   for (std::size_t family = 0; family < 2; ++family) {

@@ -1,4 +1,4 @@
-// What laws and effects of the catalogue have in common.
+// A law that is an effect of the catalogue, and an effect that is a law's limit.
 #include "host_sim/identification/learn/law_and_effects.hpp"
 
 #include <gtest/gtest.h>
