@@ -80,11 +80,6 @@ std::optional<CompensationDescription> read_compensation(DescriptionTable& top,
              "[compensation] has no loop to compensate: this is a " + std::string(model::name(rig.kind)),
              "kind = \"hil\", or no [compensation]");
   }
-  if (rig.lever.any() || rig.air_spring.skyhook > 0.0) {
-    top.fail("compensation",
-             "[compensation] stands beside " + std::string(rig.lever.any() ? "a [lever]" : "air_spring.skyhook"),
-             "neither: such a loop is analysed without compensation only, and none may move unproven");
-  }
   CompensationDescription given;
   given.kind = read_kind_of_compensation(*table);
   for (const CompensationKey& key : number_keys) {

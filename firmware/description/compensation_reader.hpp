@@ -24,8 +24,8 @@ struct CompensationKey {
 };
 [[nodiscard]] std::span<const CompensationKey> compensation_keys();
 
-/// Reads [compensation], if it is there. InputError for a rig that is no hil, a lever or a skyhook beside it (their
-/// loop is analysed without compensation only), an unknown kind or key, a number outside its bounds.
+/// Reads [compensation], if it is there. InputError for a rig that is no hil, an unknown kind or key, a number outside
+/// its bounds.
 [[nodiscard]] std::optional<CompensationDescription> read_compensation(DescriptionTable& top,
                                                                        const model::RigParameters<double>& rig);
 

@@ -34,7 +34,7 @@ double stiffness_with_fdva(const Rig& rig) {
 
 /// (2) at jω
 Phasor component_at(const Rig& rig, double omega) {
-  Phasor k{model::spring_stiffness(rig), (rig.suspension.damping + rig.machine.virtual_damping) * omega};
+  Phasor k{model::spring_stiffness(rig), rig.suspension.damping * omega};
   if (rig.has_fdva) {
     const auto& fdva = rig.fdva;
     const auto duct = model::Fdva<double>::duct(fdva);
@@ -48,9 +48,21 @@ Phasor component_at(const Rig& rig, double omega) {
   return k;
 }
 
-/// |F_w/z_r|² by (1).
-double wheel_load_square(const Rig& rig, double ratio, double omega) {
-  const Phasor k = Phasor{ratio * ratio, 0.0} * component_at(rig, omega);
+/// The lever at rest: a factor of the component's force and travel each, and a spring of its own.
+struct LeverAtRest {
+  double ratio = 1.0, stiffness = 0.0;  ///< i(0), F₀ di/dd [N/m]
+};
+
+LeverAtRest lever_at_rest(const Rig& rig) {
+  if (!rig.lever.any()) return {};
+  const model::Lever<double> lever(rig.lever, rig.body.mass);
+  return {lever.ratio(0.0), lever.load() * lever.slope(0.0)};
+}
+
+/// |F_w/z_r|² by (1). The virtual damping acts at the car, before a lever.
+double wheel_load_square(const Rig& rig, LeverAtRest lever, double omega) {
+  const Phasor k = Phasor{lever.ratio * lever.ratio, 0.0} * component_at(rig, omega) +
+                   Phasor{lever.stiffness, rig.machine.virtual_damping * omega};
   const Phasor body{-rig.body.mass * omega * omega, 0.0};
   const Phasor tyre{rig.tyre.stiffness, rig.tyre.damping * omega};
   const Phasor d = Phasor{-rig.wheel.mass * omega * omega, 0.0} + k * body / (body + k);
@@ -98,13 +110,12 @@ compensation::Settings settings_for(const RigDescription& description, Kind kind
 }  // namespace
 
 double wheel_mode(const Rig& rig) {
-  double ratio = 1.0;
-  if (rig.lever.any()) ratio = model::Lever<double>(rig.lever, rig.body.mass).ratio(0.0);
-  const double k = ratio * ratio * stiffness_with_fdva(rig);
+  const LeverAtRest lever = lever_at_rest(rig);
+  const double k = lever.ratio * lever.ratio * stiffness_with_fdva(rig) + lever.stiffness;
   const double about = std::sqrt((rig.tyre.stiffness + k) / rig.wheel.mass + k / rig.body.mass);
   double best = about, highest = 0.0;
   for (double omega = lowest_share * about; omega < highest_share * about; omega *= grid_of_peak) {
-    const double square = wheel_load_square(rig, ratio, omega);
+    const double square = wheel_load_square(rig, lever, omega);
     if (square > highest) best = omega;
     highest = std::max(highest, square);
   }

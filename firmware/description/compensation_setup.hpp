@@ -31,7 +31,7 @@ namespace firmware {
 /// Where the wheel load of the undelayed loop has its peak [rad/s], over the linear car, springs, dampers and FDVA:
 ///
 ///   (1)  F_w/z_r = T D/(D + T),   T = k_t + b_t s,   D = m_w s² + K m_b s²/(m_b s² + K)
-///   (2)  K = i² (k + (b + b̃) s + k_c (s² + r s)/(s² + r s + a)),   a = n k_c/(I A_p²),   r = R/I
+///   (2)  K = i² (k + b s + k_c (s² + r s)/(s² + r s + a)) + b̃ s + F₀ di/dd,   a = n k_c/(I A_p²),   r = R/I
 ///
 /// An undercompensated loop rings there. No libm function: the same bits on every machine.
 [[nodiscard]] double wheel_mode(const model::RigParameters<double>& rig);

@@ -124,6 +124,24 @@ void for_each_named_channel(DescriptionTable& table, const Use& use) {
   }
 }
 
+std::optional<ConverterDescription::Output> read_output(DescriptionTable& table, std::string_view name) {
+  auto entry = table.table(name);
+  if (!entry) return std::nullopt;
+  ConverterDescription::Output output{entry->text("device"), entry->text("output")};
+  output.scale = entry->factor("scale");
+  entry->optional_number("offset", output.offset);
+  constexpr int most = 1 << 24;
+  if (entry->has("lowest_counts")) output.lowest_counts = entry->whole_in("lowest_counts", -most, most);
+  if (entry->has("highest_counts")) output.highest_counts = entry->whole_in("highest_counts", -most, most);
+  if (output.lowest_counts >= output.highest_counts) {
+    throw InputError(table.source(), entry->line(),
+                     "converters." + std::string(name) + " has no counts between lowest and highest",
+                     "lowest_counts < highest_counts");
+  }
+  entry->finish();
+  return output;
+}
+
 void read_converters(DescriptionTable& table, double period, ConverterDescription& converters) {
   if (table.has("trigger")) converters.trigger = table.text("trigger");
   if (table.has("trigger_rate")) converters.trigger_rate = table.positive("trigger_rate");
@@ -135,20 +153,8 @@ void read_converters(DescriptionTable& table, double period, ConverterDescriptio
     entry.optional_number("offset", input.offset);
     converters.inputs.push_back(std::move(input));
   });
-  if (auto entry = table.table("command")) {
-    ConverterDescription::Output output{entry->text("device"), entry->text("output")};
-    output.scale = entry->factor("scale");
-    entry->optional_number("offset", output.offset);
-    constexpr int most = 1 << 24;
-    if (entry->has("lowest_counts")) output.lowest_counts = entry->whole_in("lowest_counts", -most, most);
-    if (entry->has("highest_counts")) output.highest_counts = entry->whole_in("highest_counts", -most, most);
-    if (output.lowest_counts >= output.highest_counts) {
-      throw InputError(table.source(), entry->line(), "converters.command has no counts between lowest and highest",
-                       "lowest_counts < highest_counts");
-    }
-    entry->finish();
-    converters.command = std::move(output);
-  }
+  converters.command = read_output(table, "command");
+  converters.area = read_output(table, "area");
   table.finish();
 }
 

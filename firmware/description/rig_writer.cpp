@@ -247,13 +247,15 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
       out.line("input", basic_string_of(input.input));
       scaled(input.scale, input.offset);
     }
-    if (const auto& command = converters.command) {
-      out.table("converters.command");
-      out.line("device", basic_string_of(command->device));
-      out.line("output", basic_string_of(command->output));
-      scaled(command->scale, command->offset);
-      out.line("lowest_counts", std::to_string(command->lowest_counts));
-      out.line("highest_counts", std::to_string(command->highest_counts));
+    for (const auto& [name, output] :
+         {std::pair("command", &converters.command), std::pair("area", &converters.area)}) {
+      if (!*output) continue;
+      out.table("converters." + std::string(name));
+      out.line("device", basic_string_of((*output)->device));
+      out.line("output", basic_string_of((*output)->output));
+      scaled((*output)->scale, (*output)->offset);
+      out.line("lowest_counts", std::to_string((*output)->lowest_counts));
+      out.line("highest_counts", std::to_string((*output)->highest_counts));
     }
   }
   for (const LaserDescription& laser : hardware.lasers) {

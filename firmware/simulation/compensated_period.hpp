@@ -1,6 +1,7 @@
 // One period of virtual car, compensation and simulated machine, in the order of ControlLoop.
 #pragma once
 
+#include "firmware/loop/area_control.hpp"
 #include "firmware/loop/compensation/compensation.hpp"
 #include "model/rig_model.hpp"
 
@@ -12,6 +13,7 @@ struct CompensatedParts {
   model::VirtualCar<double>::State& car_state;
   const model::RigModel<>& hardware;  ///< test machine and component
   model::RigModel<>::State& hardware_state;
+  const AreaControl<true>& area;  ///< of an active air spring
   Compensation* compensation = nullptr;
 };
 
@@ -25,16 +27,21 @@ struct CompensatedPeriod {
 /// \param force_factor  of the measured force, before the compensation
 inline CompensatedPeriod step_compensated(const CompensatedParts& loop, const model::Motion<double>& road,
                                           int open_ducts, double force_factor = 1.0) {
+  if (loop.area.wanted()) {
+    const double velocity = loop.car_state.core(model::CoreIndex::body_velocity);
+    loop.hardware.command_area(loop.hardware_state, loop.area.command(velocity));
+  }
   const auto shown = loop.hardware.measured(loop.hardware_state);
   CompensatedPeriod period;
   period.measured = force_factor * shown[model::index(model::Channel::F)];
   loop.car.receive_force(loop.car_state,
                          loop.compensation != nullptr ? loop.compensation->force(period.measured) : period.measured);
   loop.car.step(loop.car_state, {.foot_point = road});
-  const auto wanted = loop.car.deflection(loop.car_state);
+  const auto deflection = loop.car.deflection(loop.car_state);
+  const auto wanted = loop.car.component_stroke(deflection);
   const auto signals = loop.car.signals(loop.car_state);
-  const double acceleration =
-      signals[model::index(model::Channel::zdd_w)] - signals[model::index(model::Channel::zdd_b)];
+  const double acceleration = loop.car.component_acceleration(
+      deflection, signals[model::index(model::Channel::zdd_w)] - signals[model::index(model::Channel::zdd_b)]);
   auto& command = period.answer.command;
   command = {wanted.position, wanted.velocity, acceleration};
   if (loop.compensation != nullptr) {

@@ -138,6 +138,7 @@ class CompensatedRig {
       : car_(description.rig, description.period(), model::ModelledPart::virtual_car),
         hardware_(std::make_unique<Model>(description.rig, description.period(), model::ModelledPart::test_machine)),
         state_(std::make_unique<Model::State>(hardware_->start(0.0))),
+        area_(description.rig),
         compensation_(compensation_of(description)) {
     model::Column<double, 6> core;
     core << start, 0.0, start, 0.0, 0.0, 0.0;
@@ -147,8 +148,9 @@ class CompensatedRig {
 
   LoopPeriod step(const model::Motion<double>& foot_point, model::OpenDucts open) {
     if (hardware_->parameters().has_fdva && open != state_->ducts.open()) hardware_->open_ducts(*state_, open);
-    const auto [measured, answer] = step_compensated({car_, car_state_, *hardware_, *state_, compensation_.get()},
-                                                     foot_point, std::popcount(static_cast<unsigned>(open)));
+    const auto [measured, answer] =
+        step_compensated({car_, car_state_, *hardware_, *state_, area_, compensation_.get()}, foot_point,
+                         std::popcount(static_cast<unsigned>(open)));
     LoopPeriod period{{answer.command.position, answer.command.velocity, answer.command.acceleration}, measured};
     if (answer.excess) {
       const bool of_force = answer.excess->of_force;
@@ -164,6 +166,7 @@ class CompensatedRig {
   model::VirtualCar<double>::State car_state_{};
   std::unique_ptr<Model> hardware_;
   std::unique_ptr<Model::State> state_;
+  AreaControl<true> area_;
   std::unique_ptr<Compensation> compensation_;
 };
 
@@ -230,15 +233,22 @@ MotionObjection limits_objection(const RigDescription& description) {
             "limits.measured_stroke"};
   }
   if (const auto& converters = description.hardware.converters; converters && converters->command) {
-    const auto& output = *converters->command;
-    const double low = output.scale * output.lowest_counts + output.offset;
-    const double high = output.scale * output.highest_counts + output.offset;
+    const auto [low, high] = converters->command->ends();
     const double half_stroke = 0.5 * settings.limits.stroke;
-    if (std::min(low, high) > -half_stroke || std::max(low, high) < half_stroke) {
-      return {"[converters.command] puts out " + rounded(std::min(low, high)) + " … " + rounded(std::max(low, high)) +
+    if (low > -half_stroke || high < half_stroke) {
+      return {"[converters.command] puts out " + rounded(low) + " … " + rounded(high) +
                   " m, limits.stroke = " + rounded(settings.limits.stroke) + " m is wider; expected at most " +
-                  rounded(2.0 * std::min(-std::min(low, high), std::max(low, high))) + " m",
+                  rounded(2.0 * std::min(-low, high)) + " m",
               "limits.stroke"};
+    }
+  }
+  if (const auto& converters = description.hardware.converters; converters && converters->area) {
+    const auto [low, high] = converters->area->ends();
+    const double stroke = description.rig.air_spring.actuator_stroke;
+    if (low > -stroke || high < stroke) {
+      return {"[converters.area] puts out " + rounded(low) + " … " + rounded(high) + ", air_spring.actuator_stroke = " +
+                  rounded(stroke) + " is more; expected at most " + rounded(std::min(-low, high)),
+              "air_spring.actuator_stroke"};
     }
   }
   return {};

@@ -217,17 +217,10 @@ Result<void> IioConverters::read(Frame& frame, Time now) {
   return {};
 }
 
-IioCommand::IioCommand(const Wanted& wanted, Clock& clock, int file)
-    : wanted_(wanted), clock_(clock), file_(file), limit_(wanted.bounds, wanted.rest) {
-  const Result<double> shown = read_back();
-  if (shown && *shown >= wanted.bounds.lowest && *shown <= wanted.bounds.highest) {
-    limit_ = CommandLimit(wanted.bounds, *shown);
-  }
-}
-IioCommand::~IioCommand() { ::close(file_); }
+IioOutput::~IioOutput() { ::close(file_); }
 
-Opened<IioCommand> IioCommand::open(const Wanted& wanted, Clock& clock) {
-  Opened<IioCommand> opened;
+Opened<IioOutput> IioOutput::open(const Wanted& wanted) {
+  Opened<IioOutput> opened;
   const Context context = open_context(opened.trouble);
   if (!context) return opened;
   iio_device* device = find(context, wanted.device, false, opened.trouble);
@@ -246,16 +239,12 @@ Opened<IioCommand> IioCommand::open(const Wanted& wanted, Clock& clock) {
     opened.trouble = path + ": " + words_of(errno);
     return opened;
   }
-  opened.device.reset(new IioCommand(wanted, clock, file));
+  opened.device.reset(new IioOutput(wanted, file));
   return opened;
 }
 
-Result<void> IioCommand::do_write(const Command& command) {
-  const Time now = clock_.now();
-  const double dt = last_ == never ? wanted_.bounds.period : (now - last_).seconds();
-  last_ = now;
-  const double exact = (limit_.limit(command.position, dt) - wanted_.offset) / wanted_.scale;
-  long counts = std::lround(exact);
+Result<void> IioOutput::write(double value) {
+  long counts = std::lround((value - wanted_.offset) / wanted_.scale);
   if (counts < wanted_.lowest_counts) counts = wanted_.lowest_counts;
   if (counts > wanted_.highest_counts) counts = wanted_.highest_counts;
   char text[24];
@@ -268,8 +257,7 @@ Result<void> IioCommand::do_write(const Command& command) {
   }
 }
 
-/// By (1). refused: the converter does not show what it puts out.
-Result<double> IioCommand::do_read_back() {
+Result<double> IioOutput::read_back() const {
   char text[24];
   ssize_t size = -1;
   do {
@@ -279,6 +267,34 @@ Result<double> IioCommand::do_read_back() {
   long counts = 0;
   if (std::from_chars(text, text + size, counts).ec != std::errc{}) return Fault::refused;
   return wanted_.scale * static_cast<double>(counts) + wanted_.offset;
+}
+
+IioCommand::IioCommand(const Wanted& wanted, Clock& clock, std::unique_ptr<IioOutput> output)
+    : longest_(wanted.bounds.period), clock_(clock), output_(std::move(output)), limit_(wanted.bounds, wanted.rest) {
+  const Result<double> shown = output_->read_back();
+  if (shown && *shown >= wanted.bounds.lowest && *shown <= wanted.bounds.highest) {
+    limit_ = CommandLimit(wanted.bounds, *shown);
+  }
+}
+
+Opened<IioCommand> IioCommand::open(const Wanted& wanted, Clock& clock) {
+  auto output = IioOutput::open(wanted.output);
+  if (!output) return {nullptr, output.trouble};
+  return {std::unique_ptr<IioCommand>(new IioCommand(wanted, clock, std::move(output.device))), {}};
+}
+
+Result<void> IioCommand::do_write(const Command& command) {
+  const Time now = clock_.now();
+  const double dt = last_ == never ? longest_ : (now - last_).seconds();
+  last_ = now;
+  return output_->write(limit_.limit(command.position, dt));
+}
+
+Opened<IioArea> IioArea::open(const IioOutput::Wanted& wanted) {
+  auto output = IioOutput::open(wanted);
+  if (!output) return {nullptr, output.trouble};
+  if (!output.device->write(0.0)) return {nullptr, place(wanted.device, wanted.output) + " takes no value"};
+  return {std::unique_ptr<IioArea>(new IioArea(std::move(output.device))), {}};
 }
 
 std::string list_iio() {

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "hal/area_output.hpp"
 #include "hal/clock.hpp"
 #include "hal/command_output.hpp"
 #include "hal/linux/command_limit.hpp"
@@ -46,37 +48,71 @@ class IioConverters final : public SensorPart {
   std::unique_ptr<Capture> capture_;
 };
 
-/// The set point of the drive as the value of a digital-to-analogue converter.
+/// One output of a digital-to-analogue converter.
 ///
-///   (1)  counts = (limited position − offset)/scale, rounded, within lowest_counts … highest_counts
-class IioCommand final : public CommandOutput {
+///   (1)  counts = (value − offset)/scale, rounded, within lowest_counts … highest_counts
+class IioOutput {
  public:
   struct Wanted {
     std::string device;   ///< name or id
     std::string output;   ///< "voltage0"
-    double scale = 1.0;   ///< [m/count]
-    double offset = 0.0;  ///< position at 0 counts [m]
+    double scale = 1.0;   ///< [SI unit/count]
+    double offset = 0.0;  ///< value at 0 counts [SI unit]
     long lowest_counts = 0, highest_counts = 65535;
+  };
+  [[nodiscard]] static Opened<IioOutput> open(const Wanted& wanted);
+  ~IioOutput();
+  IioOutput(const IioOutput&) = delete;
+  IioOutput& operator=(const IioOutput&) = delete;
+
+  Result<void> write(double value);
+  /// By (1). refused: the converter does not show what it puts out.
+  [[nodiscard]] Result<double> read_back() const;
+
+ private:
+  IioOutput(const Wanted& wanted, int file) : wanted_(wanted), file_(file) {}
+
+  Wanted wanted_;
+  int file_;  ///< the converter's raw value in sysfs
+};
+
+/// The set point of the drive [m], limited once more.
+class IioCommand final : public CommandOutput {
+ public:
+  struct Wanted {
+    IioOutput::Wanted output;
     CommandLimit::Bounds bounds{};
     double rest = 0.0;  ///< where the drive is taken to be at first [m], if the converter does not show it
   };
   [[nodiscard]] static Opened<IioCommand> open(const Wanted& wanted, Clock& clock);
-  ~IioCommand() override;
-  IioCommand(const IioCommand&) = delete;
-  IioCommand& operator=(const IioCommand&) = delete;
 
   [[nodiscard]] const CommandLimit& limit() const { return limit_; }
 
  private:
-  IioCommand(const Wanted& wanted, Clock& clock, int file);
+  IioCommand(const Wanted& wanted, Clock& clock, std::unique_ptr<IioOutput> output);
   Result<void> do_write(const Command& command) override;
-  Result<double> do_read_back() override;
+  Result<double> do_read_back() override { return output_->read_back(); }
 
-  Wanted wanted_;
+  double longest_;  ///< most that one step may count as having taken [s]
   Clock& clock_;
-  int file_;  ///< the converter's raw value in sysfs
+  std::unique_ptr<IioOutput> output_;
   CommandLimit limit_;
   Time last_ = never;
+};
+
+/// The area of an air spring, as its relative change [1]. Opened and closed at rest: 0.
+class IioArea final : public AreaOutput {
+ public:
+  [[nodiscard]] static Opened<IioArea> open(const IioOutput::Wanted& wanted);
+  ~IioArea() override { static_cast<void>(output_->write(0.0)); }
+  IioArea(const IioArea&) = delete;
+  IioArea& operator=(const IioArea&) = delete;
+
+ private:
+  explicit IioArea(std::unique_ptr<IioOutput> output) : output_(std::move(output)) {}
+  Result<void> do_write(double area) override { return output_->write(area); }
+
+  std::unique_ptr<IioOutput> output_;
 };
 
 /// Devices, channels and triggers that are there, for people.

@@ -75,7 +75,7 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
 
 void print_sampled(const StabilityAnalysis& a) {
   if (!a.sampled) {
-    std::printf("sampled loop: not analysed: a skyhook or a lever, or a delay beyond the model's line at this rate\n");
+    std::printf("sampled loop: not analysed: a delay beyond the model's line at this rate\n");
     return;
   }
   const auto& s = *a.sampled;

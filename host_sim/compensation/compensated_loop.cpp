@@ -12,6 +12,7 @@
 #include "firmware/simulation/compensated_period.hpp"
 #include "host_sim/stability/roots/eigenvalues.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
+#include "host_sim/stability/roots/step_state.hpp"
 #include "model/rig_model.hpp"
 
 namespace host_sim::compensation {
@@ -57,9 +58,9 @@ class Loop {
       : car_(rig, period, model::ModelledPart::virtual_car),
         hardware_(std::make_unique<Hardware>(rig, period, model::ModelledPart::test_machine)),
         origin_(std::make_unique<State>(State{car_.start(), hardware_->start(), std::nullopt})),
+        area_(rig),
         open_ducts_(rig.has_fdva ? rig.fdva.open_ducts : 0),
-        force_factor_(force_factor),
-        sensor_delay_(rig.effects.sensor_paths()[model::index(Channel::F)].delay) {
+        force_factor_(force_factor) {
     model::MachinePath<double> path;
     rig.effects.act_on(path);
     line_ = static_cast<std::size_t>(path.delay / period + 1e-9) + 2;
@@ -76,14 +77,9 @@ class Loop {
   void for_each(State& x, const Visit& visit) const {
     for (int i = 0; i < model::car_states; ++i) visit(x.car.core(i));
     for (Eigen::Index i = model::car_states; i < x.hardware.core.size(); ++i) visit(x.hardware.core(i));
-    visit_all(x.hardware.machine, visit);
-    for (auto* stroke : {&x.hardware.command, &x.hardware.delayed, &x.hardware.reached}) visit_stroke(*stroke, visit);
+    stability::for_each_behind_the_car(*hardware_, x.hardware, [&](double& value, bool) { visit(value); });
+    visit_stroke(x.hardware.command, visit);
     for (std::size_t i = 0; i < line_; ++i) visit_stroke(x.hardware.line.ago(i), visit);
-    auto& sensor = x.hardware.sensors.channels[model::index(Channel::F)];
-    for (double* value : {&x.hardware.received_force, &sensor.lagged, &sensor.held}) visit(*value);
-    for (double& value : sensor.input) visit(value);
-    const auto samples = static_cast<std::size_t>(sensor_delay_ / car_.period() + 1e-9) + 3;
-    for (std::size_t i = 0; sensor_delay_ > 0.0 && i < samples; ++i) visit(x.hardware.sensors.lines[0].ago(i));
     if (!x.compensator) return;
     auto& c = x.compensator->state();
     for (std::size_t i = 0; i < x.compensator->reach(); ++i) {
@@ -103,11 +99,12 @@ class Loop {
 
   void step(State& x, const model::Motion<double>& road) const {
     firmware::Compensation* compensation = x.compensator ? &*x.compensator : nullptr;
-    firmware::step_compensated({car_, x.car, *hardware_, x.hardware, compensation}, road, open_ducts_, force_factor_);
+    firmware::step_compensated({car_, x.car, *hardware_, x.hardware, area_, compensation}, road, open_ducts_,
+                               force_factor_);
   }
 
   [[nodiscard]] Eigen::Vector3d outputs(const State& x) const {
-    return {car_.signals(x.car)[model::index(Channel::F_w)], car_.deflection(x.car).position,
+    return {car_.signals(x.car)[model::index(Channel::F_w)], car_.component_stroke(car_.deflection(x.car)).position,
             x.hardware.reached.position};
   }
 
@@ -125,9 +122,9 @@ class Loop {
   Car car_;
   std::unique_ptr<Hardware> hardware_;
   std::unique_ptr<State> origin_;
+  firmware::AreaControl<true> area_;
   int open_ducts_;
   double force_factor_;
-  double sensor_delay_;
   std::size_t line_ = 0;  ///< samples of the machine's line that are read
 };
 
@@ -168,6 +165,7 @@ CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double
     loop.for_each(x, [&](double& value) { values(i++) = value; });
     return values;
   };
+  const auto column = [&](const auto& response) { return stability::slope(rig, response, unit_size); };
   CompensatedLoop all;
   all.period = period;
   all.a.resize(size, size);
@@ -176,23 +174,39 @@ CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double
   all.c.resize(3, size);
   all.d.resize(3, 2);
   for (Eigen::Index j = 0; j < size; ++j) {
-    *work = loop.origin();
-    Eigen::Index i = 0;
-    loop.for_each(*work, [&](double& value) { value = i++ == j ? unit_size : 0.0; });
-    all.c.col(j) = loop.outputs(*work) / unit_size;
-    loop.step(*work, {});
-    all.a.col(j) = read(*work) / unit_size;
+    const auto moved = [&](double unit) {
+      *work = loop.origin();
+      Eigen::Index i = 0;
+      loop.for_each(*work, [&](double& value) { value += i++ == j ? unit : 0.0; });
+    };
+    all.c.col(j) = column([&](double unit) {
+      moved(unit);
+      return Eigen::VectorXd(loop.outputs(*work));
+    });
+    all.a.col(j) = column([&](double unit) {
+      moved(unit);
+      loop.step(*work, {});
+      return read(*work);
+    });
   }
   for (int j = 0; j < 2; ++j) {
-    const model::Motion<double> unit{j == 0 ? unit_size : 0.0, j == 0 ? 0.0 : unit_size, 0.0};
-    *work = loop.origin();
-    work->car.foot_point = unit;
-    all.d.col(j) = loop.outputs(*work) / unit_size;
-    loop.step(*work, {});
-    all.b_before.col(j) = read(*work) / unit_size;
-    *work = loop.origin();
-    loop.step(*work, unit);
-    all.b_now.col(j) = read(*work) / unit_size;
+    const auto road = [j](double unit) { return model::Motion<double>{j == 0 ? unit : 0.0, j == 0 ? 0.0 : unit, 0.0}; };
+    all.d.col(j) = column([&](double unit) {
+      *work = loop.origin();
+      work->car.foot_point = road(unit);
+      return Eigen::VectorXd(loop.outputs(*work));
+    });
+    all.b_before.col(j) = column([&](double unit) {
+      *work = loop.origin();
+      work->car.foot_point = road(unit);
+      loop.step(*work, {});
+      return read(*work);
+    });
+    all.b_now.col(j) = column([&](double unit) {
+      *work = loop.origin();
+      loop.step(*work, road(unit));
+      return read(*work);
+    });
   }
   const auto kept = kept_states(all);
   CompensatedLoop result = all;

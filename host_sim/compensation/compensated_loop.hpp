@@ -16,8 +16,8 @@ using Complex = std::complex<double>;
 ///   (1)  x⁺ = A x + B₀ [z_r, ż_r] + B₁ [z_r⁺, ż_r⁺],   y = C x + D [z_r, ż_r],   y = (F_w, x, x_act)
 ///
 /// The columns are steps of model::VirtualCar, firmware::compensation::Compensator and model::RigModel from unit
-/// vectors: no second implementation. The rig must be linear (stability::linear_part). Start-up, rate and limits do not
-/// act. adaptive_time_series has the coefficients that it converges to, those of the machine it runs on, within its
+/// vectors: no second implementation. The rig must be linear (stability::sampled_part). Start-up, rate and limits do
+/// not act. adaptive_time_series has the coefficients that it converges to, those of the machine it runs on, within its
 /// bounds; adaptive_virtual_damping has its whole damping.
 struct CompensatedLoop {
   Eigen::MatrixXd a, b_before, b_now, c, d;

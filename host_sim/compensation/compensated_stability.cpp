@@ -34,7 +34,7 @@ Settings at_the_start(Settings settings) {
 
 /// The linear rig with the delays outside its machine at its machine, where they commute with everything.
 Rig late_rig(const firmware::RigDescription& description, double delay_outside) {
-  return with_delay_change(stability::linear_part(description.rig), delay_outside);
+  return with_delay_change(stability::sampled_part(description.rig), delay_outside);
 }
 
 /// Of `loop`, that of `rig` with `settings`, and of the same with the coefficients that a time series begins with.
@@ -168,7 +168,7 @@ MismatchMap mismatch_map(const firmware::RigDescription& description, double del
                          const std::function<void(double)>& progress) {
   MismatchMap map;
   const double period = description.period();
-  const Rig rig = stability::linear_part(description.rig);
+  const Rig rig = stability::sampled_part(description.rig);
   const Settings described = *firmware::compensation_settings(description);
   const double described_delay = pure_delay(rig) + delay_outside;
   const double farthest = 2.0 * std::max({described.machine.delay, described_delay, period});

@@ -60,6 +60,8 @@ Rig changed(const Rig& rig, Change change) {
     }
     case Change::stiffer_specimen:
       result.suspension.stiffness *= stiffer;
+      result.air_spring.volume /= stiffer;
+      result.air_spring.counter_volume /= stiffer;
       result.fdva.coupling_stiffness *= stiffer;
       return result;
   }
@@ -129,7 +131,7 @@ MethodComparison compare_methods(const firmware::RigDescription& description) {
         "kind = \"hil\"");
   }
   // Delays that no effect models stand at the machine, as those of the sensors are assumed there.
-  const Rig rig = with_delay_change(stability::linear_part(description.rig), description.delay_budget.sum());
+  const Rig rig = with_delay_change(stability::sampled_part(description.rig), description.delay_budget.sum());
   const double period = description.period();
   MethodComparison result;
   result.delay = machine_delay(rig);

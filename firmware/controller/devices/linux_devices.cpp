@@ -39,10 +39,21 @@ class NoStop final : public hal::StopButton {
   hal::Result<Level> do_read() override { return Level{}; }
 };
 
+IioOutput::Wanted wanted_output(const ConverterDescription::Output& described) {
+  IioOutput::Wanted wanted;
+  wanted.device = described.device;
+  wanted.output = described.output;
+  wanted.scale = described.scale;
+  wanted.offset = described.offset;
+  wanted.lowest_counts = described.lowest_counts;
+  wanted.highest_counts = described.highest_counts;
+  return wanted;
+}
+
 class LinuxDevices final : public Devices {
  public:
   [[nodiscard]] hal::Rig roles() override {
-    return {clock_, *sensors_, *valves_, *command_, *stop_, *heartbeat_, *enable_, *interlocks_};
+    return {clock_, *sensors_, *valves_, *command_, *stop_, *heartbeat_, *enable_, *interlocks_, area_.get()};
   }
 
   [[nodiscard]] std::vector<StopContact> stop_contacts() const override {
@@ -69,7 +80,8 @@ class LinuxDevices final : public Devices {
   /// One line of trouble, or nothing.
   [[nodiscard]] std::string open(const RigDescription& rig) {
     period_ = hal::seconds(rig.period());
-    for (const auto& step : {&LinuxDevices::open_lines, &LinuxDevices::open_command, &LinuxDevices::open_sensors}) {
+    for (const auto& step : {&LinuxDevices::open_lines, &LinuxDevices::open_command, &LinuxDevices::open_area,
+                             &LinuxDevices::open_sensors}) {
       std::string trouble = (this->*step)(rig);
       if (!trouble.empty()) return trouble;
     }
@@ -231,19 +243,27 @@ class LinuxDevices final : public Devices {
       return rig.source + ": no table [converters.command], expected the converter that moves the drive";
     }
     const auto& output = *converters->command;
-    IioCommand::Wanted wanted;
-    wanted.device = output.device;
-    wanted.output = output.output;
-    wanted.scale = output.scale;
-    wanted.offset = output.offset;
-    wanted.lowest_counts = output.lowest_counts;
-    wanted.highest_counts = output.highest_counts;
+    IioCommand::Wanted wanted{.output = wanted_output(output)};
     wanted.bounds = {-0.5 * rig.controller.stroke, 0.5 * rig.controller.stroke, rig.controller.speed,
                      2.0 * rig.period()};
     auto opened = IioCommand::open(wanted, clock_);
     if (!opened) return opened.trouble;
     command_ = std::move(opened.device);
     text_ += "command: converter '" + output.device + "', output '" + output.output + "'\n";
+    return {};
+  }
+
+  std::string open_area(const RigDescription& rig) {
+    const auto& converters = rig.hardware.converters;
+    if (!rig.rig.air_spring.fitted || !(rig.rig.air_spring.skyhook > 0.0)) return {};
+    if (!converters || !converters->area) {
+      return rig.source + ": no table [converters.area], expected the converter that sets the area of the air spring";
+    }
+    const auto& output = *converters->area;
+    auto opened = IioArea::open(wanted_output(output));
+    if (!opened) return opened.trouble;
+    area_ = std::move(opened.device);
+    text_ += "area of the air spring: converter '" + output.device + "', output '" + output.output + "', at rest\n";
     return {};
   }
 
@@ -259,6 +279,7 @@ class LinuxDevices final : public Devices {
   std::unique_ptr<Sensors> sensors_;
   std::vector<const Rf60xLaser*> lasers_;
   std::unique_ptr<IioCommand> command_;
+  std::unique_ptr<IioArea> area_;
   std::string text_;
 };
 

@@ -43,8 +43,8 @@ class SimulatedDevices final : public Devices {
   [[nodiscard]] hal::Rig roles() override {
     const hal::Rig roles = rig_.roles();
     if (virtual_time_) return roles;
-    return {paced_,          roles.sensors,      roles.valves,    roles.command, roles.stop_button,
-            roles.heartbeat, roles.drive_enable, roles.interlocks};
+    return {paced_,          roles.sensors,      roles.valves,     roles.command, roles.stop_button,
+            roles.heartbeat, roles.drive_enable, roles.interlocks, roles.area};
   }
   [[nodiscard]] std::string text() const override {
     return std::string("SIMULATED RIG, no devices") + (virtual_time_ ? ", virtual time\n" : "\n");

@@ -1,11 +1,13 @@
 // The part of a rig description that only rig_controller uses: devices and scheduling.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace firmware {
@@ -63,10 +65,15 @@ struct ConverterDescription {
   std::vector<Input> inputs;  ///< [converters.F] and the like
   struct Output {
     std::string device, output;
-    double scale = 1.0, offset = 0.0;  ///< [m/count], [m]
+    double scale = 1.0, offset = 0.0;  ///< of the command [m/count], [m]; of the area [1/count], [1]
     int lowest_counts = 0, highest_counts = 65535;
+    /// What it puts out at its two ends.
+    [[nodiscard]] std::pair<double, double> ends() const {
+      return std::minmax({scale * lowest_counts + offset, scale * highest_counts + offset});
+    }
   };
   std::optional<Output> command;  ///< [converters.command]
+  std::optional<Output> area;     ///< [converters.area]: of an air spring
 };
 
 /// [lasers.dz_b] and the like: RIFTEK RF60x on a serial port.

@@ -110,13 +110,12 @@ StabilityAnalysis analyse(const firmware::RigDescription& description, double li
   // In the sampled loop all delays sit in the machine path, where they commute with everything linear.
   std::optional<ContinuousBorder> border;
   if (result.margins.critical_delay) border = ContinuousBorder{critical - result.rig.sensor_delay, critical_omega};
-  const bool continuous_only = description.rig.lever.any() || description.rig.air_spring.skyhook > 0.0;
-  if (!continuous_only) try {
-      result.sampled = sampled_loop(linear_part(description.rig), description.period(),
-                                    result.delay - result.rig.sensor_delay, border);
-    } catch (const UnfitLoop&) {
-      result.sampled.reset();
-    }
+  try {
+    result.sampled = sampled_loop(sampled_part(description.rig), description.period(),
+                                  result.delay - result.rig.sensor_delay, border);
+  } catch (const UnfitLoop&) {
+    result.sampled.reset();
+  }
   result.balance = balance_of(result, description);
   if (const auto& v = description.rig.delay_variation; v.any()) {
     result.varying = varying_delay(equation, result.margins, std::max(0.0, result.delay - v.farthest()),

@@ -29,6 +29,8 @@ ResponseCurve curve(std::string name, std::string unit, const Response& response
 
 RoadResponse::RoadResponse(const LinearRig& rig, double delay, double machine_delay)
     : car_(rig.car),
+      lever_ratio_(rig.lever_ratio),
+      area_force_(rig.area_force),
       behind_over_(rig.force_sensor.numerator(0, 0)),
       behind_under_(rig.force_sensor.denominator()),
       delay_(delay),
@@ -50,17 +52,16 @@ Complex RoadResponse::operator()(model::Channel output, double omega) const {
   const Complex component = component_over_(s) / component_under_(s);
   const Complex behind = behind_over_(s) / behind_under_(s) * delayed(delay_ - machine_delay_);
 
-  using Matrix = Eigen::Matrix4cd;
-  const Eigen::RowVector4d deflection = car_.c.row(0) - car_.c.row(1);
-  Matrix m = -car_.a.cast<Complex>();
+  const Eigen::RowVectorXd deflection = car_.c.row(0) - car_.c.row(1);
+  Eigen::MatrixXcd m = -car_.a.cast<Complex>();
   m -= (machine * component * behind) * (car_.b.col(0) * deflection).cast<Complex>();
   m.diagonal().array() += s;
-  const Eigen::Vector4cd road = car_.b.col(1).cast<Complex>() + s * car_.b.col(2).cast<Complex>();
-  const Eigen::Vector4cd x = m.partialPivLu().solve(road);
+  const Eigen::VectorXcd road = car_.b.col(1).cast<Complex>() + s * car_.b.col(2).cast<Complex>();
+  const Eigen::VectorXcd x = m.partialPivLu().solve(road);
   const auto of_car = [&](Eigen::Index row) {
     return (car_.c.row(row).cast<Complex>() * x)(0) + car_.d(row, 1) + s * car_.d(row, 2);
   };
-  const Complex z_w = of_car(0), z_b = of_car(1);
+  const Complex z_w = of_car(0), z_b = of_car(1), travel = lever_ratio_ * (z_w - z_b);
   switch (output) {
     case model::Channel::z_w:
       return z_w;
@@ -73,14 +74,15 @@ Complex RoadResponse::operator()(model::Channel output, double omega) const {
     case model::Channel::dz_w:
       return 1.0 - z_w;
     case model::Channel::dz_b:
-    case model::Channel::x_cmd:
       return z_w - z_b;
+    case model::Channel::x_cmd:
+      return travel;
     case model::Channel::F_w:
       return of_car(2);
     case model::Channel::x_act:
-      return machine * (z_w - z_b);
+      return machine * travel;
     case model::Channel::F:
-      return component * machine * (z_w - z_b);
+      return component * machine * travel + (area_force_ ? x(*area_force_) : Complex());
     default:
       throw std::logic_error("a channel that is no output of the road response");
   }

@@ -23,6 +23,8 @@ class RoadResponse {
 
  private:
   StateSpace car_;
+  double lever_ratio_;
+  std::optional<Eigen::Index> area_force_;
   Polynomial machine_over_, machine_under_, component_over_, component_under_, behind_over_, behind_under_;
   double delay_, machine_delay_;
 };

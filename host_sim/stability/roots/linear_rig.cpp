@@ -349,6 +349,18 @@ model::RigParameters<double> linear_part(const model::RigParameters<double>& rig
   return linear;
 }
 
+model::RigParameters<double> sampled_part(const model::RigParameters<double>& rig) {
+  model::RigParameters<double> with_linear_spring = rig;
+  const bool follows = rig.air_spring.fitted && rig.air_spring.skyhook > 0.0;
+  if (follows) with_linear_spring.air_spring = {};
+  model::RigParameters<double> result = linear_part(with_linear_spring);
+  result.lever = rig.lever;
+  if (!follows) return result;
+  result.air_spring = rig.air_spring;
+  result.air_spring.levelling_rate = 0.0;
+  return result;
+}
+
 LinearRig linearise(const model::RigParameters<double>& rig) {
   if (rig.kind != model::RigKind::hil) {
     throw UnfitLoop("stability analysis needs the loop of a hil rig, this is a " + std::string(model::name(rig.kind)));
@@ -388,7 +400,10 @@ LinearRig linearise(const model::RigParameters<double>& rig) {
   const model::Lever<double> lever =
       rig.lever.any() ? model::Lever<double>(rig.lever, rig.body.mass) : model::Lever<double>();
   const double ratio = rig.lever.any() ? lever.ratio(0.0) : 1.0;
-  result.car = with_skyhook(car_of(equations), rig, ratio);
+  const StateSpace car_alone = car_of(equations);
+  result.car = with_skyhook(car_alone, rig, ratio);
+  result.lever_ratio = ratio;
+  if (result.car.a.rows() > car_alone.a.rows()) result.area_force = car_alone.a.rows();
   if (rig.lever.any()) add_lever(lever, result.car);
   result.component = TransferMatrix(component_of(equations, rig.has_fdva ? rig.fdva.open_ducts : 0));
   result.machine = TransferMatrix(machine_of(path));

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,7 @@ class TransferMatrix {
 
 /// A hil rig as one loop:  F_s → car → x_cmd → machine → x_act → component → F → force sensor → F_s
 ///
-///   (1)  car        ẋ = A x + B F_s + B_r [z_r, ż_r],   x_cmd = z_w − z_b
+///   (1)  car        ẋ = A x + B F_s + B_r [z_r, ż_r],   x_cmd = i (z_w − z_b)
 ///   (2)  machine    x_act = M(s) e^{−s τ_m} x_cmd
 ///   (3)  component  F     = K(s) x_act
 ///   (4)  sensor     F_s   = S(s) e^{−s τ_s} F            delays of sensor and delay budget
@@ -53,7 +54,9 @@ class TransferMatrix {
 ///
 ///   (5)  1 − G(s) e^{−sτ} = 0,  G = S K M · x_cmd/F_s    ⇔    P + Q e^{−sτ} = 0
 struct LinearRig {
-  StateSpace car;  ///< inputs F_s, z_r, ż_r; outputs z_w, z_b, F_w
+  StateSpace car;                          ///< inputs F_s, z_r, ż_r; outputs z_w, z_b, F_w
+  double lever_ratio = 1.0;                ///< i(0): x_cmd = i(0) (z_w − z_b); its square is in the car's B
+  std::optional<Eigen::Index> area_force;  ///< state of the car: the skyhook's part of F
   TransferMatrix machine, component, force_sensor;
   double machine_delay{};                 ///< τ_m [s]
   double sensor_delay{};                  ///< τ_s [s], effects only
@@ -76,5 +79,9 @@ struct LinearRig {
 /// linear. Laws from tables are the parameters that they are at rest: the slope of a curve at 0, an elastic slider that
 /// sticks, a Maxwell branch as the effect relaxation, a sensor's curve as a gain.
 [[nodiscard]] model::RigParameters<double> linear_part(const model::RigParameters<double>& rig);
+
+/// The same for a sampled loop, whose matrix comes from steps: a lever, and an air spring whose area follows a skyhook,
+/// stay what they are (without levelling), so that their slopes at rest are those of the model's own step.
+[[nodiscard]] model::RigParameters<double> sampled_part(const model::RigParameters<double>& rig);
 
 }  // namespace host_sim::stability

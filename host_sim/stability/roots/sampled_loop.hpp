@@ -11,16 +11,17 @@
 
 namespace host_sim::stability {
 
-/// One period of model::RigModel::step as a matrix. Its columns are the step at unit vectors of the whole state: car,
-/// component, machine, received force and every sample of the delay line that will still be read. States without a path
-/// from or to the force (inactive effects, a locked piston) are left out.
+/// One period of model::RigModel::step as a matrix. Its columns are the step at unit vectors of the whole state (with a
+/// lever or an air spring: its slopes at rest, by central differences): car, component, machine, received force and
+/// every sample of the delay line that will still be read. States without a path from or to the force (inactive
+/// effects, a locked piston) are left out.
 struct StepMatrix {
   Eigen::MatrixXd matrix;
   std::size_t own = 0;   ///< states before those of the line
   std::size_t line = 0;  ///< samples of the line, two states (position, velocity) each, newest first
 };
 
-/// `rig` must be linear (linear_part); `delay` replaces that of its machine [s]. The matrix is checked against the
+/// `rig` must be linear (sampled_part); `delay` replaces that of its machine [s]. The matrix is checked against the
 /// model: both run from the same state in motion, and a difference is a std::logic_error.
 /// Throws UnfitLoop when the delay exceeds the capacity of the model's line.
 [[nodiscard]] StepMatrix step_matrix(const model::RigParameters<double>& rig, double period, double delay);

@@ -76,7 +76,7 @@ std::string last_line(const std::string& text) {
 // Law. It is the very firmware of `rigtwin simulate`: the same rig, road and seed give the same recording to the last
 // bit, every kind of rig, and the reader of compare and diagnose takes the file as it is.
 TEST(RigController, RecordsTheBitsOfTheSimulation) {
-  for (const char* name : {"paper_hil_fdva", "paper_rig_fdva", "paper_bench_fdva"}) {
+  for (const char* name : {"paper_hil_fdva", "paper_rig_fdva", "paper_bench_fdva", "paper_hil_aas"}) {
     const TemporaryFolder folder;
     const std::string out = (folder / "run.csv").string();
     const Ended ended = controller(
@@ -102,6 +102,15 @@ TEST(RigController, RecordsTheBitsOfTheSimulation) {
               std::string::npos)
         << last_line(ended.output);
   }
+}
+
+// Journey. The skyhook of an active air spring has its output in real time too.
+TEST(RigController, DrivesAnActiveAirSpringInRealTime) {
+  const TemporaryFolder folder;
+  const Ended ended = controller({"--rig", rig_file("paper_hil_aas"), "--simulated", "--no-realtime", "--duration", "1",
+                                  "--out", (folder / "run.csv").string()});
+  EXPECT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_THAT(ended.output, HasSubstr("ended by reference_ended"));
 }
 
 // Journey. A compensation runs on the simulated rig as in the simulation, to the bit, with what it adds on record;

@@ -400,6 +400,8 @@ TEST(RigDescription, RefusesDevicesThatCannotBe) {
   expect_refused(text("[converters.F]\ndevice = 'a'\ninput = 'b'"), "[converters.F]", "has no 'scale'");
   expect_refused(text("[converters.command]\ndevice = 'a'\noutput = 'b'\nscale = 1\nhighest_counts = 0"),
                  "[converters.c", "lowest_counts < highest_counts");
+  expect_refused(text("[converters.area]\ndevice = 'a'\noutput = 'b'\nscale = 1\nhighest_counts = 0"), "[converters.a",
+                 "lowest_counts < highest_counts");
   expect_refused(text("[lasers.x_act]\nport = 'a'"), "[lasers.x_act]", "has no 'range'");
   expect_refused(text("[lasers.x_act]\nport = 'a'\nrange = 1\naddress = 0"), "address", "expected 1 to 127");
 }

@@ -8,6 +8,7 @@
 
 #include "firmware/description/control_settings.hpp"
 #include "tests/support/rig_texts.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 
@@ -146,6 +147,15 @@ TEST(LimitsObjection, FindsLimitsThatCanNeverTrip) {
   const std::string output = "[converters.command]\ndevice = 'd'\noutput = 'o'\nscale = 3e-6\noffset = -0.1\n";
   EXPECT_THAT(objection(output), HasSubstr("limits.stroke = 0.25 m is wider; expected at most 0.1932 m"));
   EXPECT_EQ(objection(output + "[limits]\nstroke = 0.19\n"), "");
+  const std::string area = "[converters.area]\ndevice = 'd'\noutput = 'o'\nscale = -1e-4\noffset = 0.1\n";
+  const auto air_spring = [](const std::string& more) {
+    const std::string text = support::TemporaryFolder::read(support::rig_file("paper_hil_aas"));
+    return firmware::limits_objection(firmware::parse_rig(text + more, "rig.toml")).text;
+  };
+  EXPECT_EQ(air_spring(""), "");
+  EXPECT_THAT(air_spring("\n" + area + "highest_counts = 4000\n"),
+              HasSubstr("[converters.area] puts out -0.3 … 0.1, air_spring.actuator_stroke = 0.15 is more; expected at "
+                        "most 0.1"));
 }
 
 // An objection is about a key of the description: its line is where a user looks. A limit that the description leaves

@@ -139,11 +139,16 @@ TEST(CompensatedStability, MapOfAssumedAndTrueDelay) {
 
 // Point. The wheel mode that the firmware works out by itself is the peak of the exact response, on a grid of 0.4 %.
 TEST(CompensatedStability, WheelModeIsThatOfTheExactResponse) {
-  for (const double damping : {0.0, 1140.0}) {
+  for (const double damping : {0.0, 1140.0, -1.0}) {
     auto rig = undamped("").rig;
-    rig.machine.virtual_damping = damping;
+    rig.machine.virtual_damping = std::abs(damping);
+    if (damping < 0.0) {  // behind a lever
+      rig.lever.count = 2;
+      rig.lever.at = {-0.1, 0.1};
+      rig.lever.ratio = {0.6, 0.9};
+    }
     const host_sim::stability::RoadResponse response(
-        host_sim::stability::linearise(compensation::without_delay(host_sim::stability::linear_part(rig))), 0.0, 0.0);
+        host_sim::stability::linearise(compensation::without_delay(host_sim::stability::sampled_part(rig))), 0.0, 0.0);
     const auto size = [&](double omega) { return std::abs(response(model::Channel::F_w, omega)); };
     const double mode = firmware::wheel_mode(rig);
     for (const double factor : {0.7, 0.9, 0.98, 1.02, 1.1, 1.4}) EXPECT_GT(size(mode), size(factor * mode)) << factor;

@@ -186,6 +186,12 @@ scale = 4e-06
 offset = -0.131
 lowest_counts = -10
 highest_counts = 4095
+[converters.area]
+device = "dac"
+output = "voltage2"
+scale = -1e-4
+offset = 0.2
+highest_counts = 4000
 [lasers.x_act]
 port = "/dev/ttyS1"
 baud = 115200
@@ -214,6 +220,9 @@ offset = 0.125
   EXPECT_EQ(e.delay_budget.sensor_age, 0.0005);
   EXPECT_EQ(format_rig(e), format_rig(d));
   const auto& hardware = e.hardware;
+  EXPECT_EQ(hardware.converters->area->output, "voltage2");
+  EXPECT_EQ(hardware.converters->area->scale, -1e-4);
+  EXPECT_EQ(hardware.converters->area->highest_counts, 4000);
   EXPECT_EQ(hardware.schedule.priority, 70);
   EXPECT_EQ(hardware.schedule.cpu, 3);
   EXPECT_EQ(hardware.schedule.late_in_a_row, 7);
