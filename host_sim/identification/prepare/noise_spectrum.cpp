@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <numbers>
 
@@ -15,37 +14,18 @@
 namespace host_sim::identification {
 namespace {
 
-using Complex = std::complex<double>;
-
-/// Butterworth at f, relative to its corner: 1/Π(1 − if/p), p its poles on the unit circle.
-Complex butterworth(double f, int order) {
-  Complex product = 1.0;
-  for (int m = 0; m < order; ++m) {
-    const double angle = std::numbers::pi * (0.5 + (m + 0.5) / order);
-    product *= 1.0 - Complex(0.0, f) * std::polar(1.0, -angle);
+/// t(f) of (2).
+double filter_coordinate(double f, double period, NoiseColour::Filter filter) {
+  const double angle = std::numbers::pi * std::min(f * period, 0.4999);
+  switch (filter) {
+    case NoiseColour::Filter::analogue:
+      return angle;
+    case NoiseColour::Filter::folded:
+      return std::sin(angle);
+    case NoiseColour::Filter::digital:
+      break;
   }
-  return 1.0 / product;
-}
-
-constexpr int images = 3;  ///< of (1); beyond, 1 % of what is at the Nyquist frequency is left
-
-/// (1) of the analogue filters; turns: f T.
-double analogue_power(double turns, double corner_turns, int order, NoiseColour::Filter filter) {
-  const double x = std::max(turns, 1e-9);
-  if (order == 1) {
-    return 1.0 / (1.0 + std::pow(std::sin(std::numbers::pi * x) / std::sinh(std::numbers::pi * corner_turns), 2));
-  }
-  if (filter == NoiseColour::Filter::held) {
-    Complex sum = 0.0;
-    for (int k = -images; k <= images; ++k) sum += butterworth((x + k) / corner_turns, order) / (x + k);
-    return std::norm(sum * std::sin(std::numbers::pi * x) / std::numbers::pi);
-  }
-  const auto sum_at = [&](double at) {
-    double sum = 0.0;
-    for (int k = -images; k <= images; ++k) sum += 1.0 / (1.0 + std::pow((at + k) / corner_turns, 2 * order));
-    return sum;
-  };
-  return sum_at(x) / sum_at(0.0);
+  return std::tan(angle);
 }
 
 /// Power of a channel in a narrow band: the median over its lines.
@@ -201,9 +181,8 @@ ColourFit fit_corner(const std::vector<BandLevel>& levels, NoiseColour colour, d
 
 double NoiseColour::power(double f, double period) const {
   if (is_white()) return 1.0;
-  if (filter != Filter::digital) return analogue_power(f * period, corner * period, order, filter);
-  const auto coordinate = [period](double at) { return std::tan(std::numbers::pi * std::min(at * period, 0.4999)); };
-  return 1.0 / (1.0 + std::pow(coordinate(f) / coordinate(corner), 2 * order));
+  const double x = filter_coordinate(f, period, filter) / filter_coordinate(corner, period, filter);
+  return 1.0 / (1.0 + std::pow(x * x, order));
 }
 
 double NoiseColour::mean_power(double period) const {
@@ -238,8 +217,7 @@ ColourFit best_colour(const std::vector<BandLevel>& levels, double period, const
     consider({{}, fit_level(levels, {}, period, has_tail), 0.0, 0.0}, tail);
     for (int order = 1; order <= thresholds::highest_filter_order; ++order) {
       using enum NoiseColour::Filter;
-      for (const NoiseColour::Filter filter : {digital, held, sampled}) {
-        if (order == 1 && filter == sampled) continue;  // one with held
+      for (const NoiseColour::Filter filter : {digital, analogue, folded}) {
         consider(fit_corner(levels, {0.0, order, filter}, period, has_tail), tail + corner_price);
       }
     }

@@ -9,16 +9,15 @@
 
 namespace host_sim::identification {
 
-/// Spectrum of white noise behind a Butterworth low-pass H, |H(f)|² = 1 / (1 + (f/corner)^{2 order}), with T the sample
-/// period. Of an analogue filter, what is above the Nyquist frequency comes back:
+/// Spectrum of white noise behind a low-pass, with T the sample period:
 ///
-///   (1)  digital  h(f) = 1 / (1 + (tan(πfT)/tan(π corner T))^{2 order})        made by a computer, bilinear
-///        sampled  h(f) = Σ_k |H(f + k/T)|² / Σ_k |H(k/T)|²                      noise of any frequency before it
-///        held     h(f) = |Σ_k H(f + k/T) (1 − e^{−2πi fT}) / (2πi (fT + k))|²   noise of one value a sample before it
-///
-/// With order 1 the last two are one: 1 / (1 + sin²(πfT)/sinh²(π corner T)).
+///   (1)  h(f) = 1 / (1 + (t(f)/t(corner))^{2 order})
+///   (2)  t(f) = tan(πfT)   digital: a Butterworth filter that a computer made
+///             = f          analogue: one before the converter, or computed for more samples than were kept
+///             = sin(πfT)   folded: the noise above the Nyquist frequency came back (order 1: exactly, of one time
+///                          constant)
 struct NoiseColour {
-  enum class Filter : unsigned char { digital, sampled, held };
+  enum class Filter : unsigned char { digital, analogue, folded };
 
   double corner = 0.0;  ///< [Hz]; 0: white
   int order = 0;

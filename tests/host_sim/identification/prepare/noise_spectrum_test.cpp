@@ -11,7 +11,6 @@
 
 #include "firmware/simulation/road.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"
-#include "host_sim/signal/spectrum.hpp"
 #include "tests/host_sim/identification/test_signals.hpp"
 #include "tests/support/reference_road.hpp"
 
@@ -44,78 +43,20 @@ std::vector<double> low_passed(const std::vector<double>& samples, double corner
   return out;
 }
 
-// Point. At its corner a digital low-pass of any order leaves half of the power, and so does an analogue one far below
-// the Nyquist frequency; white noise has no corner. The mean of (1) with order 1 and the digital filter is t/(1 + t), t
-// = tan(π corner T); of sampled noise of one time constant it is tanh(π corner T).
+// Point. At its corner a low-pass of any order leaves half of the power; white noise has no corner. The mean of (1)
+// with order 1 and the digital filter is t/(1 + t), t = tan(π corner T).
 TEST(NoiseColour, HasHalfOfThePowerAtItsCorner) {
   using enum NoiseColour::Filter;
-  for (const int order : {1, 2, 4}) {
-    EXPECT_NEAR((NoiseColour{150.0, order, digital}.power(150.0, period)), 0.5, 1e-12);
-    for (const NoiseColour::Filter filter : {digital, sampled, held}) {
-      EXPECT_NEAR((NoiseColour{5.0, order, filter}.power(5.0, period)), 0.5, 1e-3);
-      EXPECT_NEAR((NoiseColour{150.0, order, filter}.power(0.0, period)), 1.0, 1e-6);
+  for (const NoiseColour::Filter filter : {digital, analogue, folded}) {
+    for (const int order : {1, 2, 4}) {
+      const NoiseColour colour{150.0, order, filter};
+      EXPECT_NEAR(colour.power(150.0, period), 0.5, 1e-12);
+      EXPECT_NEAR(colour.power(0.0, period), 1.0, 1e-12);
     }
   }
   EXPECT_EQ(NoiseColour{}.power(400.0, period), 1.0);
   const double t = std::tan(std::numbers::pi * 150.0 * period);
   EXPECT_NEAR((NoiseColour{150.0, 1, digital}.mean_power(period)), t / (1.0 + t), 1e-5);
-  EXPECT_NEAR((NoiseColour{150.0, 1, held}.mean_power(period)), std::tanh(std::numbers::pi * 150.0 * period), 1e-5);
-}
-
-/// White noise before an analogue Butterworth filter of second order, in steps of a fortieth of a sample; `held`: one
-/// value for each sample.
-std::vector<double> analogue(std::size_t count, double corner, bool held, std::uint64_t seed) {
-  constexpr int fine = 40;
-  const double h = period / fine, w = 2.0 * std::numbers::pi * corner, damping = std::numbers::sqrt2 * w;
-  support::NormalNoise noise(seed);
-  std::vector<double> samples;
-  double y = 0.0, v = 0.0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double one = noise();
-    for (int i = 0; i < fine; ++i) {
-      const double u = held ? one : std::sqrt(fine) * noise();
-      // v′ = w² (u − y) − damping v, y′ = v: the middle of the step, solved for the new v
-      const double next = (v * (1.0 - 0.5 * h * damping - 0.25 * h * h * w * w) + h * w * w * (u - y)) /
-                          (1.0 + 0.5 * h * damping + 0.25 * h * h * w * w);
-      y += 0.5 * h * (v + next);
-      v = next;
-    }
-    samples.push_back(y);
-  }
-  return samples;
-}
-
-// Law. The two analogue spectra against filters that are computed: 200 bands of a Welch spectrum, each of 5 lines, so a
-// band scatters by 2 % over 200 000 samples; 5 of them, and 1 % for the images that are left out.
-TEST(NoiseColour, IsThatOfAnAnalogueFilter) {
-  constexpr std::size_t count = 200'000;
-  for (const bool held : {true, false}) {
-    const auto spectrum = host_sim::welch(analogue(count, 180.0, held, 11), 1.0 / period, 1000);
-    const NoiseColour colour{180.0, 2, held ? NoiseColour::Filter::held : NoiseColour::Filter::sampled};
-    // The level of sampled noise holds what came back at 0 Hz.
-    double images = 0.0;
-    for (int k = -20; k <= 20; ++k) images += 1.0 / (1.0 + std::pow(k / (180.0 * period), 4));
-    const double level = held ? 1.0 : images;
-    for (std::size_t k = 10; k + 5 < 480; k += 5) {
-      double power = 0.0;
-      for (std::size_t i = k; i < k + 5; ++i) power += 0.5 / period * spectrum.density[i] / 5.0;
-      const double f = spectrum.frequency[k + 2];
-      EXPECT_NEAR(power / (level * colour.power(f, period)), 1.0, 0.11) << f << (held ? " held" : " sampled");
-    }
-  }
-}
-
-// Law. The highest level that a channel can have is no lower than the one it has, by the chance of the lowest of 50
-// bands: in 37 of 40 recordings at least (seeds 100 to 139).
-TEST(NoiseSpectrum, HighestLevelIsNotBelowTheLevel) {
-  int below = 0;
-  for (unsigned seed = 100; seed < 140; ++seed) {
-    const auto fit = identification::fit_noise_spectrum(low_passed(normal(1e-3, 20'000, seed), 200.0), period, true);
-    ASSERT_TRUE(fit);
-    below += fit->noise.highest_level < 1e-3 ? 1 : 0;
-    EXPECT_LT(fit->noise.highest_level, 1.3e-3) << seed;
-  }
-  EXPECT_LE(below, 3);
 }
 
 // Law. Level and corner of filtered noise under a motion of 20 Hz, for several corners. The level's standard error is
@@ -131,6 +72,19 @@ TEST(NoiseSpectrum, FindsLevelAndCornerUnderAMotion) {
     EXPECT_NEAR(fit->noise.level, 1e-3, 1e-3 * (5.0 * fit->noise.relative_error + 0.05)) << corner << ", seed 3";
     EXPECT_NEAR(fit->noise.colour.corner, corner, 2.0 * fit->noise.corner_half_width + 0.05 * corner) << "seed 3";
   }
+}
+
+// Law. The highest level that a channel can have is no lower than the one it has, by the chance of the lowest of 50
+// bands: in 37 of 40 recordings at least (seeds 100 to 139).
+TEST(NoiseSpectrum, HighestLevelIsNotBelowTheLevel) {
+  int below = 0;
+  for (unsigned seed = 100; seed < 140; ++seed) {
+    const auto fit = identification::fit_noise_spectrum(low_passed(normal(1e-3, 20'000, seed), 200.0), period, true);
+    ASSERT_TRUE(fit);
+    below += fit->noise.highest_level < 1e-3 ? 1 : 0;
+    EXPECT_LT(fit->noise.highest_level, 1.3e-3) << seed;
+  }
+  EXPECT_LE(below, 3);
 }
 
 // Law. A corner that other channels have is believed where the channel's own spectrum says little against it; its
