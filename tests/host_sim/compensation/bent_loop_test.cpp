@@ -1,8 +1,12 @@
 // Sampled loops with a lever or an air spring under a skyhook: their slopes at rest, with and without compensation.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/simulation/road_choice.hpp"
@@ -108,8 +112,8 @@ TEST(BentLoop, ForceMovesTheBody) {
 }
 
 // Law. The matrix takes a bent step where the model takes it (step_matrix compares them and throws where they part),
-// and half a period of hold comes on top of the delay; more of it where more is held: the spring F₀ i′ of a lever, up to
-// another half where a skyhook's command is.
+// and half a period of hold comes on top of the delay; more of it where more is held: the spring F₀ i′ of a lever, up
+// to another half where a skyhook's command is.
 TEST(BentLoop, StepIsAMatrix) {
   for (const Rig& rig : rigs()) {
     EXPECT_NO_THROW((void)stability::step_matrix(stability::sampled_part(rig), 1e-3, 0.0105));
