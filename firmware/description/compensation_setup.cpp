@@ -6,6 +6,7 @@
 
 #include "firmware/description/compensation_reader.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "model/lever_at_rest.hpp"
 
 namespace firmware {
 namespace {
@@ -48,19 +49,8 @@ Phasor component_at(const Rig& rig, double omega) {
   return k;
 }
 
-/// The lever at rest: a factor of the component's force and travel each, and a spring of its own.
-struct LeverAtRest {
-  double ratio = 1.0, stiffness = 0.0;  ///< i(0), F₀ di/dd [N/m]
-};
-
-LeverAtRest lever_at_rest(const Rig& rig) {
-  if (!rig.lever.any()) return {};
-  const model::Lever<double> lever(rig.lever, rig.body.mass);
-  return {lever.ratio(0.0), lever.load() * lever.slope(0.0)};
-}
-
 /// |F_w/z_r|² by (1). The virtual damping acts at the car, before a lever.
-double wheel_load_square(const Rig& rig, LeverAtRest lever, double omega) {
+double wheel_load_square(const Rig& rig, model::LeverAtRest lever, double omega) {
   const Phasor k = Phasor{lever.ratio * lever.ratio, 0.0} * component_at(rig, omega) +
                    Phasor{lever.stiffness, rig.machine.virtual_damping * omega};
   const Phasor body{-rig.body.mass * omega * omega, 0.0};
@@ -110,7 +100,7 @@ compensation::Settings settings_for(const RigDescription& description, Kind kind
 }  // namespace
 
 double wheel_mode(const Rig& rig) {
-  const LeverAtRest lever = lever_at_rest(rig);
+  const model::LeverAtRest lever = model::lever_at_rest(rig);
   const double k = lever.ratio * lever.ratio * stiffness_with_fdva(rig) + lever.stiffness;
   const double about = std::sqrt((rig.tyre.stiffness + k) / rig.wheel.mass + k / rig.body.mass);
   double best = about, highest = 0.0;

@@ -232,7 +232,8 @@ MotionObjection limits_objection(const RigDescription& description) {
                 rounded(position->upper) + " m",
             "limits.measured_stroke"};
   }
-  if (const auto& converters = description.hardware.converters; converters && converters->command) {
+  const auto& converters = description.hardware.converters;
+  if (converters && converters->command) {
     const auto [low, high] = converters->command->ends();
     const double half_stroke = 0.5 * settings.limits.stroke;
     if (low > -half_stroke || high < half_stroke) {
@@ -242,7 +243,7 @@ MotionObjection limits_objection(const RigDescription& description) {
               "limits.stroke"};
     }
   }
-  if (const auto& converters = description.hardware.converters; converters && converters->area) {
+  if (converters && converters->area) {
     const auto [low, high] = converters->area->ends();
     const double stroke = description.rig.air_spring.actuator_stroke;
     if (low > -stroke || high < stroke) {

@@ -40,14 +40,8 @@ class NoStop final : public hal::StopButton {
 };
 
 IioOutput::Wanted wanted_output(const ConverterDescription::Output& described) {
-  IioOutput::Wanted wanted;
-  wanted.device = described.device;
-  wanted.output = described.output;
-  wanted.scale = described.scale;
-  wanted.offset = described.offset;
-  wanted.lowest_counts = described.lowest_counts;
-  wanted.highest_counts = described.highest_counts;
-  return wanted;
+  return {described.device, described.output,        described.scale,
+          described.offset, described.lowest_counts, described.highest_counts};
 }
 
 class LinuxDevices final : public Devices {
@@ -255,7 +249,7 @@ class LinuxDevices final : public Devices {
 
   std::string open_area(const RigDescription& rig) {
     const auto& converters = rig.hardware.converters;
-    if (!rig.rig.air_spring.fitted || !(rig.rig.air_spring.skyhook > 0.0)) return {};
+    if (!(rig.rig.air_spring.skyhook > 0.0)) return {};
     if (!converters || !converters->area) {
       return rig.source + ": no table [converters.area], expected the converter that sets the area of the air spring";
     }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "model/laws/surface.hpp"
+#include "model/lever_at_rest.hpp"
 #include "model/machine.hpp"
 #include "model/rig_equations.hpp"
 #include "model/subsystems.hpp"
@@ -38,18 +39,22 @@ StateSpace car_of(const Equations& equations) {
   return car;
 }
 
-/// A lever at rest: i(0) between wheel and component both ways, and the spring F₀ di/dd beside it.
-void add_lever(const model::Lever<double>& lever, StateSpace& car) {
-  const double ratio = lever.ratio(0.0), stiffness = lever.load() * lever.slope(0.0);
+/// i between wheel and component both ways, and the lever's own spring beside it.
+void add_lever(model::LeverAtRest lever, StateSpace& car) {
   const Eigen::VectorXd force = car.b.col(0);
-  car.a += stiffness * force * (car.c.row(0) - car.c.row(1));
-  car.b.col(0) *= ratio * ratio;
+  car.a += lever.stiffness * force * (car.c.row(0) - car.c.row(1));
+  car.b.col(0) *= lever.ratio * lever.ratio;
+}
+
+/// The area of the air spring moves: a skyhook commands it, and it is not stuck.
+bool follows_skyhook(const model::RigParameters<double>& rig) {
+  return rig.air_spring.skyhook > 0.0 && !rig.effects.get<model::StuckArea>().active;
 }
 
 /// The car with the skyhook of its air spring: the actuator's states u, u̇ behind it, whose force k_u u acts at once.
 StateSpace with_skyhook(const StateSpace& car, const model::RigParameters<double>& rig, double lever_ratio) {
   const auto& spring = rig.air_spring;
-  if (!spring.fitted || !(spring.skyhook > 0.0) || rig.effects.get<model::StuckArea>().active) return car;
+  if (!follows_skyhook(rig)) return car;
   constexpr double two_pi = 6.283185307179586;
   const double omega = two_pi * spring.actuator_frequency;
   const bool second = spring.actuator_damping > 0.0;
@@ -344,14 +349,19 @@ model::RigParameters<double> linear_part(const model::RigParameters<double>& rig
       slot.active = false;
     }
   });
-  if (rig.air_spring.fitted) add_air_spring(rig, linear);
+  if (rig.air_spring.fitted) {
+    add_air_spring(rig, linear);
+    linear.effects.for_each([](auto& slot) {  // they are in its stiffness, and need a spring that is gone
+      if (slot.effect.card.needs_air_spring) slot.active = false;
+    });
+  }
   add_law_slopes(rig.laws, linear);
   return linear;
 }
 
 model::RigParameters<double> sampled_part(const model::RigParameters<double>& rig) {
   model::RigParameters<double> with_linear_spring = rig;
-  const bool follows = rig.air_spring.fitted && rig.air_spring.skyhook > 0.0;
+  const bool follows = follows_skyhook(rig);
   if (follows) with_linear_spring.air_spring = {};
   model::RigParameters<double> result = linear_part(with_linear_spring);
   result.lever = rig.lever;
@@ -397,14 +407,12 @@ LinearRig linearise(const model::RigParameters<double>& rig) {
   model::MachinePath<double> path{};
   linear.effects.act_on(path);
   const model::SensorPath<double> sensor = linear.effects.sensor_paths()[model::index(model::Channel::F)];
-  const model::Lever<double> lever =
-      rig.lever.any() ? model::Lever<double>(rig.lever, rig.body.mass) : model::Lever<double>();
-  const double ratio = rig.lever.any() ? lever.ratio(0.0) : 1.0;
+  const model::LeverAtRest lever = model::lever_at_rest(rig);
   const StateSpace car_alone = car_of(equations);
-  result.car = with_skyhook(car_alone, rig, ratio);
-  result.lever_ratio = ratio;
+  result.car = with_skyhook(car_alone, rig, lever.ratio);
+  result.lever_ratio = lever.ratio;
   if (result.car.a.rows() > car_alone.a.rows()) result.area_force = car_alone.a.rows();
-  if (rig.lever.any()) add_lever(lever, result.car);
+  add_lever(lever, result.car);
   result.component = TransferMatrix(component_of(equations, rig.has_fdva ? rig.fdva.open_ducts : 0));
   result.machine = TransferMatrix(machine_of(path));
   result.force_sensor = TransferMatrix(force_sensor_of(sensor));

@@ -57,8 +57,8 @@ model::RigParameters<double> with_delay(model::RigParameters<double> rig, double
 /// (1e-7); one with a lever or an air spring moves by 0.1 µm, of which the square of the motion over a travel of some
 /// 0.1 m leaves 1e-6, and rounding beside the pressure at rest less.
 void check(const Rig& model, const StepMatrix& step) {
-  const bool bent = is_bent(model.parameters());
-  const double motion = bent ? 1e-5 : 1.0, tolerance = bent ? 1e-5 : 1e-7;
+  const bool nonlinear = is_nonlinear(model.parameters());
+  const double motion = nonlinear ? 1e-5 : 1.0, tolerance = nonlinear ? 1e-5 : 1e-7;
   Rig::State x = model.start();
   const Eigen::VectorXd rest = read(model, x, step.line, step.matrix.rows());
   Rig::Input in;

@@ -1,4 +1,4 @@
-// What a step of a rig's model reads of its state, and slopes of that step.
+// The values of a state that one step of the model reads, and the derivatives of that step at rest.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,18 +8,19 @@
 
 namespace host_sim::stability {
 
-/// The step is not linear, but has slopes at rest.
-[[nodiscard]] inline bool is_bent(const model::RigParameters<double>& rig) {
+/// The step is not linear, but has derivatives at rest.
+[[nodiscard]] inline bool is_nonlinear(const model::RigParameters<double>& rig) {
   return rig.lever.any() || rig.air_spring.fitted;
 }
 
 /// d response/d unit at 0. `response`: a vector of a value moved by `unit` from rest. A linear one moves by `whole`; a
-/// bent one by ± 1e-6 [m, m/s, N, 1]: the third order leaves 1e-10 of a slope, rounding beside a pressure of 1 as much.
+/// nonlinear one by ± 1e-6 [m, m/s, N, 1]: the third order leaves 1e-10 of a slope, rounding beside a pressure of 1 as
+/// much.
 template <class Response>
 [[nodiscard]] Eigen::VectorXd slope(const model::RigParameters<double>& rig, const Response& response,
                                     double whole = 1.0) {
   constexpr double small = 1e-6;
-  if (!is_bent(rig)) return response(whole) / whole;
+  if (!is_nonlinear(rig)) return response(whole) / whole;
   const Eigen::VectorXd up = response(small), down = response(-small);
   return (up - down) / (2.0 * small);
 }

@@ -139,10 +139,10 @@ TEST(CompensatedStability, MapOfAssumedAndTrueDelay) {
 
 // Point. The wheel mode that the firmware works out by itself is the peak of the exact response, on a grid of 0.4 %.
 TEST(CompensatedStability, WheelModeIsThatOfTheExactResponse) {
-  for (const double damping : {0.0, 1140.0, -1.0}) {
+  for (const auto& [damping, has_lever] : {std::pair(0.0, false), {1140.0, false}, {1.0, true}}) {
     auto rig = undamped("").rig;
-    rig.machine.virtual_damping = std::abs(damping);
-    if (damping < 0.0) {  // behind a lever
+    rig.machine.virtual_damping = damping;
+    if (has_lever) {
       rig.lever.count = 2;
       rig.lever.at = {-0.1, 0.1};
       rig.lever.ratio = {0.6, 0.9};

@@ -35,6 +35,18 @@ inline Rig fdva_rig(double delay = 0.010, double virtual_damping = 1140.0) {
   return rig;
 }
 
+/// The air spring of paper_hil_aas.toml in place of the linear component.
+inline Rig air_spring_rig(double delay, double virtual_damping, double skyhook) {
+  Rig rig = linear_rig(delay, virtual_damping);
+  rig.suspension = {};
+  rig.air_spring.fitted = true;
+  rig.air_spring.pressure = 7e5;
+  rig.air_spring.area = 40.64e-4;
+  rig.air_spring.volume = 0.588e-3;
+  rig.air_spring.skyhook = skyhook;
+  return rig;
+}
+
 inline firmware::RigDescription described(const Rig& rig, double sample_rate = 1000.0) {
   firmware::RigDescription description;
   description.rig = rig;

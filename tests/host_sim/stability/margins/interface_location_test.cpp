@@ -81,18 +81,8 @@ TEST(VaryingDelay, FindsTheWorstOfItsRange) {
   EXPECT_FALSE(across.stable_at_any_speed());
 }
 
-/// The air spring of paper_hil_aas.toml in the paper's loop.
-model::RigParameters<double> on_air(double skyhook) {
-  model::RigParameters<double> rig = paper();
-  rig.suspension = {};
-  rig.machine.virtual_damping = 1140.0;
-  rig.air_spring.fitted = true;
-  rig.air_spring.pressure = 7e5;
-  rig.air_spring.area = 40.64e-4;
-  rig.air_spring.volume = 0.588e-3;
-  rig.air_spring.skyhook = skyhook;
-  return rig;
-}
+/// In the paper's loop, without its delay.
+model::RigParameters<double> on_air(double skyhook) { return stability_tests::air_spring_rig(0.0, 1140.0, skyhook); }
 
 // Law. The component's response is that of spring and Maxwell branch, k − k_r/(1 + sT).
 TEST(AirSpringInTheLoop, IsASpringWithAMaxwellBranch) {

@@ -19,11 +19,12 @@
 #include "host_sim/stability/margins/frequency_response.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "host_sim/stability/roots/sampled_loop.hpp"
+#include "model/lever_at_rest.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-namespace bent_loop {
+namespace nonlinear_loop {
 namespace {
 
 namespace stability = host_sim::stability;
@@ -40,21 +41,26 @@ Rig levered(Rig rig) {
   return rig;
 }
 
-/// The air spring of paper_hil_aas.toml; an actuator of second order where `damping` is not zero.
+/// An actuator of second order where `damping` is not zero.
 Rig on_air(double damping) {
-  Rig rig = stability_tests::linear_rig(0.010, 700.0);
-  rig.suspension = {};
-  rig.air_spring.fitted = true;
-  rig.air_spring.pressure = 7e5;
-  rig.air_spring.area = 40.64e-4;
-  rig.air_spring.volume = 0.588e-3;
-  rig.air_spring.skyhook = 2000.0;
+  Rig rig = stability_tests::air_spring_rig(0.010, 700.0, 2000.0);
   rig.air_spring.actuator_damping = damping;
   return rig;
 }
 
 std::vector<Rig> rigs() {
-  return {levered(stability_tests::linear_rig()), on_air(0.0), on_air(0.7), levered(on_air(0.0))};
+  Rig stuck = on_air(0.0), leaner = on_air(0.0), without_skyhook = on_air(0.0);
+  stuck.effects.add(model::StuckArea<double>{0.03});
+  leaner.effects.add(model::GasExponent<double>{1.2});
+  without_skyhook.air_spring.skyhook = 0.0;
+  without_skyhook.effects.add(model::GasExponent<double>{1.2});
+  return {levered(stability_tests::linear_rig()),
+          on_air(0.0),
+          on_air(0.7),
+          levered(on_air(0.0)),
+          stuck,
+          leaner,
+          without_skyhook};
 }
 
 /// A description of the paper's air spring or of its absorber behind a lever, whose loops need virtual damping.
@@ -69,7 +75,7 @@ constexpr const char* lever_text = "\n[lever]\nat = [-0.1, 0.02, 0.1]\nratio = [
 // Law. With a short period the step is the continuous rig with half a period more delay, in the tyre's load, the
 // component's travel and the machine's: two codes for one loop. What is left is of the order of 2 π f T = 1 % at 20 Hz
 // and 10 kHz for the skyhook's command, which is held too.
-TEST(BentLoop, TendsToTheContinuousRig) {
+TEST(NonlinearLoop, TendsToTheContinuousRig) {
   constexpr double period = 1e-4;
   for (const Rig& rig : rigs()) {
     const auto loop = compensation::compensated_loop(stability::sampled_part(rig), period, nullptr);
@@ -91,30 +97,26 @@ TEST(BentLoop, TendsToTheContinuousRig) {
 
 // Law. The body's equation, m_b z̈_b = i F + F₀ i′ d + b̃ ḋ, d = z_w − z_b: F has the skyhook's part, and a lever turns
 // it.
-TEST(BentLoop, ForceMovesTheBody) {
+TEST(NonlinearLoop, ForceMovesTheBody) {
   for (const Rig& rig : rigs()) {
     const auto linear = stability::linearise(rig);
     const stability::RoadResponse response(linear, 0.0, 0.0);
-    const bool has_lever = rig.lever.any();
-    const model::Lever<double> lever =
-        has_lever ? model::Lever<double>(rig.lever, rig.body.mass) : model::Lever<double>();
-    const double ratio = has_lever ? lever.ratio(0.0) : 1.0;
-    const double spring = has_lever ? lever.load() * lever.slope(0.0) : 0.0;
+    const model::LeverAtRest lever = model::lever_at_rest(rig);
     for (const double hz : {0.5, 5.0, 12.0}) {
       const double omega = host_sim::full_turn * hz;
       const auto inertia = rig.body.mass * response(Channel::zdd_b, omega);
-      const auto force =
-          ratio * response(Channel::F, omega) +
-          (spring + std::complex<double>(0.0, omega * rig.machine.virtual_damping)) * response(Channel::dz_b, omega);
+      const auto force = lever.ratio * response(Channel::F, omega) +
+                         (lever.stiffness + std::complex<double>(0.0, omega * rig.machine.virtual_damping)) *
+                             response(Channel::dz_b, omega);
       EXPECT_LT(std::abs(inertia - force), 1e-9 * std::abs(inertia)) << hz;
     }
   }
 }
 
-// Law. The matrix takes a bent step where the model takes it (step_matrix compares them and throws where they part),
-// and half a period of hold comes on top of the delay; more of it where more is held: the spring F₀ i′ of a lever, up
-// to another half where a skyhook's command is.
-TEST(BentLoop, StepIsAMatrix) {
+// Law. The matrix takes a nonlinear step where the model takes it (step_matrix compares them and throws where they
+// part), and half a period of hold comes on top of the delay; more of it where more is held: the spring F₀ i′ of a
+// lever, up to another half where a skyhook's command is.
+TEST(NonlinearLoop, StepIsAMatrix) {
   for (const Rig& rig : rigs()) {
     EXPECT_NO_THROW((void)stability::step_matrix(stability::sampled_part(rig), 1e-3, 0.0105));
     const auto a = stability::analyse(described(rig));
@@ -127,7 +129,7 @@ TEST(BentLoop, StepIsAMatrix) {
 
 // Journey. A skyhook and a lever beside a compensation: what the analysis says is what the loop does. Without one the
 // energy guard stops both.
-TEST(BentLoop, IsCompensated) {
+TEST(NonlinearLoop, IsCompensated) {
   const auto reason = [](const firmware::RigDescription& rig) {
     const firmware::RoadChoice road{"iso8608:A", 27.78, 1, std::nullopt, std::nullopt};
     const std::size_t samples = firmware::samples_of(4.0, rig.sample_rate);
@@ -157,4 +159,4 @@ TEST(BentLoop, IsCompensated) {
 }
 
 }  // namespace
-}  // namespace bent_loop
+}  // namespace nonlinear_loop
