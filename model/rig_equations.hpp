@@ -195,6 +195,7 @@ class RigEquations {
   }
 
   [[nodiscard]] bool has_mount() const { return same(suspension_.mount_stiffness > S(0)); }
+  [[nodiscard]] S inner_damping() const { return inner_damping_; }  ///< of (5b), > 0
   [[nodiscard]] bool has_relaxation() const { return same(suspension_.relaxing_stiffness > S(0)); }
   /// No relaxation, no top mount: two states.
   [[nodiscard]] bool plain() const { return !has_mount() && !has_relaxation(); }

@@ -359,6 +359,7 @@ class RigModel {
   [[nodiscard]] Stroke<S> offset(const Stroke<S>& inner) const;
   [[nodiscard]] Stroke<S> outer_stroke(const State& x) const { return joined() ? deflection(x) : x.reached; }
   [[nodiscard]] Stroke<S> inner_stroke(const State& x) const;
+  [[nodiscard]] S inner_velocity(const Stroke<S>& with_loads_before, S before, S others) const;
   [[nodiscard]] typename Equations::ComponentInput component_input(const State& x) const;
   /// Free play takes the whole deflection: the component is not deflected.
   [[nodiscard]] auto inside_free_play(const State& x) const {

@@ -121,6 +121,47 @@ TEST(TopMount, HasTheDynamicStiffnessOfSpringAndDamperInSeries) {
   }
 }
 
+/// Largest error of the force behind a mount and quadratic damping [N], 10 Hz at ± 12 mm for 1 s, after 0.5 s. The
+/// reference is (5b) alone, c ė + q ė|ė| + k e = k_m (d − e), by Runge–Kutta's method of order 4 in steps of 10 µs.
+double error_behind_mount(double step) {
+  constexpr double mount = 330e3, q = 1760.0, k = 30e3, c = 1000.0, fine = 1e-5;
+  constexpr double w = 2.0 * std::numbers::pi * 10.0, amplitude = 0.012;
+  Rig rig = plain(RigKind::component_bench);
+  rig.effects.add(model::TopMount<double>{mount});
+  rig.effects.add(model::QuadraticDamping<double>{q});
+  const Model model(rig, step);
+  auto x = model.start();
+  const auto rate = [&](double t, double e) {
+    const double rest = mount * (amplitude * (1.0 - std::cos(w * t)) - e) - k * e;
+    return std::copysign((-c + std::sqrt(c * c + 4.0 * q * std::abs(rest))) / (2.0 * q), rest);
+  };
+  const auto fine_steps = std::lround(step / fine);
+  double e = 0.0, t = 0.0, largest = 0.0;
+  while (t < 1.0) {
+    for (long i = 0; i < fine_steps; ++i, t += fine) {
+      const double a = rate(t, e), b = rate(t + 0.5 * fine, e + 0.5 * fine * a);
+      const double f = rate(t + 0.5 * fine, e + 0.5 * fine * b), g = rate(t + fine, e + fine * f);
+      e += fine / 6.0 * (a + 2.0 * b + 2.0 * f + g);
+    }
+    const double d = amplitude * (1.0 - std::cos(w * t));
+    model.step(x, {.command = {d, amplitude * w * std::sin(w * t)}});
+    if (t > 0.5) largest = std::fmax(largest, std::abs(model.signals(x)[index(Channel::F)] - mount * (d - e)));
+  }
+  return largest;
+}
+
+// Law. Damping behind a mount is that of the instant, not of the step before: the error falls with the square of the
+// step at least, by 4 from each to the next. At 1 ms it is 0.1 % of the force of 1400 N; loads of the step before would
+// leave 4 %, and grow without bound at 0.25 ms.
+TEST(TopMount, CarriesQuadraticDampingWithoutDelay) {
+  const double whole = error_behind_mount(1e-3), half = error_behind_mount(0.5e-3);
+  const double quarter = error_behind_mount(0.25e-3);
+  EXPECT_LT(whole, 2.5);
+  EXPECT_LT(half, whole / 4.0);
+  EXPECT_LT(quarter, half / 4.0);
+  EXPECT_GT(quarter, 0.0);  // a number at all
+}
+
 // Point. Two slopes around the damping described: 45 N s/m more in compression, 45 less in rebound.
 TEST(AsymmetricDamper, HasASlopeForEachDirection) {
   const model::AsymmetricDamper<double> damper{90.0};
