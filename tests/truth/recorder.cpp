@@ -11,38 +11,48 @@ using std::numbers::pi;
 LowPass::LowPass(double corner, int order, double step) {
   if (corner <= 0.0) return;
   const double k = std::tan(pi * std::min(corner * step, 0.49));
-  if (order < 2) {
-    in_ = {k / (1.0 + k), k / (1.0 + k), 0.0};
-    out_ = {0.0, (k - 1.0) / (1.0 + k), 0.0};
-  } else {
-    const double a = 1.0 + std::numbers::sqrt2 * k + k * k;
-    in_ = {k * k / a, 2.0 * k * k / a, k * k / a};
-    out_ = {0.0, 2.0 * (k * k - 1.0) / a, (1.0 - std::numbers::sqrt2 * k + k * k) / a};
+  if (order % 2 == 1) sections_.push_back({{k / (1.0 + k), k / (1.0 + k), 0.0}, {0.0, (k - 1.0) / (1.0 + k), 0.0}});
+  for (int pair = 0; pair < order / 2; ++pair) {
+    // Poles at ± that angle from the negative real axis: 2 cos of it damps the section.
+    const double damping = 2.0 * std::sin(pi * (2.0 * pair + 1.0) / (2.0 * order));
+    const double a = 1.0 + damping * k + k * k;
+    sections_.push_back(
+        {{k * k / a, 2.0 * k * k / a, k * k / a}, {0.0, 2.0 * (k * k - 1.0) / a, (1.0 - damping * k + k * k) / a}});
   }
+}
+
+double LowPass::Section::push(double value) {
+  u = {value, u[0], u[1]};
+  const double next = in[0] * u[0] + in[1] * u[1] + in[2] * u[2] - out[1] * y[0] - out[2] * y[1];
+  y = {next, y[0], y[1]};
+  return next;
 }
 
 double LowPass::push(double value) {
   if (!begun_) {
     begun_ = true;
-    u_.fill(value);
-    y_.fill(value);
+    for (Section& section : sections_) {
+      section.u.fill(value);
+      section.y.fill(value);
+    }
     return value;
   }
-  u_ = {value, u_[0], u_[1]};
-  const double next = in_[0] * u_[0] + in_[1] * u_[1] + in_[2] * u_[2] - out_[1] * y_[0] - out_[2] * y_[1];
-  y_ = {next, y_[0], y_[1]};
-  return next;
+  for (Section& section : sections_) value = section.push(value);
+  return value;
 }
 
-Recording::Recording(const Recorder& recorder, double node, Random random)
+Recording::Recording(const Recorder& recorder, double node, double sample, Random random)
     : recorder_(recorder),
       node_(node),
-      low_pass_(recorder.corner, recorder.order, node),
+      low_pass_(recorder.corner, recorder.order, recorder.digital ? sample : node),
       random_(random),
       hum_phase_(2.0 * pi * random_.uniform()) {}
 
-void Recording::push(double value) {
-  if (recorder_.corner > 0.0) value = low_pass_.push(value);
+void Recording::push(double value, bool at_sample) {
+  if (recorder_.digital && !at_sample && !history_.empty())
+    value = history_.back();
+  else if (recorder_.corner > 0.0)
+    value = low_pass_.push(value);
   if (has_clock() || history_.empty())
     history_.push_back(value);
   else
@@ -75,10 +85,10 @@ void Recording::strike(std::vector<double>& rows) {
 
 double Recording::rounded(double value) const { return std::round(value / recorder_.step) * recorder_.step; }
 
-double noise_behind(double corner, int order, double sample_rate) {
+double noise_behind(const Recorder& recorder, double sample_rate) {
   // Answer to a value held for one sample, in steps of a fiftieth of it, read at the samples.
-  constexpr int fine = 50;
-  LowPass filter(corner, order, 1.0 / (sample_rate * fine));
+  const int fine = recorder.digital ? 1 : 50;
+  LowPass filter(recorder.corner, recorder.order, 1.0 / (sample_rate * fine));
   (void)filter.push(0.0);
   double power = 0.0;
   for (int sample = 0; sample < 400; ++sample) {

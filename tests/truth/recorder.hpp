@@ -9,16 +9,20 @@
 
 namespace truth {
 
-/// A low-pass fed at equal steps: order 1, or 2 (Butterworth), by the bilinear transform with the corner where it
-/// belongs. Begins in rest at the first value.
+/// A Butterworth low-pass fed at equal steps, order 1 … 4: sections of first and second order by the bilinear transform
+/// with the corner where it belongs. Begins in rest at the first value.
 class LowPass {
  public:
   LowPass(double corner, int order, double step);
   double push(double value);
 
  private:
-  std::array<double, 3> in_{}, out_{};  ///< of the difference equation, newest first
-  std::array<double, 3> u_{}, y_{};
+  struct Section {
+    std::array<double, 3> in, out;  ///< of the difference equation, newest first
+    std::array<double, 3> u{}, y{};
+    double push(double value);
+  };
+  std::vector<Section> sections_;
   bool begun_ = false;
 };
 
@@ -26,10 +30,10 @@ class LowPass {
 /// Fed at every node of the fine grid if it filters or has a clock, else at the samples.
 class Recording {
  public:
-  Recording(const Recorder& recorder, double node, Random random);
+  Recording(const Recorder& recorder, double node, double sample, Random random);  ///< `node`, `sample`: steps [s]
 
   [[nodiscard]] bool every_node() const { return recorder_.corner > 0.0 || has_clock(); }
-  void push(double value);
+  void push(double value, bool at_sample);
   /// The value of a row: `since_start` [s] since the first sample of the record.
   [[nodiscard]] double row(double value, double since_start);
   /// Single samples far off, at places of their own choice.
@@ -47,7 +51,7 @@ class Recording {
   std::vector<double> history_;
 };
 
-/// rms of white noise, of one value a sample, behind a low-pass, relative to before.
-[[nodiscard]] double noise_behind(double corner, int order, double sample_rate);
+/// rms of white noise, of one value a sample, behind a recorder's low-pass, relative to before.
+[[nodiscard]] double noise_behind(const Recorder& recorder, double sample_rate);
 
 }  // namespace truth

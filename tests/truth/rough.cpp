@@ -122,12 +122,14 @@ Truth noise_absent(Base base, Random& random) {
   return truth;
 }
 
-/// Low-pass over channels as one cause.
-void filter(Truth& truth, const Channels& channels, int order, double corner) {
+/// Low-pass over channels as one cause: two of three recorders compute it, the others have it before they sample.
+void filter(Truth& truth, const Channels& channels, double corner, Random& random) {
+  Recorder with{.corner = corner};
+  with.digital = random.below(3) > 0;
+  with.order = 1 + random.below(with.digital ? 4 : 2);
   for (const std::string& channel : channels) {
-    truth.rough.recorder[channel].corner = corner;
-    truth.rough.recorder[channel].order = order;
-    truth.rough.declared[channel] = noise_behind(corner, order, truth.sample_rate);
+    truth.rough.recorder[channel] = with;
+    truth.rough.declared[channel] = noise_behind(with, truth.sample_rate);
   }
 }
 
@@ -139,7 +141,7 @@ Truth noise_coloured(Base base, Random& random) {
   // A filter of one channel is its sensor's lag.
   const Channels channels = random.chance(0.5) ? all : some(all, true, random, 2);
   const double corner = random.logarithmic(60.0, 400.0);
-  filter(truth, channels, 1 + random.below(2), corner);
+  filter(truth, channels, corner, random);
   truth.rough.noise_absent = random.chance(0.5);
   truth.rough.faults.push_back({{"noise_colour", "common_filter"}, channels, {{"corner_hz", corner}}});
   return truth;
@@ -307,7 +309,7 @@ Truth daq(Base base, Random& random) {
     const double corner = random.logarithmic(60.0, 300.0);
     const Channels several = truth.kind == Kind::quarter_car && random.chance(0.5) ? Channels{"zdd_r", "zdd_w", "zdd_b"}
                                                                                    : some(all, true, random, 2);
-    filter(truth, several, 1 + random.below(2), corner);
+    filter(truth, several, corner, random);
     truth.rough.faults.push_back({{"common_filter", "noise_colour"}, several, {{"corner_hz", corner}}});
   } else {
     for (const std::string& channel : group) {

@@ -71,7 +71,7 @@ std::vector<double> added(const Truth& with) {
 // Point. At its corner a low-pass lets 1/√2 of a sine through; noise of one value a sample loses all but
 // (1 − a)/(1 + a) of its power behind order 1, a = e^{−2π f_c/f_s}.
 TEST(TruthRecorder, FiltersLikeItsFormula) {
-  for (const int order : {1, 2}) {
+  for (const int order : {1, 2, 3, 4}) {
     truth::LowPass filter(100.0, order, 5e-5);
     double largest = 0.0;
     for (int i = 0; i < 20000; ++i) {
@@ -81,8 +81,11 @@ TEST(TruthRecorder, FiltersLikeItsFormula) {
     EXPECT_NEAR(largest, std::sqrt(0.5), 1e-3) << order;
   }
   const double a = std::exp(-2.0 * pi * 120.0 / 1000.0);
-  EXPECT_NEAR(truth::noise_behind(120.0, 1, 1000.0), std::sqrt((1.0 - a) / (1.0 + a)), 5e-3);
-  EXPECT_NEAR(truth::noise_behind(50.0, 2, 1000.0), std::sqrt(1.1107 * 2.0 * 50.0 / 1000.0), 5e-3);
+  EXPECT_NEAR(truth::noise_behind({.corner = 120.0}, 1000.0), std::sqrt((1.0 - a) / (1.0 + a)), 5e-3);
+  EXPECT_NEAR(truth::noise_behind({.corner = 50.0, .order = 2}, 1000.0), std::sqrt(1.1107 * 2.0 * 50.0 / 1000.0), 5e-3);
+  // Computed from samples, order 1: k/(1 + k) of the power, k = tan(π f_c/f_s).
+  const double k = std::tan(pi * 0.12);
+  EXPECT_NEAR(truth::noise_behind({.corner = 120.0, .digital = true}, 1000.0), std::sqrt(k / (1.0 + k)), 1e-6);
 }
 
 // Point. A clock that is late by 3 ms and loses 1000 ppm shows at t what was there at t − 3 ms − t/1000.

@@ -71,7 +71,7 @@ Record run(const Truth& truth, const Numbers& numbers, const RecordPlan& plan, c
     const auto recorder = truth.rough.recorder.find(channel);
     columns.push_back({channel, &sensor, fed, &values,
                        Recording(recorder == truth.rough.recorder.end() ? Recorder{} : recorder->second, sample / fine,
-                                 Random(plan.noise_seed + 7919 * (columns.size() + 1)))});
+                                 sample, Random(plan.noise_seed + 7919 * (columns.size() + 1)))});
     every_node = every_node || (!fed && (sensor.remembers() || sensor.lags())) || columns.back().recording.every_node();
   }
 
@@ -101,7 +101,7 @@ Record run(const Truth& truth, const Numbers& numbers, const RecordPlan& plan, c
         else
           shown = before + column.sensor->noise_at(node);
         shown = column.sensor->limited(shown);
-        if (recording) column.recording.push(shown);
+        if (recording) column.recording.push(shown, at_sample);
         if (at_sample && row >= warm)
           column.values->push_back(column.recording.row(shown, static_cast<double>(row - warm) * sample));
       }

@@ -74,9 +74,10 @@ void add_rough(const Truth& truth, nlohmann::ordered_json& out) {
       {"nan", rough.not_a_number}, {"lost", rough.lost}, {"gaps", rough.gaps}, {"gap_share", rough.gap_share}};
   out["recorder"] = nlohmann::ordered_json::object();
   for (const auto& [channel, r] : rough.recorder)
-    out["recorder"][channel] = {{"corner", r.corner}, {"order", r.order},       {"late", r.late},
-                                {"drift", r.drift},   {"hum", r.hum},           {"hum_hz", r.hum_hz},
-                                {"step", r.step},     {"outliers", r.outliers}, {"outlier", r.outlier}};
+    out["recorder"][channel] = {{"corner", r.corner},  {"order", r.order}, {"digital", r.digital},
+                                {"late", r.late},      {"drift", r.drift}, {"hum", r.hum},
+                                {"hum_hz", r.hum_hz},  {"step", r.step},   {"outliers", r.outliers},
+                                {"outlier", r.outlier}};
   out["events"] = nlohmann::ordered_json::array();
   for (const Event& e : rough.events)
     out["events"].push_back({{"where", e.where}, {"from", e.from}, {"to", e.to}, {"force", e.force}});

@@ -39,7 +39,8 @@ struct RecordPlan {
 /// Steps of a recorder on a channel behind its sensor, in this order; 0 is "not there".
 struct Recorder {
   double corner = 0.0;   ///< [Hz] of a low-pass on signal and noise
-  int order = 1;         ///< 1, or 2 (Butterworth)
+  int order = 1;         ///< 1 … 4 (Butterworth)
+  bool digital = false;  ///< computed from the samples; else before they are taken
   double late = 0.0;     ///< [s] by which a clock of its own is late at the first sample, ≥ 0
   double drift = 0.0;    ///< [s/s] by which it gets later, ≥ 0
   double hum = 0.0;      ///< amplitude of a sine
