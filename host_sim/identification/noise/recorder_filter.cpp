@@ -22,15 +22,20 @@ struct WeightedCorner {
   [[nodiscard]] double half_width() const { return 1.0 / std::sqrt(weights); }
 };
 
+bool has_known_corner(const ChannelNoise& noise) {
+  return noise.is_known() && !noise.colour.is_white() &&
+         noise.corner_half_width <= thresholds::corner_known * noise.colour.corner;
+}
+
 /// The low-pass of one channel: nullopt where a recording has none.
 std::optional<RecorderFilter> filter_of(const IdentificationProblem& problem, std::size_t channel) {
   RecorderFilter filter{{model::channel_at(channel)}, 0};
   WeightedCorner mean;
   for (const ProblemRecording& r : problem.recordings()) {
     const ChannelNoise& noise = r.noise[channel];
-    if (noise.colour.is_white() || !noise.is_known()) return std::nullopt;
-    if (noise.corner_half_width > thresholds::corner_known * noise.colour.corner) return std::nullopt;
+    if (!has_known_corner(noise)) return std::nullopt;
     filter.order = noise.colour.order;
+    filter.digital = noise.colour.filter == NoiseColour::Filter::digital;
     mean.add(noise.colour.corner, noise.corner_half_width);
   }
   filter.corner = mean.value();
@@ -40,7 +45,7 @@ std::optional<RecorderFilter> filter_of(const IdentificationProblem& problem, st
 
 bool agree(const RecorderFilter& a, const RecorderFilter& b, double alike) {
   const double difference = std::abs(a.corner - b.corner);
-  return a.order == b.order &&
+  return a.order == b.order && a.digital == b.digital &&
          (difference < 2.0 * std::hypot(a.half_width, b.half_width) || difference < alike * b.corner);
 }
 
@@ -66,6 +71,13 @@ std::vector<RecorderFilter> recorder_filters(const IdentificationProblem& proble
     groups[at].half_width = means[at].half_width();
   }
   return groups;
+}
+
+bool shows_its_colour(const IdentificationProblem& problem, model::Channel channel) {
+  return std::all_of(problem.recordings().begin(), problem.recordings().end(), [channel](const ProblemRecording& r) {
+    const ChannelNoise& noise = r.noise[index(channel)];
+    return has_known_corner(noise) || (noise.is_known() && noise.colour.is_white());
+  });
 }
 
 }  // namespace host_sim::identification

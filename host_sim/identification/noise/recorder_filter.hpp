@@ -11,13 +11,17 @@ namespace host_sim::identification {
 struct RecorderFilter {
   std::vector<model::Channel> channels;
   int order = 1;
+  bool digital = false;     ///< computed from the samples
   double corner = 0.0;      ///< [Hz] mean of the channels' corners, weighted by their certainty
   double half_width = 0.0;  ///< [Hz] of its 95 % interval
 };
 
 /// The low-passes of the noises. A channel belongs to a filter where its noise is coloured in each recording, its
-/// corner is known to thresholds::corner_known, the order is the same, and the corners agree within their intervals or
-/// by the share `alike`. The channel that drives and what is fused with it are looked at, too.
+/// corner is known to thresholds::corner_known, order and kind are the same, and the corners agree within their
+/// intervals or by the share `alike`. The channel that drives and what is fused with it are looked at, too.
 [[nodiscard]] std::vector<RecorderFilter> recorder_filters(const IdentificationProblem& problem, double alike);
+
+/// Whether the noise of a channel says if it is behind a low-pass: it is known in each recording, and so is its corner.
+[[nodiscard]] bool shows_its_colour(const IdentificationProblem& problem, model::Channel channel);
 
 }  // namespace host_sim::identification

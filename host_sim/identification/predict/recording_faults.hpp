@@ -14,8 +14,8 @@ namespace host_sim::identification {
 /// A cause that the catalogue of effects does not hold, since no component of the rig makes it:
 ///
 ///   clock          (1)  reading(t) = truth(t − offset + rate · t)        t from the first sample of the recording
-///   common_filter  (2)  order 1: T ẏ + y = truth;  order 2: ÿ + √2 ω ẏ + ω² y = ω² truth;  ω = 1/T = 2π · corner
-///                  (2b) `inverse`: y = truth + T d/dt truth;  order 2: y = truth + (√2/ω) d/dt truth + d²/dt² truth/ω²
+///   common_filter  (2)  a Butterworth low-pass of order 1 … 4, analogue or digital (low_pass.hpp)
+///                  (2b) `inverse`: what was before it
 ///   mains_hum      (3)  reading(t) = truth(t) + a_c cos(2π f t) + b_c sin(2π f t)      for each channel c
 ///   drift          (4)  parameter(t) = value · (1 + change · g(t/T)),   T: length of the recording
 ///                       g(s) = (1 − e^{−κ s})/(1 − e^{−κ})              a first-order warm-up; κ = 0: g = s
@@ -31,6 +31,7 @@ struct PlacedFault {
   std::vector<model::Channel> channels{};  ///< of a drift: none
   std::string path{};                      ///< of a drift: the parameter
   int order = 1;                           ///< of a filter
+  bool digital = false;                    ///< of a filter: computed from the samples
   bool inverse = false;                    ///< of a filter: (2b)
   bool seen = false;                       ///< of a filter: the colours of the noises say which channels it has
   std::vector<double> values{};  ///< offset [s], rate [1] | corner [Hz] | f [Hz], a_1, b_1, a_2 … [SI] | change, κ [1]
@@ -53,9 +54,5 @@ struct PlacedFault {
 /// The rig of (4) at a share of the recording, 0 … 1.
 [[nodiscard]] model::RigParameters<double> drifted(const model::RigParameters<double>& rig,
                                                    const std::vector<PlacedFault>& faults, double share);
-
-/// The value at `place` [samples] on the polynomial of fifth order through the six samples around it; beyond the ends
-/// the first or last. Of a sine of ω = 0.57 rad per sample (90 Hz at 1 kHz) it is wrong by 2e-4 at most.
-[[nodiscard]] double value_between(const std::vector<double>& values, double place);
 
 }  // namespace host_sim::identification

@@ -265,10 +265,14 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
   }
   NoiseSpectrumFit fit;
   fit.noise.colour = best.colour;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const BandLevel& l : levels) lowest = std::min(lowest, l.power / best.colour.power(l.frequency, period));
+  double lowest = std::numeric_limits<double>::infinity(), least_bound = lowest;
+  for (const BandLevel& l : levels) {
+    const double white = l.power / best.colour.power(l.frequency, period);
+    lowest = std::min(lowest, white);
+    least_bound = std::min(least_bound, white * (1.0 + thresholds::highest_level_deviations / std::sqrt(l.freedom)));
+  }
   fit.noise.level = std::sqrt(std::max(best.level.square, thresholds::least_of_tail * lowest));
-  fit.noise.highest_level = std::sqrt(lowest);
+  fit.noise.highest_level = std::sqrt(least_bound);
   fit.noise.relative_error = 0.5 * best.level.relative_error;
   fit.noise.corner_half_width = 1.96 * best.corner_error * best.colour.corner;
   fit.tail = best.level.tail;

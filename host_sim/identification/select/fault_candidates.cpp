@@ -153,6 +153,12 @@ void FaultScan::add_clocks_and_filters(std::vector<FaultCandidate>& list) const 
     }
   }
   if (has_filter) return;
+  for (const PlacedFault& seen : filters_seen(problem_)) {
+    std::vector<PlacedFault> faults = base_.hypothesis.faults;
+    faults.push_back(seen);
+    const Eigen::VectorXd d = change(faults, seen.channels);
+    if (d.allFinite()) list.push_back({seen, others_.gain(d)});
+  }
   // A filter is late, and one channel's own is an effect of its sensor.
   std::erase_if(gains, [](const GroupGain& g) { return std::popcount(g.group) < 2 || g.offset_gain < 10.0; });
   for (const GroupGain& g : best(thresholds::tried_groups, [](const GroupGain& x) { return x.offset_gain; })) {
@@ -418,7 +424,8 @@ std::vector<PlacedFault> filters_seen(const IdentificationProblem& problem) {
     std::vector<Channel> inside, outside;
     for (const Channel channel : problem.channels()) (has(channel) ? inside : outside).push_back(channel);
     const bool of_input = has(r.input.channel);
-    PlacedFault fault = filter_of(of_input ? outside : inside, seen.corner, std::min(seen.order, 2));
+    PlacedFault fault = filter_of(of_input ? outside : inside, seen.corner, seen.order);
+    fault.digital = seen.digital;
     fault.inverse = of_input;
     fault.seen = true;
     // One channel's low-pass of first order is a lag of its sensor, which acts on its noise as well.
@@ -432,9 +439,10 @@ std::vector<FaultCandidate> neighbouring_groups(const IdentificationProblem& pro
                                                 std::size_t fault, double least) {
   const PlacedFault& present = base.hypothesis.faults[fault];
   std::vector<FaultCandidate> list;
-  if (present.kind != FaultKind::clock && (present.kind != FaultKind::common_filter || present.seen)) return list;
+  if (present.kind != FaultKind::clock && present.kind != FaultKind::common_filter) return list;
   const FaultScan scan(problem, base);
   for (const Channel channel : problem.channels()) {
+    if (present.seen && shows_its_colour(problem, channel)) continue;
     std::vector<PlacedFault> faults = base.hypothesis.faults;
     std::vector<Channel>& group = faults[fault].channels;
     if (present.acts_on(channel)) {

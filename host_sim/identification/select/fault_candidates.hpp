@@ -20,7 +20,7 @@ struct FaultCandidate {
 ///                  channels these are added, and the best offset and rate follow from (3) of LinearRefit: all groups
 ///                  cost no more than their 2×2 systems. The input's own clock shows as the group of all others.
 ///   common_filter  below its corner a filter is a delay: the groups whose common offset gains most are tried with
-///                  orders 1 and 2 and thresholds::filter_corners
+///                  orders 1 and 2 and thresholds::filter_corners; and those of filters_seen()
 ///   mains_hum      the largest line of the residuals within thresholds::hum_range of the mains' frequencies
 ///   drift          (1)  d = F{ t/T F⁻¹{∂r/∂p} } · p       for each parameter p of rig and effects; the derivative is
 ///                       that of the fit's Jacobian, or costs a simulation for a parameter that is no part of it
@@ -43,7 +43,8 @@ struct FaultCandidate {
 /// none.
 [[nodiscard]] std::vector<PlacedFault> filters_seen(const IdentificationProblem& problem);
 
-/// The same fault with one channel more or less, where that promises at least `least` [χ²]: best first.
+/// The same fault with one channel more or less, where that promises at least `least` [χ²]: best first. Of a filter
+/// that the noises show, the channels whose noise says nothing of it.
 [[nodiscard]] std::vector<FaultCandidate> neighbouring_groups(const IdentificationProblem& problem, const Fit& base,
                                                               std::size_t fault, double least);
 

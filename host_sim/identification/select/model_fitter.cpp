@@ -251,12 +251,21 @@ std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateMode
   return best;
 }
 
+CandidateModel ModelFitter::filtered(const CandidateModel& base, const PlacedFault& filter) const {
+  Hypothesis start = base.fit.hypothesis;
+  start.faults.push_back(filter);
+  CandidateModel model = refitted(start, base.effects, 8);
+  if (std::isfinite(model.fit.chi_squared)) improve_group(model);
+  return model;
+}
+
 void ModelFitter::join_filters(CandidateModel& model) const {
   const PlacedFault last = model.faults().back();
   if (last.kind != FaultKind::common_filter) return;
   for (std::size_t f = 0; f + 1 < model.faults().size(); ++f) {
     const PlacedFault& other = model.faults()[f];
-    const bool alike = other.kind == last.kind && other.order == last.order && other.inverse == last.inverse &&
+    const bool alike = other.kind == last.kind && other.order == last.order && other.digital == last.digital &&
+                       other.inverse == last.inverse &&
                        std::abs(other.values.front() / last.values.front() - 1.0) < thresholds::alike_filters;
     if (!alike) continue;
     Hypothesis start = model.fit.hypothesis;

@@ -69,6 +69,9 @@ class ModelFitter {
   /// that are worth their penalty. nullopt: none promises as much.
   [[nodiscard]] std::optional<CandidateModel> extended_by_fault(const CandidateModel& base, double least) const;
 
+  /// With a filter that the noises show (filters_seen), also on channels whose noise does not say.
+  [[nodiscard]] CandidateModel filtered(const CandidateModel& base, const PlacedFault& filter) const;
+
   /// Without one of the faults, after at most so many steps of a fit. 0: everything else as it was.
   [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t leave_out, int most = 6) const;
 

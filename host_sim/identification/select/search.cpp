@@ -60,6 +60,7 @@ class Search {
 
   // Backward.
   void compare_in_sample(SearchResult& found);
+  bool take_filter_seen(SearchResult& found) const;
   bool improve(std::size_t effect, SearchResult& found);
   bool improve_fault(std::size_t fault, SearchResult& found);
   bool eliminate_by_held_out(SearchResult& found);
@@ -160,9 +161,7 @@ void Search::begin(SearchResult& found) {
 
 void Search::add_filters_seen(SearchResult& found) const {
   for (const PlacedFault& filter : filters_seen(fitter_.problem())) {
-    Hypothesis start = found.best.fit.hypothesis;
-    start.faults.push_back(filter);
-    CandidateModel filtered = fitter_.refitted(start, found.best.effects, 8);
+    CandidateModel filtered = fitter_.filtered(found.best, filter);
     if (criterion_.accepts(filtered, found.best, 0.0)) found.best = std::move(filtered);
   }
 }
@@ -244,7 +243,7 @@ void Search::compare_in_sample(SearchResult& found) {
     found.rivals.assign(found.best.effects.size(), {});
     found.gains.assign(found.best.effects.size(), 0.0);
     found.faults.assign(found.best.faults().size(), {});
-    bool changed = false;
+    bool changed = take_filter_seen(found);
     for (std::size_t i = 0; i < found.best.faults().size() && !changed; ++i) changed = improve_fault(i, found);
     for (std::size_t i = 0; i < found.best.effects.size() && !changed; ++i) changed = improve(i, found);
     if (!changed) break;
@@ -254,6 +253,36 @@ void Search::compare_in_sample(SearchResult& found) {
       found.alone.clear();
     }
   }
+}
+
+/// A filter that the noises show in the place of effects of its sensors, each of which imitates it: beside all of them
+/// it gains nothing. true: it is better.
+bool Search::take_filter_seen(SearchResult& found) const {
+  if (!criterion_.faults || found.best.faults().size() >= thresholds::most_faults) return false;
+  if (std::any_of(found.best.faults().begin(), found.best.faults().end(),
+                  [](const PlacedFault& fault) { return fault.kind == FaultKind::common_filter; }))
+    return false;
+  for (const PlacedFault& filter : filters_seen(fitter_.problem())) {
+    const auto behind_it = [&](const firmware::PlacedEffect& effect) {
+      return effect.channel && filter.acts_on(*effect.channel);
+    };
+    if (std::none_of(found.best.effects.begin(), found.best.effects.end(), behind_it)) continue;
+    CandidateModel with = fitter_.filtered(found.best, filter);
+    for (std::size_t i = 0; i < with.effects.size();) {
+      std::optional<CandidateModel> less;
+      if (behind_it(with.effects[i])) less = fitter_.without(with, i);
+      if (!less || criterion_.prefers(with, *less)) {
+        ++i;
+      } else {
+        with = std::move(*less);
+        i = 0;
+      }
+    }
+    if (!std::isfinite(with.fit.chi_squared) || !criterion_.prefers(with, found.best)) continue;
+    found.best = std::move(with);
+    return true;
+  }
+  return false;
 }
 
 /// Leaves out the effect without which the held-out windows are predicted better, by more than it gains in the fitted
