@@ -23,6 +23,24 @@ void require_finite(const firmware::RigDescription& description, const PreparedD
   }
 }
 
+/// Events and laws for what the effects leave. An event explains whatever it covers: where a law is found beside
+/// events, it may be what they were, since a law that is missing shows where the motion is largest. Learned from
+/// everything, it takes their place if it leaves nothing but noise.
+Learned explain_rest(const firmware::RigDescription& description, IdentificationProblem& problem,
+                     const SearchSpace& space, const ProgressCallback& progress, SearchResult& found) {
+  if (!leaves_a_rest(problem, found)) return learn_laws(problem, space, progress, found);
+  IdentificationProblem whole = problem;
+  SearchResult without_events = found;
+  leave_out_events(description, problem, space, progress, found);  // select/
+  Learned learned = learn_laws(problem, space, progress, found);   // learn/
+  if (!learned.found || found.events.empty()) return learned;
+  Learned from_all = learn_laws(whole, space, progress, without_events);
+  if (!from_all.found || leaves_a_rest(whole, without_events)) return learned;
+  problem = std::move(whole);
+  found = std::move(without_events);
+  return from_all;
+}
+
 }  // namespace
 
 Identified identify(const firmware::RigDescription& description, std::vector<Record> records,
@@ -30,12 +48,11 @@ Identified identify(const firmware::RigDescription& description, std::vector<Rec
   PreparedData data = prepare(description, std::move(records));                 // prepare/
   const Hypothesis given = described_hypothesis(description, data.recordings);  // predict/
   require_finite(description, data, given);
-  IdentificationProblem problem(std::move(data.recordings), given);                          // noise/
-  std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());  // parity/
-  SearchSpace space = search_space(description, problem.samples(), given);                   // estimate/
-  SearchResult found = select_model(problem, space, progress);                               // select/
-  leave_out_events(description, problem, space, progress, found);
-  Learned learned = learn_laws(problem, space, progress, found);                                    // learn/
+  IdentificationProblem problem(std::move(data.recordings), given);                                 // noise/
+  std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());         // parity/
+  SearchSpace space = search_space(description, problem.samples(), given);                          // estimate/
+  SearchResult found = select_model(problem, space, progress);                                      // select/
+  Learned learned = explain_rest(description, problem, space, progress, found);                     // learn/
   Diagnosis diagnosis = assess(description, problem, space, std::move(relations), found, learned);  // assess/
   diagnosis.remarks.insert(diagnosis.remarks.begin(), data.remarks.begin(), data.remarks.end());
   return {std::move(problem), std::move(space), std::move(found), std::move(learned), std::move(diagnosis)};

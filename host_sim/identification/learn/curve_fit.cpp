@@ -189,6 +189,7 @@ PlacedLaw flat_curve(CurvePlace place, CurveOver over, const ExcitedRange& range
     law.at.push_back(x);
   }
   law.values.assign(law.at.size(), 0.0);
+  law.farthest = thresholds::table_beyond * range.farthest;
   return law;
 }
 

@@ -29,12 +29,14 @@ std::vector<double> motion_at(const PreparedRecording& recording, const Response
 std::optional<ExcitedRange> excited_range(const IdentificationProblem& problem, const Hypothesis& hypothesis,
                                           CurvePlace place, CurveOver over) {
   std::vector<double> seen;
+  double farthest = 0.0;
   for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
     const ProblemRecording& r = problem.recordings()[i];
-    if (!r.is_fitted()) continue;
+    const std::size_t end = std::max(r.samples->fitted.to, r.samples->held_out.to);
     const Response channels =
-        true_channels(hypothesis, *r.samples, r.samples->input, hypothesis.starts[i], r.fitted.to, r.resolution());
+        true_channels(hypothesis, *r.samples, r.samples->input, hypothesis.starts[i], end, r.resolution());
     const std::vector<double> x = motion_at(*r.samples, channels, place, over);
+    for (const double value : x) farthest = std::fmax(farthest, std::abs(value));
     for (std::size_t k = r.fitted.from; k < std::min(r.fitted.to, x.size()); ++k) seen.push_back(x[k]);
   }
   std::sort(seen.begin(), seen.end());
@@ -43,8 +45,8 @@ std::optional<ExcitedRange> excited_range(const IdentificationProblem& problem, 
   if (seen.size() < thresholds::fewest_samples || !(squares > 0.0) || !std::isfinite(squares)) return std::nullopt;
   const auto cut = static_cast<std::size_t>(thresholds::rarely_reached * static_cast<double>(seen.size()));
   const ExcitedRange range{std::min(seen[cut], 0.0), std::max(seen[seen.size() - 1 - cut], 0.0),
-                           std::sqrt(squares / static_cast<double>(seen.size()))};
-  if (!(range.largest() > 0.0)) return std::nullopt;
+                           std::sqrt(squares / static_cast<double>(seen.size())), farthest};
+  if (!(range.largest() > 0.0) || !std::isfinite(farthest)) return std::nullopt;
   return range;
 }
 

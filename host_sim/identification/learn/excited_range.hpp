@@ -12,6 +12,7 @@ namespace host_sim::identification {
 struct ExcitedRange {
   double lowest = 0.0, highest = 0.0;  ///< without thresholds::rarely_reached of the samples at each end
   double rms = 0.0;
+  double farthest = 0.0;  ///< largest |x| of all that is recorded, held out or not
 
   [[nodiscard]] double largest() const { return highest > -lowest ? highest : -lowest; }
 };

@@ -335,6 +335,7 @@ std::optional<Hypothesis> LawSearch::start_of_surface(LawFamily family, const Ef
   const auto velocity = excited_range(problem_, start, CurvePlace::suspension, CurveOver::velocity);
   if (!deflection || !velocity) return std::nullopt;
   PlacedLaw law{.over = CurveOver::both, .family = family, .rms = deflection->rms, .largest = deflection->largest()};
+  law.farthest = thresholds::table_beyond * deflection->farthest;
   law.rms_velocity = velocity->rms;
   law.largest_velocity = velocity->largest();
   law.slot = space_.given.rig.laws.surface_count;

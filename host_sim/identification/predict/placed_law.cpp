@@ -165,7 +165,8 @@ model::SurfaceTable<double> surface_of(const PlacedLaw& law) {
   constexpr int each_side = (static_cast<int>(model::surface_points) - 1) / 2;
   const bool load = law.family == LawFamily::follows_load;
   // Straight over |x| and straight over v: three points are enough there.
-  const std::vector<double> x = points_around(0.5 * law.largest, law.largest, load ? 1 : each_side);
+  const double end = std::max(law.largest, law.farthest);
+  const std::vector<double> x = points_around(0.5 * end, end, load ? 1 : each_side);
   const std::vector<double> v =
       points_around(load ? 0.5 * law.values[1] : law.largest_velocity, law.largest_velocity, load ? each_side : 1);
   model::SurfaceTable<double> table;
@@ -183,14 +184,14 @@ model::SurfaceTable<double> surface_of(const PlacedLaw& law) {
 LawTable table_of(const PlacedLaw& law) {
   if (law.family == LawFamily::points) return {law.at, law.values};
   constexpr int each_side = 16;
+  const double end = std::max(law.largest, law.farthest);
   std::vector<double> side;  // x > 0
   if (law.family == LawFamily::power || law.family == LawFamily::two_powers) {
     // The cubics are off by some h³ F″²/F′, h: to the next point. It is the same everywhere where x grows as i^(3/p).
     const double grows = 3.0 / law.values.back();
-    for (int i = 1; i <= each_side; ++i)
-      side.push_back(law.largest * std::pow(static_cast<double>(i) / each_side, grows));
+    for (int i = 1; i <= each_side; ++i) side.push_back(end * std::pow(static_cast<double>(i) / each_side, grows));
   } else {
-    const double s = bend(law), last = std::asinh(law.largest / s);
+    const double s = bend(law), last = std::asinh(end / s);
     for (int i = 1; i <= each_side; ++i) side.push_back(s * std::sinh(last * i / each_side));
   }
   if (law.family == LawFamily::knee || law.family == LawFamily::one_sided) {  // a point on the corner and one beside it

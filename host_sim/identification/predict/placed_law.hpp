@@ -71,8 +71,9 @@ struct PlacedLaw {
   double size = 1.0;         ///< a force [N] that matters here: unit of the values that are forces, in a fit
   std::vector<double> at{};  ///< x_i of (1), d_i [m] of (10), T_i [s] of (11)
   std::vector<double> values{};
-  double gap = 0.0;      ///< [m] of (10): lost motion; 0: none
-  std::size_t slot = 0;  ///< of the rig's laws, curve, surface or first branch: behind those of its description
+  double gap = 0.0;       ///< [m] of (10): lost motion; 0: none
+  double farthest = 0.0;  ///< the table of a family goes on as far as this, beyond X; straight from there
+  std::size_t slot = 0;   ///< of the rig's laws, curve, surface or first branch: behind those of its description
 
   /// F(x) of (2)–(9); of (1) the straight lines between points. With memory: at the end of a first travel from rest to
   /// x, for (11) one that is fast beside every T_i.

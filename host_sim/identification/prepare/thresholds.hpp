@@ -95,9 +95,9 @@ inline constexpr int highest_filter_order = 4;
 /// [1] Share of the lowest power above the motion that is noise at least, where tails hide it. Half and twice: the
 /// guess is replaced when the effect behind the tail was found.
 inline constexpr double least_of_tail = 0.1;
-/// [standard deviations of a band's power] above the lowest band that ChannelNoise::highest_level lies: the lowest of 50
-/// bands of one noise is 2.2 below it, so three leave a level alone that is right. At none a level behind a filter was
-/// 11 % too low, and one of two clean recordings of a filtering recorder was called unexplained.
+/// [standard deviations of a band's power] above the lowest band that ChannelNoise::highest_level lies: the lowest of
+/// 50 bands of one noise is 2.2 below it, so three leave a level alone that is right. At none a level behind a filter
+/// was 11 % too low, and one of two clean recordings of a filtering recorder was called unexplained.
 inline constexpr double highest_level_deviations = 3.0;
 /// [1] Relative half width of a corner from which it is not named, and the relative distance of two corners that count
 /// as one: a filter's parts differ by some per cent. Half and twice: the same names.

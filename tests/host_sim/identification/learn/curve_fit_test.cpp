@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "tests/host_sim/identification/sample_problem.hpp"
@@ -31,6 +33,10 @@ TEST(CurveFit, StandsOnOneSideOfZero) {
   ASSERT_TRUE(range);
   EXPECT_EQ(range->lowest, 0.0);
   EXPECT_NEAR(range->highest, by, by);
+  // All that is recorded, also what is held out and the rarest samples.
+  const std::vector<double>& x = problem.samples().front().recording[Channel::x_act];
+  EXPECT_NEAR(range->farthest, *std::max_element(x.begin(), x.end()), 1e-3);
+  EXPECT_GT(range->farthest, range->highest);
   Hypothesis start = given;
   start.laws.push_back(flat_curve(CurvePlace::suspension, CurveOver::deflection, *range));
   EXPECT_EQ(start.laws.back().at.front(), 0.0);

@@ -153,6 +153,21 @@ TEST(PlacedLaw, tablesAreDenseWhereTheCurveBends) {
   }
 }
 
+// Bound. A table goes on as far as what is recorded, held out or not: a power of 3 that ended at 0.4 and went on
+// straight would have 0.65 of its force at 0.6.
+TEST(PlacedLaw, TablesGoOnAsFarAsTheRecord) {
+  for (const double exponent : {1.5, 3.0}) {
+    PlacedLaw law = law_of(LawFamily::power, {50.0, exponent});
+    law.farthest = 0.6;
+    const LawTable table = table_of(law);
+    EXPECT_NEAR(table.at.back(), 0.6, 1e-12);
+    const model::Curve<double> cubic(table.at, table.value, table.at.size());
+    EXPECT_NEAR(cubic(0.59) / law.force(0.59), 1.0, 2.5e-3) << exponent;
+    law.farthest = 0.1;  // never less than X
+    EXPECT_NEAR(table_of(law).at.back(), 0.4, 1e-12);
+  }
+}
+
 // Bound. Powers are off by 1 in 400 of the largest force at most, from dry friction's to a fifth: a law that is three
 // hundred times the noise shows nothing of its table.
 TEST(PlacedLaw, TablesOfPowersAreCloseEverywhere) {
