@@ -55,6 +55,7 @@ std::vector<RecorderFilter> recorder_filters(const IdentificationProblem& proble
   std::vector<RecorderFilter> groups;
   std::vector<WeightedCorner> means;
   for (std::size_t c = 0; c < model::channel_count; ++c) {
+    if (model::channel_at(c) == model::Channel::x_cmd) continue;  // computed: its spectrum is that of the command
     const auto own = filter_of(problem, c);
     if (!own) continue;
     const auto same = std::find_if(groups.begin(), groups.end(),

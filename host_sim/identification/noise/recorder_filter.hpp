@@ -18,7 +18,8 @@ struct RecorderFilter {
 
 /// The low-passes of the noises. A channel belongs to a filter where its noise is coloured in each recording, its
 /// corner is known to thresholds::corner_known, order and kind are the same, and the corners agree within their
-/// intervals or by the share `alike`. The channel that drives and what is fused with it are looked at, too.
+/// intervals or by the share `alike`. The channel that drives and what is fused with it are looked at, too; a command
+/// has no noise.
 [[nodiscard]] std::vector<RecorderFilter> recorder_filters(const IdentificationProblem& problem, double alike);
 
 /// Whether the noise of a channel says if it is behind a low-pass: it is known in each recording, and so is its corner.

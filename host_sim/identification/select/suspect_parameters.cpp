@@ -268,6 +268,28 @@ bool replace_one(ParameterSearch& search_for, Replacement& now) {
   return false;
 }
 
+/// Two effects less, a parameter more or none, where a parameter stands at the bound of its tolerance: it would go on,
+/// and two effects may be what keeps the rest in place (a gain of F and a stop of no clearance for a weaker damper).
+/// false: nothing is better.
+bool replace_two(ParameterSearch& search_for, Replacement& now) {
+  const auto at_bound = [&](const FreeParameter& p) {
+    return p.role == FreeParameter::Role::tolerated && p.at_bound(now.model.fit.hypothesis);
+  };
+  const auto& parameters = now.model.fit.parameters;
+  if (std::none_of(parameters.begin(), parameters.end(), at_bound)) return false;
+  for (std::size_t second = 1; second < now.model.effects.size(); ++second) {
+    for (std::size_t first = 0; first < second; ++first) {
+      if (search_for.is_seen(now.model.effects[first]) || search_for.is_seen(now.model.effects[second])) continue;
+      CandidateModel reduced = search_for.without(search_for.without(now.model, second, now.freed), first, now.freed);
+      if (!free_instead(search_for, now, std::move(reduced), std::nullopt)) continue;
+      now.effects.erase(now.effects.begin() + static_cast<std::ptrdiff_t>(second));
+      now.effects.erase(now.effects.begin() + static_cast<std::ptrdiff_t>(first));
+      return true;
+    }
+  }
+  return false;
+}
+
 /// What was found of a model, for the parts of it that are left, relative to what it is now.
 template <class T>
 std::vector<T> of_kept(const std::vector<T>& all, const std::vector<std::size_t>& kept) {
@@ -282,7 +304,8 @@ void exchange(IdentificationProblem& problem, const SearchSpace& space, SearchRe
   Replacement now{{found.best, found.freed}, {}, {}};
   for (std::size_t i = 0; i < found.best.effects.size(); ++i) now.effects.push_back(i);
   for (std::size_t i = 0; i < found.best.faults().size(); ++i) now.faults.push_back(i);
-  while (tie_again(search_for, now) || free_beside(search_for, now) || replace_one(search_for, now)) {
+  while (tie_again(search_for, now) || free_beside(search_for, now) || replace_one(search_for, now) ||
+         replace_two(search_for, now)) {
   }
   const SelectionCriterion& criterion = search_for.criterion();
   const double shift = now.model.penalised_chi_squared(criterion) - found.best.penalised_chi_squared(criterion);
