@@ -1,10 +1,13 @@
 #include "host_sim/identification/select/candidates.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host_sim/identification/prepare/sample_faults.hpp"
 #include "host_sim/identification/select/ripple_period.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
+#include "host_sim/signal/summary.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -29,7 +32,20 @@ Size size_of(const std::vector<double>& values) {
   return size;
 }
 
-/// The |value| at which a channel is cut off, of each recording in which it is.
+/// The |value| beyond half of the largest that comes most often: where a channel is cut off before a low-pass, which
+/// rounds the tops and overshoots by up to 11 %, and where a sine turns.
+double most_frequent_top(const std::vector<double>& values) {
+  const double largest = largest_magnitude(values);
+  std::array<std::size_t, thresholds::top_bins> counts{};
+  for (const double v : values) {
+    const double height = 2.0 * std::abs(v) / largest - 1.0;
+    if (height >= 0.0) ++counts[std::min(static_cast<std::size_t>(height * thresholds::top_bins), counts.size() - 1)];
+  }
+  const auto most = static_cast<double>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+  return 0.5 * largest * (1.0 + (most + 0.5) / thresholds::top_bins);
+}
+
+/// The |value| at which a channel is cut off, of each recording in which it is, or may be behind a filter.
 Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Channel channel) {
   Starts starts;
   for (const PreparedRecording& e : recordings) {
@@ -37,7 +53,11 @@ Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Chann
     // Between the samples that were recorded an interpolation overshoots the limit.
     std::vector<double> recorded;
     for (std::size_t k = 0; k < e.size(); k += e.step) recorded.push_back(e.recording[channel][k]);
-    if (const auto limit = cut_off_at(recorded)) starts.push_back({{*limit}});
+    if (const auto limit = cut_off_at(recorded)) {
+      starts.push_back({{*limit}});
+    } else if (!e.channel_noise[index(channel)].colour.is_white() && largest_magnitude(recorded) > 0.0) {
+      starts.push_back({{most_frequent_top(recorded)}});
+    }
   }
   return starts;
 }

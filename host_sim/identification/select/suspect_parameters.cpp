@@ -211,7 +211,7 @@ bool free_beside(ParameterSearch& search_for, Replacement& now) {
 }
 
 /// A parameter less, which everything else makes superfluous. false: each is worth its price.
-bool tie_again(ParameterSearch& search_for, Replacement& now) {
+bool tie_again(ParameterSearch& search_for, FreedModel& now) {
   const double to_beat = search_for.value(now);
   for (std::size_t i = 0; i < now.freed.size(); ++i) {
     FreedModel fewer;
@@ -219,7 +219,7 @@ bool tie_again(ParameterSearch& search_for, Replacement& now) {
     fewer.freed.erase(fewer.freed.begin() + static_cast<std::ptrdiff_t>(i));
     fewer.model = search_for.tied(now.model, fewer.freed, now.freed[i]);
     if (search_for.value(fewer) > to_beat) continue;
-    now.FreedModel::operator=(std::move(fewer));
+    now = std::move(fewer);
     return true;
   }
   return false;
@@ -236,8 +236,11 @@ bool free_instead(ParameterSearch& search_for, Replacement& now, CandidateModel 
   if (search_for.value(other) >= value - thresholds::replaces) {
     const double needed = other.model.fit.chi_squared - now.model.fit.chi_squared;
     if (now.freed.size() == thresholds::most_freed || !search_for.free_one_more(other, 0.5 * needed)) return false;
+    // Together with what is left out, another parameter may have been in the wrong one's place.
+    while (!now.freed.empty() && tie_again(search_for, other)) {
+    }
     const double worse = search_for.value(other) - value;
-    const bool limit = worse >= -thresholds::replaces && worse < thresholds::tie && effect &&
+    const bool limit = worse >= -thresholds::replaces && worse < thresholds::tie && effect && !other.freed.empty() &&
                        search_for.is_at_its_limit(now.model, *effect, other);
     if (worse >= -thresholds::replaces && !limit) return false;
   }

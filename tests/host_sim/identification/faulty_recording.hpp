@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware/recording/recording_csv.hpp"
@@ -48,6 +49,17 @@ inline host_sim::identification::Diagnosis diagnosis_of(const truth::Truth& trut
   return host_sim::identification::diagnose(
       firmware::parse_rig(truth::rig_toml(truth), "rig.toml"),
       {{changed_recording(truth, change), host_sim::identification::Use::shared}});
+}
+
+/// All records of a truth as they were drawn.
+inline host_sim::identification::Diagnosis diagnosis_of_all(const truth::Truth& truth) {
+  std::vector<host_sim::identification::Record> records;
+  for (const truth::Record& record : truth::simulate(truth)) {
+    records.push_back(
+        {firmware::parse_recording_csv(truth::csv(truth, record), "rec.csv"), host_sim::identification::Use::shared});
+  }
+  return host_sim::identification::diagnose(firmware::parse_rig(truth::rig_toml(truth), "rig.toml"),
+                                            std::move(records));
 }
 
 /// The value at `place` [samples] by a sinc interpolation through a Hann window of 2 × 16 samples.

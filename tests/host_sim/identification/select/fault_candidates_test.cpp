@@ -339,4 +339,32 @@ TEST(RecordingFaults, ACleanRecordingHasNone) {
   }
 }
 
+/// Diagnoses a rough recording behind one filter on x_act and F; the effects must be these.
+void expect_behind_filter(std::uint64_t seed, std::vector<std::string> effects) {
+  const truth::Truth truth = truth::draw_rough("noise_coloured", seed);
+  const truth::Recorder& recorder = truth.rough.recorder.at("F");
+  const Diagnosis found = sample::diagnosis_of_all(truth);
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  std::vector<std::string> names;
+  for (const auto& named : found.effects) names.emplace_back(named.effect.entry->name);
+  std::sort(names.begin(), names.end());
+  std::sort(effects.begin(), effects.end());
+  EXPECT_EQ(names, effects) << said;
+  const RecordingFault* const filter = fault_of(found, "common_filter");
+  ASSERT_NE(filter, nullptr) << said;
+  EXPECT_EQ(sorted(filter->channels), sorted({Channel::x_act, Channel::F})) << said;
+  EXPECT_NEAR(filter->parameters.at("corner_hz").value / recorder.corner, 1.0, 0.02) << said;
+  EXPECT_EQ(filter->parameters.at("order").value, recorder.order) << said;
+}
+
+// A digital filter of first order, 340 Hz at 1 kHz: to each channel alone it is a lag or a delay of 0.27 ms, which the
+// search has found before it knows the rig. The noise says that it is one filter.
+TEST(RecordingFaults, AFilterTakesThePlaceOfWhatImitatesIt) {
+  expect_behind_filter(203, {"quadratic_damping", "top_mount"});
+}
+
+// A saturated stroke behind a filter: its tops are round, and no value comes again.
+TEST(RecordingFaults, ASaturationIsSeenBehindAFilter) { expect_behind_filter(2026120303, {"sensor_saturation"}); }
+
 }  // namespace

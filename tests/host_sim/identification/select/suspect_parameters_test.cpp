@@ -168,4 +168,10 @@ TEST(SuspectParameters, AreEachTriedBesideEffects) { expect_one_of_each(401, "qu
 // 0.8 less than the parameter: it is not the answer.
 TEST(SuspectParameters, AreNotALimitOfAnEffect) { expect_one_of_each(506, "sensor_lag", "suspension.stiffness"); }
 
+// A damping 25 % off beside a rate limit. A gain of F and a stop of no clearance do the same, and each of the two is
+// cheaper than a parameter; damping and stiffness stand at the bounds of their tolerances then.
+TEST(SuspectParameters, AreTriedInThePlaceOfTwoEffects) {
+  expect_one_of_each(2026120202, "actuator_rate_limit", "suspension.damping");
+}
+
 }  // namespace
