@@ -22,18 +22,13 @@ struct WeightedCorner {
   [[nodiscard]] double half_width() const { return 1.0 / std::sqrt(weights); }
 };
 
-bool has_known_corner(const ChannelNoise& noise) {
-  return noise.is_known() && !noise.colour.is_white() &&
-         noise.corner_half_width <= thresholds::corner_known * noise.colour.corner;
-}
-
 /// The low-pass of one channel: nullopt where a recording has none.
 std::optional<RecorderFilter> filter_of(const IdentificationProblem& problem, std::size_t channel) {
   RecorderFilter filter{{model::channel_at(channel)}, 0};
   WeightedCorner mean;
   for (const ProblemRecording& r : problem.recordings()) {
     const ChannelNoise& noise = r.noise[channel];
-    if (!has_known_corner(noise)) return std::nullopt;
+    if (!noise.shows_a_filter()) return std::nullopt;
     filter.order = noise.colour.order;
     filter.digital = noise.colour.filter == NoiseColour::Filter::digital;
     mean.add(noise.colour.corner, noise.corner_half_width);
@@ -77,7 +72,7 @@ std::vector<RecorderFilter> recorder_filters(const IdentificationProblem& proble
 bool shows_its_colour(const IdentificationProblem& problem, model::Channel channel) {
   return std::all_of(problem.recordings().begin(), problem.recordings().end(), [channel](const ProblemRecording& r) {
     const ChannelNoise& noise = r.noise[index(channel)];
-    return has_known_corner(noise) || (noise.is_known() && noise.colour.is_white());
+    return noise.shows_a_filter() || (noise.is_known() && noise.colour.is_white());
   });
 }
 

@@ -197,6 +197,10 @@ double ChannelNoise::rms(double period) const { return level * std::sqrt(colour.
 
 bool ChannelNoise::is_known() const { return relative_error <= thresholds::noise_level_known; }
 
+bool ChannelNoise::shows_a_filter() const {
+  return is_known() && !colour.is_white() && corner_half_width <= thresholds::corner_known * colour.corner;
+}
+
 namespace {
 
 /// The cheapest law of (5) among white noise and low-passes, with and without the tail of (4).

@@ -37,7 +37,8 @@ struct ChannelNoise {
   double highest_level = 0.0;      ///< the channel's own spectrum holds no more; 0: not looked at
 
   [[nodiscard]] double rms(double period) const;
-  [[nodiscard]] bool is_known() const;  ///< to thresholds::noise_level_known
+  [[nodiscard]] bool is_known() const;        ///< to thresholds::noise_level_known
+  [[nodiscard]] bool shows_a_filter() const;  ///< and its corner to thresholds::corner_known
 };
 using ChannelNoises = std::array<ChannelNoise, model::channel_count>;
 

@@ -45,7 +45,8 @@ double most_frequent_top(const std::vector<double>& values) {
   return 0.5 * largest * (1.0 + (most + 0.5) / thresholds::top_bins);
 }
 
-/// The |value| at which a channel is cut off, of each recording in which it is, or may be behind a filter.
+/// The |value| at which a channel is cut off, of each recording in which it is, or may be behind a filter. Forces have
+/// flat tops of their own there: a component that yields, a tyre that lifts off.
 Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Channel channel) {
   Starts starts;
   for (const PreparedRecording& e : recordings) {
@@ -55,7 +56,8 @@ Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Chann
     for (std::size_t k = 0; k < e.size(); k += e.step) recorded.push_back(e.recording[channel][k]);
     if (const auto limit = cut_off_at(recorded)) {
       starts.push_back({{*limit}});
-    } else if (!e.channel_noise[index(channel)].colour.is_white() && largest_magnitude(recorded) > 0.0) {
+    } else if (model::unit(channel) != "N" && e.channel_noise[index(channel)].shows_a_filter() &&
+               largest_magnitude(recorded) > 0.0) {
       starts.push_back({{most_frequent_top(recorded)}});
     }
   }
