@@ -13,7 +13,7 @@ LowPass::LowPass(double corner, int order, double step) {
   const double k = std::tan(pi * std::min(corner * step, 0.49));
   if (order % 2 == 1) sections_.push_back({{k / (1.0 + k), k / (1.0 + k), 0.0}, {0.0, (k - 1.0) / (1.0 + k), 0.0}});
   for (int pair = 0; pair < order / 2; ++pair) {
-    // Poles at ± that angle from the negative real axis: 2 cos of it damps the section.
+    // Poles at an angle from the imaginary axis; twice its sine damps the section.
     const double damping = 2.0 * std::sin(pi * (2.0 * pair + 1.0) / (2.0 * order));
     const double a = 1.0 + damping * k + k * k;
     sections_.push_back(

@@ -24,7 +24,7 @@ inline constexpr int points_each_side = 7;
 inline constexpr double innermost_point = 0.15;
 /// [1] How far the table of a family goes on, relative to the largest |x| of all that is recorded: x moves while a law
 /// is fitted. From there it is straight: of a power of 3 that is reached by 5 % more, 0.7 % of the force is missing.
-/// Half of the excess: no difference. Twice: points a twentieth farther apart.
+/// Half of the excess: a fit may reach the end. Twice: points a tenth farther apart. Derived, not measured.
 inline constexpr double table_beyond = 1.1;
 /// [1] How far beyond the range a point may stand, relative to the end. Rounding alone asks for more than 1. Half and
 /// twice of the excess: no difference.
@@ -90,7 +90,7 @@ inline constexpr double law_margin_held_out = 4.0;
 /// is left: the middle between what real records leave with laws that are right and with laws that are not. Looked at:
 /// stacks for a friction damper, learned on two of its three records, 0.53, 0.76 and 0.57; curves of a servo-hydraulic
 /// machine and of a quarter-car bench, and second laws beside right ones, 0.93 to 1.19. Of the distance to 1, half:
-/// some of these. Twice: one of the three stacks is lost.
+/// the same laws. Twice: one of the three stacks is lost.
 inline constexpr double law_replaces_error = 0.85;
 /// [1] Share of the dry friction in whose place a curve stands, from which its step at rest is that friction.
 /// Derivation: the step is its force at 0.15 rms. Friction that sets in within 0.1 rms has nine tenths of itself there,

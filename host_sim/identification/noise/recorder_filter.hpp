@@ -22,7 +22,8 @@ struct RecorderFilter {
 /// has no noise.
 [[nodiscard]] std::vector<RecorderFilter> recorder_filters(const IdentificationProblem& problem, double alike);
 
-/// Whether the noise of a channel says if it is behind a low-pass: it is known in each recording, and so is its corner.
+/// True if the noise of a channel tells whether the channel is behind a low-pass: in every recording its level is
+/// known, and it is white or has a known corner.
 [[nodiscard]] bool shows_its_colour(const IdentificationProblem& problem, model::Channel channel);
 
 }  // namespace host_sim::identification
