@@ -34,6 +34,14 @@ std::optional<std::uint64_t> whole_member(const ordered_json& json, const char* 
   return json[key].get<std::uint64_t>();
 }
 
+/// A shard makes its file before it writes the first line: another that starts beside it may look in between.
+bool has_begun(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  return !stream ||
+         (std::getline(stream, line) && !stream.eof());  // one that cannot be opened is an error of its reader
+}
+
 }  // namespace
 
 ResultFile::ResultFile(const std::filesystem::path& folder, const CaseSet& cases, const Shard& shard)
@@ -137,7 +145,8 @@ std::vector<std::filesystem::path> result_files(const std::filesystem::path& fol
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with(name_begin) && name.ends_with(name_end)) files.push_back(entry.path());
+    if (name.starts_with(name_begin) && name.ends_with(name_end) && has_begun(entry.path()))
+      files.push_back(entry.path());
   }
   if (error) throw firmware::InputError(folder.string(), 0, "cannot be listed", "a folder of results");
   std::sort(files.begin(), files.end());

@@ -80,7 +80,8 @@ class ResultReader {
   std::optional<std::uint64_t> last_;
 };
 
-/// All result files of a folder, by name.
+/// All result files of a folder, by name; without those that do not hold a whole first line yet: their shard has just
+/// begun, or was killed as it did.
 [[nodiscard]] std::vector<std::filesystem::path> result_files(const std::filesystem::path& folder);
 
 }  // namespace host_sim::sweep
