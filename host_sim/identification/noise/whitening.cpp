@@ -181,6 +181,31 @@ double Whitening::frequency(std::size_t bin) const {
   return static_cast<double>(bin) / (period_ * static_cast<double>(length_));
 }
 
+/// (7) and (8)
+void Whitening::remove_line(const std::vector<bool>& clipped, double share, std::vector<double>& tapered) const {
+  const auto weight = [&](std::size_t k) {
+    return clipped.empty() || !clipped[window_.from + k * step_] ? taper_[k] : 0.0;
+  };
+  double weights = 0.0, places = 0.0, sum = 0.0;
+  for (std::size_t k = 0; k < length_; ++k) {
+    weights += weight(k);
+    places += weight(k) * static_cast<double>(k);
+    sum += tapered[k];
+  }
+  if (!(weights > 0.0)) return;
+  const double middle = places / weights;
+  double moments = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < length_; ++k) {
+    const double place = static_cast<double>(k) - middle;
+    moments += place * tapered[k];
+    squares += weight(k) * place * place;
+  }
+  const double mean = share * sum / weights, slope = squares > 0.0 ? moments / squares : 0.0;
+  for (std::size_t k = 0; k < length_; ++k) {
+    tapered[k] -= weight(k) * (mean + slope * (static_cast<double>(k) - middle));
+  }
+}
+
 Spectrum Whitening::spectrum(const PreparedRecording& recording, std::size_t channel,
                              const std::vector<double>& readings) const {
   std::vector<double> tapered(length_);
@@ -192,18 +217,7 @@ Spectrum Whitening::spectrum(const PreparedRecording& recording, std::size_t cha
       if (clipped[window_.from + k * step_]) tapered[k] = 0.0;
     }
   }
-  if (means_kept_[channel] < 1.0) {
-    double sum = 0.0, weights = 0.0;
-    const auto used = [&](std::size_t k) { return clipped.empty() || !clipped[window_.from + k * step_]; };
-    for (std::size_t k = 0; k < length_; ++k) {
-      sum += tapered[k];
-      if (used(k)) weights += taper_[k];
-    }
-    const double mean = weights > 0.0 ? (1.0 - means_kept_[channel]) * sum / weights : 0.0;
-    for (std::size_t k = 0; k < length_; ++k) {
-      if (used(k)) tapered[k] -= mean * taper_[k];
-    }
-  }
+  if (means_kept_[channel] < 1.0) remove_line(clipped, 1.0 - means_kept_[channel], tapered);
   const std::vector<double> decimated = decimation_(std::move(tapered));
   LentTransform transform(decimated.size());
   const auto bins = (*transform)(decimated);

@@ -34,8 +34,12 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 ///
 ///   (7)  x − (1 − s/√(s² + a²)) x̄,   s = σ_c √Σw² / Σw,   a = √(2 g) rms(ż of the input) / T
 ///
-/// whose mean has the variance s², g: thresholds::integrated_noise_in_lowest_band, what a body mode makes of it. k
-/// counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
+/// whose mean has the variance s², g: thresholds::integrated_noise_in_lowest_band, what a body mode makes of it. The
+/// mean of an input that was an acceleration is a ramp of its velocity, and of what a damper of the guides makes of it:
+///
+///   (8)  each of these channels is freed from its line, too: slope = Σ w (k − k̄) x / Σ w (k − k̄)²
+///
+/// k counts the samples that were recorded, also where a simulation has more of them (PreparedRecording::step).
 ///
 /// N: covariance of what the input's noise makes of the channels (input_noise_covariance.hpp); S_c: power of the
 /// channel; ε: error of the simulation itself; ε_c: an allowed error of the model, alike at every frequency.
@@ -71,6 +75,8 @@ class Whitening {
 
  private:
   void set_taper();
+  /// `share`: of the mean that is taken away.
+  void remove_line(const std::vector<bool>& clipped, double share, std::vector<double>& tapered) const;
   void set_means_kept(const PreparedRecording& recording, const ChannelNoises& noise);
   [[nodiscard]] Eigen::MatrixXcd covariance(const PreparedRecording& recording, std::size_t band,
                                             const ChannelNoises& noise,

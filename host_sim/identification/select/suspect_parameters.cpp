@@ -240,8 +240,10 @@ bool free_instead(ParameterSearch& search_for, Replacement& now, CandidateModel 
     while (!now.freed.empty() && tie_again(search_for, other)) {
     }
     const double worse = search_for.value(other) - value;
-    const bool limit = worse >= -thresholds::replaces && worse < thresholds::tie && effect && !other.freed.empty() &&
-                       search_for.is_at_its_limit(now.model, *effect, other);
+    const double error = std::clamp(other.model.fit.chi_squared - now.model.fit.chi_squared, 0.0,
+                                    thresholds::model_error_of_limit * needed);
+    const bool limit = worse >= -thresholds::replaces && worse - error < thresholds::tie && effect &&
+                       !other.freed.empty() && search_for.is_at_its_limit(now.model, *effect, other);
     if (worse >= -thresholds::replaces && !limit) return false;
   }
   if (search_for.leaves_noise(now.model) && !search_for.leaves_noise(other.model)) return false;

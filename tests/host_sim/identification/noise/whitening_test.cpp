@@ -88,4 +88,42 @@ TEST(Whitening, CountsAnAccelerationThatLeavesTheRoad) {
   EXPECT_NEAR(chi_squared(0.1, 0.0) * (a * a + s * s) / 0.01, 2.0, 0.03);
 }
 
+// Law. The mean that is taken from an integrated acceleration comes back as a ramp of velocity, and of what a damper of
+// the guides makes of it: a line counts nothing, also where samples are left out. A parabola counts, so the test can
+// fail.
+TEST(Whitening, LeavesOutTheLineOfAnIntegratedInput) {
+  constexpr std::size_t n = 20'000;
+  for (const bool clipped : {false, true}) {
+    identification::PreparedRecording e;
+    e.recording.sample_period = e.input.period = period;
+    e.recording.time = sample_times(n, 1.0 / period);
+    e.channels = {Channel::dz_b};
+    e.channel_noise[index(Channel::dz_b)].level = 1e-4;
+    e.mean_unknown = true;
+    e.input.motion.resize(n);
+    e.recording[Channel::dz_b].assign(n, 0.0);
+    e.fitted = {0, n};
+    std::vector<bool>& left_out = e.clipped[index(Channel::dz_b)];
+    left_out.assign(clipped ? n : 0, false);
+    for (std::size_t k = 3'000; clipped && k < 5'000; ++k) left_out[k] = true;
+    const identification::Whitening whitening(e, e.fitted, e.channel_noise);
+    const auto chi_squared = [&](double offset, double slope, double bend) {
+      Response response;
+      auto& values = response[index(Channel::dz_b)];
+      for (std::size_t k = 0; k < n; ++k) {
+        const double x = static_cast<double>(k) / n;
+        values.push_back(offset + slope * x + bend * x * x);
+      }
+      std::vector<double> r(whitening.count());
+      whitening.whiten(whitening.spectra(e, response), r.data());
+      double squares = 0.0;
+      for (const double v : r) squares += v * v;
+      return squares;
+    };
+    // Against 1e-2/1e-4 of 20 000 samples, 2e8: rounding is far below, a line that stays far above.
+    EXPECT_LT(chi_squared(0.01, 0.02, 0.0), 1e-6) << clipped;
+    EXPECT_GT(chi_squared(0.01, 0.02, 0.01), 1e5) << clipped;
+  }
+}
+
 }  // namespace
