@@ -21,7 +21,7 @@ ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* Nonline
 Plan.S* PlanCommand.* Questions/* RecordingFaults.A* RecordingFaults.Damping* RecordingFaults.Hum* RecordingFaults.Mains* RecordingFaults.One*
 RecordingFaults.TheInputs* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.SurvivesAbsurd* Rest.IsNotFound* Rths.* SampledLoop.AddsHalf*
 SampledLoop.TendsTo* Search.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityMap.IsExact* StabilityMap.TakesAny*
-StabilityReport.IsWhole* StackFit.Diagnosis* SuspectParameters.A* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand*
+StabilityReport.IsWhole* StackFit.Diagnosis* SuspectParameters.A* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand* SuspectParameters.Take*
 SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is*
 TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthNeighbours.DifferentiateBy* TruthSimulation.*
 Uncertainty.HoldsTheTruth* UnitCheck.AreNotSeen* UnitCheck.FindTheChannel*

@@ -10,7 +10,6 @@
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
-#include "tests/host_sim/identification/faulty_recording.hpp"
 #include "tests/host_sim/identification/truth_recording.hpp"
 #include "tests/support/reference_rig.hpp"
 #include "tests/support/reference_road.hpp"
@@ -358,20 +357,6 @@ double pooled(const Diagnosis& diagnosis, double identification::PredictionError
   double sum = 0.0;
   for (const auto& [channel, gap] : diagnosis.prediction_errors) sum += gap.*which * (gap.*which);
   return std::sqrt(sum / static_cast<double>(diagnosis.prediction_errors.size()));
-}
-
-// Without a road the wheel's acceleration drives, and its mean is unknown: a ramp of velocity, of which a damper of the
-// guides makes a ramp of force. Before, a relaxation stood beside it.
-TEST(Diagnosis, NamesADamperOfTheGuidesWithoutTheRoad) {
-  const truth::Truth truth = truth::draw_rough("no_road", 2026120402);
-  const Diagnosis found = sample::diagnosis_of_all(truth);
-  const std::string said = identification::sentence(found);
-  EXPECT_EQ(found.verdict, Verdict::named) << said;
-  EXPECT_FALSE(found.unexplained) << said;
-  ASSERT_EQ(found.effects.size(), 1U) << said;
-  EXPECT_EQ(found.effects[0].effect.entry->name, "body_guide_damping") << said;
-  const double damping = truth.effects.at(0).parameters.at("damping");
-  EXPECT_NEAR(found.effects[0].effect.values[0], damping, 4.0) << "its interval, of 95 %";
 }
 
 // Real rigs beside the project: a bench with dry guides, fitted on one record and judged on another, and a damper with

@@ -8,6 +8,8 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "tests/host_sim/identification/faulty_recording.hpp"
 #include "tests/host_sim/identification/truth_recording.hpp"
 
 namespace {
@@ -75,6 +77,20 @@ TEST(DiagnosisWithoutRoad, NamesFrictionFromTheWheelsMotion) {
   EXPECT_EQ(d.parameters.count("wheel.mass"), 0U);
   EXPECT_EQ(diagnosis_of({Channel::zdd_w, Channel::zdd_b, Channel::dz_b}, "none:quarter_car").verdict,
             Verdict::no_discrepancy);
+}
+
+// Without a road the wheel's acceleration drives, and its mean is unknown: a ramp of velocity, of which a damper of the
+// guides makes a ramp of force. Before, a relaxation stood beside it.
+TEST(DiagnosisWithoutRoad, NamesADamperOfTheGuides) {
+  const truth::Truth truth = truth::draw_rough("no_road", 2026120402);
+  const Diagnosis found = sample::diagnosis_of_all(truth);
+  const std::string said = sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_FALSE(found.unexplained) << said;
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects[0].effect.entry->name, "body_guide_damping") << said;
+  const double damping = truth.effects.at(0).parameters.at("damping");
+  EXPECT_NEAR(found.effects[0].effect.values[0], damping, 4.0) << "its interval, of 95 %";
 }
 
 // Journey. The road's acceleration alone is as good as its displacement for everything that is relative.
