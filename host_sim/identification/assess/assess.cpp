@@ -73,7 +73,7 @@ Certainty certainty_of(const IdentificationProblem& problem, const SearchResult&
                        double explained) {
   const auto count = static_cast<double>(found.best.fit.residual.size());
   return {unexplained ? worth_beside_residual(problem, found, explained) : 1.0,
-          std::max(1.0, found.best.fit.chi_squared / count), seen_from(count, problem.channels().size())};
+          std::max(1.0, found.best.fit.chi_squared / count), seen_from(count, problem.channels().size()), unexplained};
 }
 
 /// True if a channel's error is as large as its signal, and more than noise: the model then explains nothing.
@@ -94,7 +94,7 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
     const double worth = error.with_effects < error.refitted ? 1.0 : 0.0;
     const double seen = std::max(thresholds::significant_deviations * std::sqrt(2.0 * tyre.count),
                                  thresholds::significant_share * tyre.count);
-    NamedEffect named{tyre.effect, {}, confidence({odds}, tyre.gain, {worth, 1.0, seen}), {}};
+    NamedEffect named{tyre.effect, {}, confidence({odds}, tyre.gain, {worth, 1.0, seen, false}), {}};
     for (const Estimate& e : tyre.parameters) named.parameters.push_back(interval_of(e));
     result.effects.push_back(std::move(named));
   }

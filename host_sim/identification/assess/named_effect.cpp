@@ -81,7 +81,9 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
       named.alternatives.push_back(std::move(alternative));
     }
     named.confidence = confidence(odds, gain, certainty);
-    if (law_in_doubt(found, i, certainty.temper)) named.confidence *= thresholds::inconstant_worth;
+    // What could imitate other laws does so where it leaves a rest.
+    const bool imitation = certainty.rest && named.effect.entry->imitates;
+    if (imitation || law_in_doubt(found, i, certainty.temper)) named.confidence *= thresholds::inconstant_worth;
     list.push_back(std::move(named));
   }
   return list;

@@ -32,6 +32,7 @@ struct Certainty {
   double worth;   ///< of any name beside an unexplained residual: 0 … 1
   double temper;  ///< χ² per residual, at least 1: odds are those of χ² divided by it
   double seen;    ///< χ² of a residual that would be seen
+  bool rest;      ///< whether more than noise is left
 };
 
 /// χ² that must be left to be seen, in a channel and two bands: n residuals there of `count` in all.

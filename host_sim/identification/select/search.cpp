@@ -62,6 +62,7 @@ class Search {
   void compare_in_sample(SearchResult& found);
   bool take_filter_seen(SearchResult& found) const;
   bool improve(std::size_t effect, SearchResult& found);
+  [[nodiscard]] std::optional<CandidateModel> in_one(const SearchResult& found) const;
   bool improve_fault(std::size_t fault, SearchResult& found);
   bool eliminate_by_held_out(SearchResult& found);
   void rate_by_held_out(SearchResult& found) const;
@@ -246,7 +247,11 @@ void Search::compare_in_sample(SearchResult& found) {
     bool changed = take_filter_seen(found);
     for (std::size_t i = 0; i < found.best.faults().size() && !changed; ++i) changed = improve_fault(i, found);
     for (std::size_t i = 0; i < found.best.effects.size() && !changed; ++i) changed = improve(i, found);
-    if (!changed) break;
+    if (!changed) {
+      auto one = in_one(found);
+      if (!one) break;
+      found.best = std::move(*one);
+    }
     if (fitter_.update_input_noise(found.best.fit.hypothesis)) {
       fitter_.refit(found.nothing, 4);
       fitter_.refit(found.best, 6);
@@ -392,6 +397,31 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   drop_jacobian(reduced.fit);
   reduced_[effect] = std::move(reduced);
   return false;
+}
+
+/// An effect of the rig in the place of two of one sensor: a gain and a lag of F together are nearly what a soft mount
+/// of the component makes of it, while the mount in the place of either alone is worse. nullopt: none is better.
+std::optional<CandidateModel> Search::in_one(const SearchResult& found) const {
+  const CandidateModel& best = found.best;
+  const double to_beat = best.penalised_chi_squared(criterion_) - thresholds::replaces;
+  for (std::size_t second = 1; second < best.effects.size(); ++second) {
+    for (std::size_t first = 0; first < second; ++first) {
+      const firmware::PlacedEffect &a = best.effects[first], &b = best.effects[second];
+      if (!a.channel || !b.channel || fitter_.is_seen(a) || fitter_.is_seen(b)) continue;
+      const CandidateModel reduced = fitter_.without(fitter_.without(best, second), first);
+      std::size_t tried = 0;
+      for (const CandidateModel& other : extended(reduced, found.scales, true)) {
+        if (other.effects.back().channel) continue;
+        if (++tried > thresholds::near_rivals) break;
+        CandidateModel one = fitter_.refitted(other.fit.hypothesis, other.effects, 12);
+        if (one.penalised_chi_squared(criterion_) < to_beat && !ends_at_bound(one.effects.back()) &&
+            stays_finite(fitter_.problem(), one.fit.hypothesis)) {
+          return one;
+        }
+      }
+    }
+  }
+  return std::nullopt;
 }
 
 /// Two effects in the place of one that leaves more than noise: a lag and a delay of a machine look like one overdamped

@@ -27,15 +27,35 @@ using model::Channel;
 // Point. Without rivals and with a gain beside which nothing could hide, the confidence is the highest there is; even
 // odds halve it; a gain that a law outside the catalogue could hide beside takes a fifth; a residual takes its share.
 TEST(Confidence, FollowsItsEquation) {
-  const Certainty certain{1.0, 1.0, 200.0};
+  const Certainty certain{1.0, 1.0, 200.0, false};
   EXPECT_DOUBLE_EQ(confidence({}, 1e9, certain), thresholds::highest_confidence);
   EXPECT_DOUBLE_EQ(confidence({1.0}, 1e9, certain), 0.5 * thresholds::highest_confidence);
   EXPECT_DOUBLE_EQ(confidence({}, 200.0, certain), (1.0 - thresholds::outside_share) * thresholds::highest_confidence);
   // q = 0.1 of a gain of 2000 is seen: ln(100)/ln(1000) = 2/3 of the fifth.
   EXPECT_NEAR(confidence({}, 2000.0, certain),
               (1.0 - thresholds::outside_share * 2.0 / 3.0) * thresholds::highest_confidence, 1e-12);
-  EXPECT_DOUBLE_EQ(confidence({}, 1e9, {0.4, 1.0, 200.0}), 0.4 * thresholds::highest_confidence);
-  EXPECT_LT(confidence({}, 2000.0, {1.0, 5.0, 200.0}), confidence({}, 2000.0, certain)) << "χ² is worth a fifth";
+  EXPECT_DOUBLE_EQ(confidence({}, 1e9, {0.4, 1.0, 200.0, false}), 0.4 * thresholds::highest_confidence);
+  EXPECT_LT(confidence({}, 2000.0, {1.0, 5.0, 200.0, false}), confidence({}, 2000.0, certain)) << "χ² is worth a fifth";
+}
+
+// A law that could imitate others, beside a rest, is an imitation; another effect beside a rest is not.
+TEST(Confidence, DoesNotBelieveAnImitationBesideARest) {
+  const firmware::RigDescription bench = sample::bench();
+  auto recordings = sample::prepared(bench, bench, Use::shared, 3.0);
+  const Hypothesis given = described_hypothesis(bench, recordings);
+  const IdentificationProblem problem(std::move(recordings), given);
+  const auto confidence_of = [&](const char* name, std::vector<double> values, bool rest) {
+    SearchResult found;
+    found.best.effects = {{firmware::find_effect(name), std::nullopt, std::move(values)}};
+    found.gains = {1e9};
+    found.rivals.resize(1);
+    found.constancy.resize(1);
+    const std::vector<Interval> parameters(effect_parameters(found.best.effects[0]).size(), Interval{1.0, 0.9, 1.1});
+    return named_effects(problem, found, {}, parameters, {1.0, 1.0, 200.0, rest}).at(0).confidence;
+  };
+  EXPECT_DOUBLE_EQ(confidence_of("bouc_wen", {1e5, 50.0, 0.5}, false), thresholds::highest_confidence);
+  EXPECT_LT(confidence_of("bouc_wen", {1e5, 50.0, 0.5}, true), 0.5);
+  EXPECT_DOUBLE_EQ(confidence_of("coulomb_friction", {50.0}, true), thresholds::highest_confidence);
 }
 
 // Point. Of 2600 residuals in 13 bands of 2 channels 200 are in two bands: 8 √400 = 160 against 15 % = 30.
