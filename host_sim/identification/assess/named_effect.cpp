@@ -7,7 +7,9 @@
 #include "host_sim/identification/assess/experiment.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/common/frequency_bands.hpp"
+#include "host_sim/identification/estimate/prediction.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/predict/sensor_readings.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
 
 namespace host_sim::identification {
@@ -18,6 +20,13 @@ double outside_chance(double gain, double seen) {
   constexpr double closest = thresholds::closest_outside;
   const double share = std::log(seen / (std::max(gain, 1e-9) * closest)) / std::log(1.0 / closest);
   return thresholds::outside_share * std::clamp(share, 0.0, 1.0);
+}
+
+/// What twice the step changes in the residuals of a rig with corners [χ²]: what the steps get wrong is of this order.
+double changed_by_steps(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  if (!has_corners(hypothesis.rig)) return 0.0;
+  return (residuals(problem, predict(problem, hypothesis, true)) - residuals(problem, predict(problem, hypothesis)))
+      .squaredNorm();
 }
 
 }  // namespace
@@ -57,6 +66,7 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
   const CandidateModel& best = found.best;
   std::size_t next = parameters.size();  // those of the effects stand last
   for (const firmware::PlacedEffect& effect : best.effects) next -= effect_parameters(effect).size();
+  const double of_steps = changed_by_steps(problem, best.fit.hypothesis);
   std::vector<NamedEffect> list;
   for (std::size_t i = 0; i < best.effects.size(); ++i) {
     NamedEffect named{best.effects[i], {}, 0.0, {}};
@@ -83,7 +93,10 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
     named.confidence = confidence(odds, gain, certainty);
     // What could imitate other laws does so where it leaves a rest.
     const bool imitation = certainty.rest && named.effect.entry->imitates;
-    if (imitation || law_in_doubt(found, i, certainty.temper)) named.confidence *= thresholds::inconstant_worth;
+    const bool lost_in_steps = gain < of_steps;
+    if (imitation || lost_in_steps || law_in_doubt(found, i, certainty.temper)) {
+      named.confidence *= thresholds::inconstant_worth;
+    }
     list.push_back(std::move(named));
   }
   return list;

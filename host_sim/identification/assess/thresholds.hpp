@@ -23,7 +23,7 @@ inline constexpr double most_logarithmic_odds = 300.0;
 /// `outside_share` moves the confidence from 0.90 to 0.95 and twice to 0.80, `closest_outside` by 0.01 either way.
 inline constexpr double outside_share = 0.2, closest_outside = 1e-3;
 /// [1] Factor on the confidence of an effect whose law is in doubt (select/law_constancy), or that could imitate others
-/// (EffectCard::imitates) and leaves a rest: its law is another one, or
+/// (EffectCard::imitates) and leaves a rest, or that gains less than twice the step changes: its law is another one, or
 /// something else hides at its place. Below a half, so that no such name is believed; not 0, since the effect still is
 /// what comes nearest. Half and twice: other numbers below a half.
 inline constexpr double inconstant_worth = 0.3;

@@ -18,6 +18,10 @@ using model::Channel;
 
 namespace {
 
+void take_if_better(CandidateModel other, CandidateModel& model) {
+  if (other.fit.chi_squared < model.fit.chi_squared) model = std::move(other);
+}
+
 firmware::PlacedEffect placed(const Candidate& candidate, const Start& start) {
   return {candidate.entry, candidate.channel, start.values};
 }
@@ -384,15 +388,37 @@ std::optional<CandidateModel> ModelFitter::simplified(const CandidateModel& whol
 }
 
 void ModelFitter::refit_by_continuation(CandidateModel& model) const {
-  Hypothesis hypothesis = model.fit.hypothesis;
-  for (const double share : thresholds::continuation_shares) {
-    const Fit part = fit(problem_.truncated(share), hypothesis, parameters(hypothesis, model.effects), 10);
-    effort_.simulations += part.simulations;
-    hypothesis = part.hypothesis;
-  }
-  CandidateModel grown = refitted(hypothesis, model.effects, 8);
-  if (grown.fit.chi_squared < model.fit.chi_squared) model = std::move(grown);
+  take_if_better(grown_from(model.fit.hypothesis, model.effects), model);
   refit_from_new_start(model);
+  if (!leaves_noise(model)) refit_from_other_distances(model);
+}
+
+void ModelFitter::refit_from_other_distances(CandidateModel& model) const {
+  const std::vector<firmware::PlacedEffect> effects = model.effects;
+  for (const firmware::PlacedEffect& effect : effects) {
+    const model::Corner corner = effect.entry->corner;
+    if (corner != model::Corner::free_play && corner != model::Corner::stop) continue;
+    const Hypothesis from = model.fit.hypothesis;
+    for (const double factor : {thresholds::distance_shift, 1.0 / thresholds::distance_shift}) {
+      firmware::PlacedEffect moved = effect;
+      moved.values.front() *= factor;
+      Hypothesis start = from;
+      firmware::put_effect(start.rig, moved);
+      CandidateModel other = grown_from(start, effects);
+      if (!(other.fit.chi_squared < model.fit.chi_squared)) continue;
+      model = std::move(other);
+      if (leaves_noise(model)) return;
+    }
+  }
+}
+
+CandidateModel ModelFitter::grown_from(Hypothesis start, const std::vector<firmware::PlacedEffect>& effects) const {
+  for (const double share : thresholds::continuation_shares) {
+    Fit part = fit(problem_.truncated(share), start, parameters(start, effects), 10);
+    effort_.simulations += part.simulations;
+    start = std::move(part.hypothesis);
+  }
+  return refitted(start, effects, 8);
 }
 
 void ModelFitter::refit_from_new_start(CandidateModel& model) const {
@@ -411,8 +437,7 @@ void ModelFitter::refit_from_new_start(CandidateModel& model) const {
       if (!begins_moving(recordings[i])) continue;
       start.starts[i] = estimated_start(rig, samples.input, samples.recording, samples.range);
     }
-    CandidateModel other = refitted(start, model.effects, 8);
-    if (other.fit.chi_squared < model.fit.chi_squared) model = std::move(other);
+    take_if_better(refitted(start, model.effects, 8), model);
   }
 }
 

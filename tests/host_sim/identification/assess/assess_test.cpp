@@ -14,10 +14,12 @@
 #include "host_sim/identification/assess/prediction_error.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/estimate/prediction.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "tests/host_sim/identification/sample_problem.hpp"
+#include "tests/host_sim/identification/truth_recording.hpp"
 
 namespace {
 
@@ -56,6 +58,33 @@ TEST(Confidence, DoesNotBelieveAnImitationBesideARest) {
   EXPECT_DOUBLE_EQ(confidence_of("bouc_wen", {1e5, 50.0, 0.5}, false), thresholds::highest_confidence);
   EXPECT_LT(confidence_of("bouc_wen", {1e5, 50.0, 0.5}, true), 0.5);
   EXPECT_DOUBLE_EQ(confidence_of("coulomb_friction", {50.0}, true), thresholds::highest_confidence);
+}
+
+// Beside dry friction twice the step changes the residuals: what gains less may be made by the steps, what gains a
+// twice as much is not. Without a corner nothing is simulated in finer steps.
+TEST(Confidence, DoesNotBelieveWhatTheStepsMayMake) {
+  const sample::Given car = sample::given("single:quarter_car:coulomb_friction", 1, {}, 4.0);
+  std::vector<PreparedRecording> recordings{prepare_recording(car.description, car.recording, Use::shared, false)};
+  const Hypothesis given = described_hypothesis(car.description, recordings);
+  const IdentificationProblem problem(std::move(recordings), given);
+  Hypothesis cornered = given;
+  firmware::put_effect(cornered.rig, {firmware::find_effect("coulomb_friction"), std::nullopt, {60.0}});
+  const auto confidence_of = [&](double gain, const Hypothesis& hypothesis) {
+    SearchResult found;
+    found.best.fit.hypothesis = hypothesis;
+    found.best.effects = {{firmware::find_effect("viscous_damping"), std::nullopt, {1.0}}};
+    found.gains = {gain};
+    found.rivals.resize(1);
+    found.constancy.resize(1);
+    return named_effects(problem, found, {}, {Interval{1.0, 0.9, 1.1}}, {1.0, 1.0, 1e-6, false}).at(0).confidence;
+  };
+  const double steps =
+      (residuals(problem, predict(problem, cornered, true)) - residuals(problem, predict(problem, cornered)))
+          .squaredNorm();
+  ASSERT_GT(steps, 0.0);
+  EXPECT_LT(confidence_of(0.5 * steps, cornered), 0.5);
+  EXPECT_GT(confidence_of(2.0 * steps, cornered), 0.5);
+  EXPECT_GT(confidence_of(0.5 * steps, given), 0.5);
 }
 
 // Point. Of 2600 residuals in 13 bands of 2 channels 200 are in two bands: 8 √400 = 160 against 15 % = 30.
