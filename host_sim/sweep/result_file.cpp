@@ -34,12 +34,14 @@ std::optional<std::uint64_t> whole_member(const ordered_json& json, const char* 
   return json[key].get<std::uint64_t>();
 }
 
+/// false: at the end of the file, or at a last line without an end.
+bool read_whole_line(std::istream& stream, std::string& line) { return std::getline(stream, line) && !stream.eof(); }
+
 /// A shard makes its file before it writes the first line: another that starts beside it may look in between.
 bool has_begun(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string line;
-  return !stream ||
-         (std::getline(stream, line) && !stream.eof());  // one that cannot be opened is an error of its reader
+  return !stream || read_whole_line(stream, line);  // one that cannot be opened is an error of its reader
 }
 
 }  // namespace
@@ -112,7 +114,7 @@ void ResultReader::demand(const CaseSet& cases) const {
 }
 
 bool ResultReader::read_line(std::string& line) {
-  if (!std::getline(stream_, line) || stream_.eof()) return false;  // at the end of the file: a line without an end
+  if (!read_whole_line(stream_, line)) return false;
   ++line_number_;
   whole_ += line.size() + 1;
   return true;

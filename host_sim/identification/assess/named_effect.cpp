@@ -22,7 +22,8 @@ double outside_chance(double gain, double seen) {
   return thresholds::outside_share * std::clamp(share, 0.0, 1.0);
 }
 
-/// What twice the step changes in the residuals of a rig with corners [χ²]: what the steps get wrong is of this order.
+/// The sum of squares by which the residuals change when the step is doubled [χ²]; 0 without corners. The error that
+/// the present step leaves is about as large.
 double changed_by_steps(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
   if (!has_corners(hypothesis.rig)) return 0.0;
   return (residuals(problem, predict(problem, hypothesis, true)) - residuals(problem, predict(problem, hypothesis)))

@@ -18,8 +18,11 @@ using model::Channel;
 
 namespace {
 
-void take_if_better(CandidateModel other, CandidateModel& model) {
-  if (other.fit.chi_squared < model.fit.chi_squared) model = std::move(other);
+/// true: `model` is the other one now.
+bool take_if_better(CandidateModel other, CandidateModel& model) {
+  if (!(other.fit.chi_squared < model.fit.chi_squared)) return false;
+  model = std::move(other);
+  return true;
 }
 
 firmware::PlacedEffect placed(const Candidate& candidate, const Start& start) {
@@ -404,10 +407,7 @@ void ModelFitter::refit_from_other_distances(CandidateModel& model) const {
       moved.values.front() *= factor;
       Hypothesis start = from;
       firmware::put_effect(start.rig, moved);
-      CandidateModel other = grown_from(start, effects);
-      if (!(other.fit.chi_squared < model.fit.chi_squared)) continue;
-      model = std::move(other);
-      if (leaves_noise(model)) return;
+      if (take_if_better(grown_from(start, effects), model) && leaves_noise(model)) return;
     }
   }
 }

@@ -93,8 +93,6 @@ class ModelFitter {
   /// seconds, and, where more than noise is left, from other distances at which play or a stop ends. As it was where
   /// that is no better. Source: numerical continuation, E. Allgower and K. Georg, 1990.
   void refit_by_continuation(CandidateModel& model) const;
-  /// The last of these alone.
-  void refit_from_other_distances(CandidateModel& model) const;
 
   /// Whether a model leaves nothing but noise, in each band and altogether (thresholds::leaves_noise).
   [[nodiscard]] bool leaves_noise(const CandidateModel& model) const;
@@ -116,6 +114,8 @@ class ModelFitter {
   /// Where recordings begin in motion: refitted from starts estimated anew, with this rig and with its dry friction
   /// left out of that estimate, since what sticks at first shows nothing of the start.
   void refit_from_new_start(CandidateModel& model) const;
+  /// Refitted from a gap or a clearance thresholds::distance_shift times as large, and as small.
+  void refit_from_other_distances(CandidateModel& model) const;
   /// Fitted in growing shares of the windows.
   [[nodiscard]] CandidateModel grown_from(Hypothesis start, const std::vector<firmware::PlacedEffect>& effects) const;
 

@@ -399,8 +399,8 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   return false;
 }
 
-/// An effect of the rig in the place of two of one sensor: a gain and a lag of F together are nearly what a soft mount
-/// of the component makes of it, while the mount in the place of either alone is worse. nullopt: none is better.
+/// An effect of the rig in the place of two of sensors: a gain and a lag of F together are nearly what a soft mount of
+/// the component makes of it, while the mount in the place of either alone is worse. nullopt: none is better.
 std::optional<CandidateModel> Search::in_one(const SearchResult& found) const {
   const CandidateModel& best = found.best;
   const double to_beat = best.penalised_chi_squared(criterion_) - thresholds::replaces;

@@ -60,7 +60,7 @@ TEST(Confidence, DoesNotBelieveAnImitationBesideARest) {
   EXPECT_DOUBLE_EQ(confidence_of("coulomb_friction", {50.0}, true), thresholds::highest_confidence);
 }
 
-// Beside dry friction twice the step changes the residuals: what gains less may be made by the steps, what gains a
+// Beside dry friction twice the step changes the residuals: what gains less may be made by the steps, what gains
 // twice as much is not. Without a corner nothing is simulated in finer steps.
 TEST(Confidence, DoesNotBelieveWhatTheStepsMayMake) {
   const sample::Given car = sample::given("single:quarter_car:coulomb_friction", 1, {}, 4.0);
