@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host_sim/comparison/side_by_side.hpp"
+#include "host_sim/identification/predict/true_input.hpp"
 #include "model/sensors.hpp"
 
 namespace host_sim::identification {
@@ -96,8 +97,11 @@ Response no_answer(const PreparedRecording& recording, const SimulationInput& in
 
 }  // namespace
 
-Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,
-                       const InitialState& start, std::size_t samples, Resolution resolution) {
+Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& read,
+                       const InitialState& begin, std::size_t samples, Resolution resolution) {
+  const std::optional<TrueInput> before = true_input(hypothesis.rig, recording, read, begin);
+  const SimulationInput& input = before ? before->input : read;
+  const InitialState& start = before ? before->start : begin;
   const Rig bare = without_sensors(hypothesis.rig);
   if (is_no_rig(bare, hypothesis.faults, input.period)) return no_answer(recording, input, samples);
   RigVariation variation;
@@ -126,6 +130,12 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
     }
     return responses;
   }
+  std::vector<std::optional<TrueInput>> before(rigs.size());
+  std::vector<SimulatedRig> driven = rigs;
+  for (std::size_t i = 0; i < rigs.size(); ++i) {
+    before[i] = true_input(rigs[i].hypothesis->rig, recording, *rigs[i].input, *rigs[i].start);
+    if (before[i]) driven[i] = {rigs[i].hypothesis, &before[i]->start, &before[i]->input};
+  }
   std::vector<Channel> channels = response_channels(rigs.front().hypothesis->rig.kind, *rigs.front().input);
   std::erase_if(channels, [&](Channel channel) { return !recording.explains(channel); });
   std::vector<Rig> bare;
@@ -144,13 +154,13 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
     for (std::size_t i = 0; i < rigs.size(); ++i) {
       if (steps[i] != count) continue;
       chosen.push_back(i);
-      group.push_back({&bare[i], rigs[i].start, rigs[i].input});
+      group.push_back({&bare[i], driven[i].start, driven[i].input});
     }
     auto simulated = simulate_side_by_side(group, samples, count, channels);
     for (std::size_t i = 0; i < chosen.size(); ++i) responses[chosen[i]] = std::move(simulated[i]);
   }
   for (std::size_t i = 0; i < rigs.size(); ++i) {
-    if (steps[i] > 0) complete(bare[i], recording, *rigs[i].input, samples, responses[i]);
+    if (steps[i] > 0) complete(bare[i], recording, *driven[i].input, samples, responses[i]);
   }
   return responses;
 }

@@ -100,6 +100,12 @@ bool PreparedRecording::shows(const firmware::CatalogueEntry& effect) const {
   return effect.subsystem != model::Subsystem::tyre && effect.subsystem != model::Subsystem::sensor;
 }
 
+std::optional<Channel> PreparedRecording::input_sensor() const {
+  const bool fused = input_noise.position > 0.0 && input_noise.acceleration > 0.0;
+  if (input.channel == Channel::x_cmd || fused || channels.size() < 2) return std::nullopt;
+  return input.channel;
+}
+
 Window PreparedRecording::comparable(Channel channel, Window window) const {
   if (channel != Channel::zdd_r || !(acceleration_known > 0.0)) return window;
   const auto margin = static_cast<std::size_t>(thresholds::acceleration_reach / input.period);

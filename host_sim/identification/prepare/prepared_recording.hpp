@@ -75,6 +75,9 @@ struct PreparedRecording {
   /// does, what acts on the wheel shows in F_w alone, and a sensor that feels the road's acceleration is not known.
   [[nodiscard]] bool shows(std::string_view parameter_path) const;
   [[nodiscard]] bool shows(const firmware::CatalogueEntry& effect) const;
+  /// The channel that alone says how the input moves, so that an error of its sensor shows in all others. nullopt: the
+  /// input was computed, two sensors say it, or one other channel is all there is, whose sensor might be wrong as well.
+  [[nodiscard]] std::optional<model::Channel> input_sensor() const;
   [[nodiscard]] std::size_t size() const { return recording.size(); }
   /// The first sample from `k` on that was recorded; from there each step-th is.
   [[nodiscard]] std::size_t compared_from(std::size_t k) const { return (k + step - 1) / step * step; }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "host_sim/identification/predict/true_input.hpp"
 #include "host_sim/identification/prepare/sample_faults.hpp"
 #include "host_sim/identification/select/ripple_period.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -204,12 +205,15 @@ std::vector<Candidate> candidates(const std::vector<PreparedRecording>& recordin
                        [&](const firmware::PlacedEffect& p) { return p.entry == &entry && p.channel == channel; });
   };
   const PreparedRecording& first = recordings.front();
+  std::vector<Channel> sensors = first.channels;
+  if (const auto input = first.input_sensor()) sensors.push_back(*input);
   std::vector<Candidate> list;
   for (const firmware::CatalogueEntry& entry : firmware::catalogue()) {
     if (!first.shows(entry)) continue;
     if (entry.of_channel) {
-      for (const Channel channel : first.channels) {
+      for (const Channel channel : sensors) {
         if (!firmware::has_place(hypothesis.rig, entry, channel) || is_present(entry, channel)) continue;
+        if (!first.explains(channel) && !can_be_undone(entry, channel)) continue;
         Starts starts = starts_of(entry, recordings, channel, scales);
         if (!starts.empty()) list.push_back({&entry, channel, std::move(starts)});
       }

@@ -215,8 +215,9 @@ bool is_tail(const LeftOut& out, const UnusedStretch& stretch) {
 }
 
 /// When the events were, by the balances of what the model leaves; none where balances can be drawn up and all of them
-/// hold: then nothing acted, and the model is wrong where the motion is large. Two in one stretch are told apart. Where
-/// no balance fails, it is what the event before left; or, with none before, keeps its time.
+/// hold: then nothing acted, and the model is wrong where the motion is large. Two in one stretch are told apart; none
+/// where they are more than thresholds::most_events. Where no balance fails, it is what the event before left; or, with
+/// none before, keeps its time.
 std::vector<ExternalEvent> timed(const firmware::RigDescription& description, const IdentificationProblem& problem,
                                  const Hypothesis& hypothesis, const LeftOut& out) {
   const std::vector<Response> readings = read_all(problem, hypothesis);
@@ -240,7 +241,7 @@ std::vector<ExternalEvent> timed(const firmware::RigDescription& description, co
       if (std::none_of(events.begin(), events.end(), same)) events.push_back(sharp);
     }
   }
-  return holds ? std::vector<ExternalEvent>{} : events;
+  return holds || events.size() > thresholds::most_events ? std::vector<ExternalEvent>{} : events;
 }
 
 /// (2) of external_event.hpp: what stands out, one after the other, each time with what is left fitted again.

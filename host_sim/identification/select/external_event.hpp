@@ -20,7 +20,8 @@ namespace host_sim::identification {
 /// that a force of any shape has 2 B d parameters. An effect that acts once (a stop that closes once) is cheaper and
 /// keeps its name. (2): a law that is missing is loudest where the motion is, and quieter, but still there, elsewhere.
 /// Events in a part that is held out are believed by (2) alone. When they were, the balances between channels say, of
-/// what the new model leaves (parity/disturbed_span.hpp); where all of them hold, nothing acted from outside. `found`
+/// what the new model leaves (parity/disturbed_span.hpp); where all of them hold, nothing acted from outside, and
+/// where they fail more often than thresholds::most_events, it is the rig's own. `found`
 /// and the problem become those without the events; they are added to `found.events`.
 void leave_out_events(const firmware::RigDescription& description, IdentificationProblem& problem,
                       const SearchSpace& space, const ProgressCallback& progress, SearchResult& found);

@@ -137,7 +137,7 @@ std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, 
     for (const Start& start : list[i].starts) {
       Hypothesis other = with(base.fit.hypothesis, list[i], start);
       if (firmware::find_rig_fault(other.rig, problem_.sample_period())) continue;
-      if (list[i].channel) {
+      if (list[i].channel && problem_.samples().front().explains(*list[i].channel)) {
         keep(start, residuals(problem_, predict_sensor(problem_, other, base.fit.prediction, *list[i].channel)));
         continue;
       }
@@ -293,7 +293,7 @@ void ModelFitter::join_filters(CandidateModel& model) const {
 
 std::optional<CandidateModel> ModelFitter::in_group(const CandidateModel& whole, std::size_t effect) const {
   const std::optional<Channel> channel = whole.effects[effect].channel;
-  if (!channel) return std::nullopt;
+  if (!channel || !problem_.samples().front().explains(*channel)) return std::nullopt;
   std::optional<CandidateModel> best;
   for (std::size_t f = 0; f < whole.faults().size(); ++f) {
     const PlacedFault& fault = whole.faults()[f];
@@ -369,7 +369,19 @@ CandidateModel ModelFitter::without(const CandidateModel& whole, std::size_t lea
   std::vector<firmware::PlacedEffect> effects = whole.effects;
   firmware::remove_effect(hypothesis.rig, *effects[leave_out].entry, effects[leave_out].channel);
   effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(leave_out));
-  return refitted(hypothesis, std::move(effects), 6);
+  CandidateModel less = refitted(hypothesis, std::move(effects), 6);
+  const std::optional<Channel> channel = whole.effects[leave_out].channel;
+  const auto holds_it = [channel](const firmware::PlacedEffect& e) {
+    return e.channel == channel && is_hold(*e.entry);
+  };
+  if (!channel || std::none_of(less.effects.begin(), less.effects.end(), holds_it)) return less;
+  // Its clock was set before all else was found, and what is left out may have made up for that.
+  Hypothesis own = less.fit.hypothesis;
+  own.clocks[index(*channel)] = {true, 0.0};
+  CandidateModel clocked = refitted(own, less.effects, 2);
+  set_clock(clocked, *channel);
+  if (take_if_better(std::move(clocked), less)) refit(less, 4);
+  return less;
 }
 
 std::optional<CandidateModel> ModelFitter::simplified(const CandidateModel& whole, std::size_t effect) const {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -91,6 +92,38 @@ TEST(DiagnosisWithoutRoad, NamesADamperOfTheGuides) {
   EXPECT_EQ(found.effects[0].effect.entry->name, "body_guide_damping") << said;
   const double damping = truth.effects.at(0).parameters.at("damping");
   EXPECT_NEAR(found.effects[0].effect.values[0], damping, 4.0) << "its interval, of 95 %";
+}
+
+void expect_named(std::uint64_t seed, const std::vector<const char*>& names, Channel channel, double within) {
+  const truth::Truth truth = truth::draw_rough("no_road", seed);
+  const Diagnosis found = sample::diagnosis_of_all(truth);
+  const std::string said = sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << said;
+  EXPECT_TRUE(found.recording_faults.empty()) << said;
+  ASSERT_EQ(found.effects.size(), names.size()) << said;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto is_it = [&](const auto& effect) { return effect.effect.entry->name == names[i]; };
+    const auto it = std::find_if(found.effects.begin(), found.effects.end(), is_it);
+    ASSERT_NE(it, found.effects.end()) << names[i] << ": " << said;
+    EXPECT_GT(it->confidence, 0.5) << said;
+    if (i > 0) continue;
+    EXPECT_EQ(it->effect.channel, channel) << said;
+    const auto hidden = std::find_if(truth.effects.begin(), truth.effects.end(),
+                                     [&](const truth::Effect& e) { return e.name == names[0]; });
+    EXPECT_NEAR(it->effect.values[0], hidden->parameters.begin()->second, within) << said;
+  }
+}
+
+// Fault. A sensor of the channel that drives shows in all others: before, as gains of two of them, as a clock beside a
+// rest. Its lag and delay take the hold's clock along, which had been set without them.
+TEST(DiagnosisWithoutRoad, NamesTheGainOfWhatDrives) {
+  expect_named(2026120906, {"sensor_gain"}, Channel::zdd_w, 1e-3);
+}
+TEST(DiagnosisWithoutRoad, NamesTheLagOfWhatDrives) {
+  expect_named(2026120910, {"sensor_lag", "sensor_gain"}, Channel::zdd_w, 3e-5);
+}
+TEST(DiagnosisWithoutRoad, NamesTheDelayOfWhatDrives) {
+  expect_named(2026121000, {"sensor_delay", "sensor_hold"}, Channel::zdd_w, 1e-5);
 }
 
 // Journey. The road's acceleration alone is as good as its displacement for everything that is relative.

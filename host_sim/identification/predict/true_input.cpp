@@ -1,0 +1,76 @@
+#include "host_sim/identification/predict/true_input.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "host_sim/identification/predict/sample_polynomial.hpp"
+
+namespace host_sim::identification {
+
+using model::Channel;
+using Motion = model::Motion<double>;
+
+namespace {
+
+using Path = model::SensorPath<double>;
+
+bool is_undone(const Path& path) { return path.offset == 0.0 && path.limit == 0.0 && path.hold == 0.0; }
+
+/// (1) of one of position, velocity and acceleration.
+void set_earlier(firmware::FootPointMotion& motion, double Motion::*part, double samples) {
+  std::vector<double> values(motion.size());
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = motion[k].*part;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    motion[k].*part = value_between(values, static_cast<double>(k) + samples);
+  }
+}
+
+/// (2)
+void sharpen(firmware::FootPointMotion& motion, double lag, double period) {
+  const firmware::FootPointMotion late = motion;
+  const std::size_t last = late.size() - 1;
+  for (std::size_t k = 0; k <= last; ++k) {
+    const std::size_t before = k > 0 ? k - 1 : 0, behind = std::min(k + 1, last);
+    const double width = period * static_cast<double>(std::max<std::size_t>(behind - before, 1));
+    motion[k].position += lag * late[k].velocity;
+    motion[k].velocity += lag * late[k].acceleration;
+    motion[k].acceleration += lag * (late[behind].acceleration - late[before].acceleration) / width;
+  }
+}
+
+}  // namespace
+
+bool can_be_undone(const firmware::CatalogueEntry& effect, Channel channel) {
+  model::RigParameters<double> rig;
+  firmware::put_effect(rig, {&effect, channel, std::vector<double>(effect.parameters.size(), 1.0)});
+  return is_undone(rig.effects.sensor_paths()[index(channel)]);
+}
+
+std::optional<TrueInput> true_input(const model::RigParameters<double>& rig, const PreparedRecording& recording,
+                                    const SimulationInput& input, const InitialState& start) {
+  const std::optional<Channel> channel = recording.input_sensor();
+  if (!channel || input.size() == 0) return std::nullopt;
+  const Path path = rig.effects.sensor_paths()[index(*channel)];
+  if (path.gain == 1.0 && path.lag == 0.0 && path.delay == 0.0) return std::nullopt;
+  TrueInput truth{input, start};
+  auto& motions = truth.input.motion;
+  if (path.delay > 0.0) {
+    for (double Motion::*part : {&Motion::position, &Motion::velocity, &Motion::acceleration}) {
+      set_earlier(motions, part, path.delay / input.period);
+    }
+  }
+  if (path.lag > 0.0) sharpen(motions, path.lag, input.period);
+  for (Motion& motion : motions) {
+    motion.position /= path.gain;
+    motion.velocity /= path.gain;
+    motion.acceleration /= path.gain;
+  }
+  const bool has_car = rig.kind != model::RigKind::component_bench;
+  for (int state = 0; state < 4 && has_car; ++state) {
+    double Motion::*const part = state % 2 == 0 ? &Motion::position : &Motion::velocity;
+    truth.start(state) += motions.front().*part - input.motion.front().*part;
+  }
+  return truth;
+}
+
+}  // namespace host_sim::identification
