@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host_sim/identification/common/butterworth.hpp"
 #include "host_sim/identification/predict/sample_polynomial.hpp"
 
 namespace host_sim::identification {
@@ -15,7 +16,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A factor of (1): 1/(1 + damping s + s²), or 1/(1 + s).
+/// A factor of butterworth(): 1/(1 + damping s + s²), or 1/(1 + s).
 struct Section {
   bool second_order;
   double damping;
@@ -23,7 +24,7 @@ struct Section {
 
 std::vector<Section> sections_of(int order) {
   std::vector<Section> sections;
-  for (int m = 0; m < order / 2; ++m) sections.push_back({true, 2.0 * std::sin(pi * (2.0 * m + 1.0) / (2.0 * order))});
+  for (int m = 0; m < order / 2; ++m) sections.push_back({true, butterworth_damping(order, m)});
   if (order % 2 == 1) sections.push_back({false, 0.0});
   return sections;
 }
@@ -105,7 +106,7 @@ class AnalogueSection {
   std::array<std::array<SampleWeights, 2>, polynomial_points - 1> drive_{};  ///< of each place of n − 1 among the six
 };
 
-/// (3) with s = (1 − z⁻¹)/((1 + z⁻¹) k), k = tan(π corner T).
+/// (2) with s = (1 − z⁻¹)/((1 + z⁻¹) k), k = tan(π corner T).
 std::vector<double> digitally(const Section& section, double k, std::vector<double> values) {
   using Taps = std::array<double, 3>;  // newest first
   const double square = k * k, damped = section.damping * k;
@@ -151,12 +152,7 @@ Eigen::VectorXd inverse_weights(const LowPass& filter, double period) {
 }  // namespace
 
 std::complex<double> LowPass::response(double f, double period) const {
-  const double x = digital ? warped(f * period) / warped(corner * period) : f / corner;
-  std::complex<double> product = 1.0;
-  for (const Section& section : sections_of(order)) {
-    product *= section.second_order ? std::complex(1.0 - x * x, section.damping * x) : std::complex(1.0, x);
-  }
-  return 1.0 / product;
+  return butterworth(order, digital ? warped(f * period) / warped(corner * period) : f / corner);
 }
 
 std::vector<double> low_passed(const LowPass& filter, const std::vector<double>& values, double period) {

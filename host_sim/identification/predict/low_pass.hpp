@@ -8,10 +8,9 @@ namespace host_sim::identification {
 
 /// A Butterworth low-pass of order 1 … 4, with T the sample period:
 ///
-///   (1)  H(f) = 1 / Π_m (1 + d_m s + s²) / (1 + s)           the last factor where the order is odd
-///   (2)  d_m = 2 sin(π (2m + 1)/(2 order)),                  m = 0 … order/2 − 1
-///   (3)  s = i f/corner                                      analogue: before the converter
-///          = i tan(πfT)/tan(π corner T)                      digital: computed from the samples, bilinear
+///   (1)  H(f) = butterworth(order, x)                        common/butterworth.hpp
+///   (2)  x = f/corner                                        analogue: before the converter
+///          = tan(πfT)/tan(π corner T)                        digital: computed from the samples, bilinear
 struct LowPass {
   double corner = 0.0;  ///< [Hz]
   int order = 1;

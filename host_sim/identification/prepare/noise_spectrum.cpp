@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
 
+#include "host_sim/identification/common/butterworth.hpp"
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/signal/spectrum.hpp"
@@ -14,18 +16,18 @@
 namespace host_sim::identification {
 namespace {
 
-/// t(f) of (2).
-double filter_coordinate(double f, double period, NoiseColour::Filter filter) {
-  const double angle = std::numbers::pi * std::min(f * period, 0.4999);
-  switch (filter) {
-    case NoiseColour::Filter::analogue:
-      return angle;
-    case NoiseColour::Filter::folded:
-      return std::sin(angle);
-    case NoiseColour::Filter::digital:
-      break;
-  }
-  return std::tan(angle);
+/// |H(x)|² of a Butterworth low-pass.
+double butterworth_power(int order, double x) { return 1.0 / (1.0 + std::pow(x * x, order)); }
+
+/// Images k = −folds … folds of (1). Those beyond have 1e-3 of the amplitude at the Nyquist frequency.
+constexpr int folds = 8;
+
+/// (1), held; corner and f in units of the sample rate.
+double held_power(int order, double corner, double f) {
+  if (f < 1e-9) return 1.0;
+  std::complex<double> sum = 0.0;
+  for (int k = -folds; k <= folds; ++k) sum += butterworth(order, (f + k) / corner) / (f + k);
+  return std::norm(sum * std::sin(std::numbers::pi * f) / std::numbers::pi);
 }
 
 /// Power of a channel in a narrow band: the median over its lines.
@@ -33,20 +35,22 @@ struct BandLevel {
   double frequency, power, freedom, tail;  ///< ν of (5); q(f) of (4)
 };
 
-std::vector<BandLevel> band_levels(const std::vector<double>& samples, double period, bool is_position) {
+/// A channel's bands where motion may be, and above it.
+struct ChannelBands {
+  std::vector<BandLevel> below, levels;
+  bool begin_above_motion = false;  ///< at noise_begins; at a low sample rate motion may reach beyond
+};
+
+std::vector<BandLevel> band_levels(const PowerSpectrum& spectrum, double period, bool is_position, double first,
+                                   double last, double bands) {
   const double rate = 1.0 / period;
-  const double first = std::min(thresholds::noise_begins, thresholds::noise_begins_share * rate);
-  const double last = thresholds::noise_ends_share * rate;
-  const auto segment = static_cast<std::size_t>(rate);
-  if (samples.size() < 8 * segment || segment < 32) return {};
-  const PowerSpectrum spectrum = welch(samples, rate, segment);
   const double averages = 1.0 / std::pow(spectrum.relative_standard_error, 2);
-  const double width = (last - first) / thresholds::noise_spectrum_bands;
+  const double width = (last - first) / bands;
   std::vector<BandLevel> levels;
   std::vector<double> lines;
   std::size_t k = 0;
   while (k < spectrum.frequency.size() && spectrum.frequency[k] < first) ++k;
-  for (int b = 0; b < static_cast<int>(thresholds::noise_spectrum_bands); ++b) {
+  for (int b = 0; b < static_cast<int>(bands); ++b) {
     const double end = first + width * (b + 1);
     lines.clear();
     for (; k < spectrum.frequency.size() && spectrum.frequency[k] < end; ++k) lines.push_back(spectrum.density[k]);
@@ -63,6 +67,19 @@ std::vector<BandLevel> band_levels(const std::vector<double>& samples, double pe
     levels.push_back({f, power, freedom, is_position ? step * step : step});
   }
   return levels;
+}
+
+ChannelBands bands_of(const std::vector<double>& samples, double period, bool is_position) {
+  const double rate = 1.0 / period;
+  const auto segment = static_cast<std::size_t>(rate);
+  if (samples.size() < 8 * segment || segment < 32) return {};
+  const PowerSpectrum spectrum = welch(samples, rate, segment);
+  const double first = std::min(thresholds::noise_begins, thresholds::noise_begins_share * rate);
+  const double below = thresholds::slowest_noise_seen;
+  return {band_levels(spectrum, period, is_position, below, first, thresholds::motion_spectrum_bands),
+          band_levels(spectrum, period, is_position, first, thresholds::noise_ends_share * rate,
+                      thresholds::noise_spectrum_bands),
+          first >= thresholds::noise_begins};
 }
 
 /// Where a filter leaves next to nothing, rounding is seen.
@@ -85,19 +102,29 @@ std::vector<BandLevel> with_tail_of_order(std::vector<BandLevel> levels, int ord
   return levels;
 }
 
+enum class Tail : unsigned char { none, of_steps, of_motion };  ///< (4), (4′)
+
+/// ν of (6), `loose`: the share of the power whose form is not known exactly.
+double freedom_of(const BandLevel& level, double loose, double period) {
+  const double form = loose * thresholds::form_known_to / (1.0 - 2.0 * level.frequency * period);
+  return 1.0 / (1.0 / level.freedom + form * form);
+}
+
 /// level² and b for one h: Fisher scoring, since (3) is linear in both.
-LevelFit fit_level(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, bool has_tail) {
+LevelFit fit_level(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, Tail tail) {
   LevelFit fit;
-  std::vector<double> h, expected;
+  const bool is_exact = colour.is_white() || colour.filter != NoiseColour::Filter::held;
+  std::vector<double> h, expected, freedom;
   for (const BandLevel& l : levels) {
     h.push_back(colour.power(l.frequency, period));
+    freedom.push_back(freedom_of(l, is_exact ? 0.0 : 1.0, period));
     expected.push_back(l.power);
   }
   for (int round = 0; round < 8; ++round) {
     double a11 = 0.0, a12 = 0.0, a22 = 0.0, b1 = 0.0, b2 = 0.0;
     for (std::size_t i = 0; i < levels.size(); ++i) {
       const BandLevel& l = levels[i];
-      const double weight = l.freedom / std::pow(expected[i], 2), u = h[i], v = h[i] * l.tail;
+      const double weight = freedom[i] / std::pow(expected[i], 2), u = h[i], v = h[i] * l.tail;
       a11 += weight * u * u;
       a12 += weight * u * v;
       a22 += weight * v * v;
@@ -108,12 +135,12 @@ LevelFit fit_level(const std::vector<BandLevel>& levels, const NoiseColour& colo
     fit.square = b1 / a11;
     fit.tail = 0.0;
     double variance = 1.0 / a11;
-    if (has_tail && determinant > 1e-9 * a11 * a22) {
-      const double square = (a22 * b1 - a12 * b2) / determinant, tail = (a11 * b2 - a12 * b1) / determinant;
+    if (tail != Tail::none && determinant > 1e-9 * a11 * a22) {
+      const double square = (a22 * b1 - a12 * b2) / determinant, moving = (a11 * b2 - a12 * b1) / determinant;
       variance = a22 / determinant;
-      if (square >= 0.0 && tail >= 0.0) {
+      if (square >= 0.0 && moving >= 0.0) {
         fit.square = square;
-        fit.tail = tail;
+        fit.tail = moving;
       } else if (square < 0.0) {
         fit.square = 0.0;
         fit.tail = b2 / a22;
@@ -124,7 +151,11 @@ LevelFit fit_level(const std::vector<BandLevel>& levels, const NoiseColour& colo
     for (std::size_t i = 0; i < levels.size(); ++i) {
       expected[i] = std::max(h[i] * (fit.square + fit.tail * levels[i].tail), 1e-300);
       const double ratio = levels[i].power / expected[i];
-      fit.deviance += 2.0 * levels[i].freedom * (ratio - 1.0 - std::log(ratio));
+      if (tail == Tail::of_motion) {
+        const double moving = h[i] * fit.tail * levels[i].tail / expected[i];
+        freedom[i] = freedom_of(levels[i], moving, period);
+      }
+      fit.deviance += 2.0 * freedom[i] * (ratio - 1.0 - std::log(ratio)) + std::log(levels[i].freedom / freedom[i]);
     }
   }
   return fit;
@@ -138,23 +169,33 @@ struct ColourFit {
 };
 
 /// Relative standard error of a corner from the curvature of the deviance, which rises by 1 at one of them; at most 1.
-double corner_error(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, bool has_tail) {
+double corner_error(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, Tail tail) {
   constexpr double difference = 0.02;
   const auto deviance_at = [&](double logarithm) {
     NoiseColour tried = colour;
     tried.corner *= std::exp(logarithm);
-    return fit_level(levels, tried, period, has_tail).deviance;
+    return fit_level(levels, tried, period, tail).deviance;
   };
   const double curvature = (deviance_at(difference) + deviance_at(-difference) - 2.0 * deviance_at(0.0)) / 2.0;
   return curvature > 0.0 ? std::min(difference / std::sqrt(curvature), 1.0) : 1.0;
 }
 
-/// The best corner of one kind of low-pass: a scan, then golden section.
-ColourFit fit_corner(const std::vector<BandLevel>& levels, NoiseColour colour, double period, bool has_tail) {
+/// Whether a channel has as much power as its noise in each band where it moves, too.
+bool holds_noise(const std::vector<BandLevel>& below, const NoiseColour& colour, double square, double period) {
+  return std::all_of(below.begin(), below.end(), [&](const BandLevel& l) {
+    return square * colour.power(l.frequency, period) < thresholds::most_noise_of_power * l.power;
+  });
+}
+
+/// The best corner of one kind of low-pass that the channel can hold: a scan, then golden section.
+ColourFit fit_corner(const ChannelBands& bands, NoiseColour colour, double period, Tail tail) {
+  const std::vector<BandLevel>& levels = bands.levels;
   const auto deviance_at = [&](double logarithm) {
     NoiseColour tried = colour;
     tried.corner = std::exp(logarithm);
-    return fit_level(levels, tried, period, has_tail).deviance;
+    const LevelFit level = fit_level(levels, tried, period, tail);
+    const bool held = holds_noise(bands.below, tried, level.square, period);
+    return held ? level.deviance : std::numeric_limits<double>::infinity();
   };
   const double lowest = std::log(thresholds::lowest_corner_share * levels.front().frequency);
   const double highest = std::log(0.49 / period);
@@ -172,8 +213,8 @@ ColourFit fit_corner(const std::vector<BandLevel>& levels, NoiseColour colour, d
       golden_section(deviance_at, std::max(lowest, best - step), std::min(highest, best + step), 16);
   ColourFit fit{colour, {}, 0.0, 0.0};
   fit.colour.corner = std::exp(found.at);
-  fit.level = fit_level(levels, fit.colour, period, has_tail);
-  fit.corner_error = corner_error(levels, fit.colour, period, has_tail);
+  fit.level = fit_level(levels, fit.colour, period, tail);
+  fit.corner_error = corner_error(levels, fit.colour, period, tail);
   return fit;
 }
 
@@ -181,8 +222,19 @@ ColourFit fit_corner(const std::vector<BandLevel>& levels, NoiseColour colour, d
 
 double NoiseColour::power(double f, double period) const {
   if (is_white()) return 1.0;
-  const double x = filter_coordinate(f, period, filter) / filter_coordinate(corner, period, filter);
-  return 1.0 / (1.0 + std::pow(x * x, order));
+  using std::numbers::pi;
+  const double turns = std::min(f * period, 0.4999), edge = std::min(corner * period, 0.4999);
+  switch (filter) {
+    case Filter::analogue:
+      return butterworth_power(order, turns / edge);
+    case Filter::folded:
+      return butterworth_power(order, std::sin(pi * turns) / std::sin(pi * edge));
+    case Filter::held:
+      return held_power(order, edge, turns);
+    case Filter::digital:
+      break;
+  }
+  return butterworth_power(order, std::tan(pi * turns) / std::tan(pi * edge));
 }
 
 double NoiseColour::mean_power(double period) const {
@@ -204,25 +256,28 @@ bool ChannelNoise::shows_a_filter() const {
 namespace {
 
 /// The cheapest law of (5) among white noise and low-passes, with and without the tail of (4).
-ColourFit best_colour(const std::vector<BandLevel>& levels, double period, const std::optional<NoiseColour>& expected) {
+ColourFit best_colour(const ChannelBands& bands, double period, const std::optional<NoiseColour>& expected) {
+  const std::vector<BandLevel>& levels = bands.levels;
   ColourFit best;
   const auto consider = [&](ColourFit fit, double parameters) {
     fit.price = fit.level.deviance + thresholds::colour_price * parameters;
-    if (fit.price < best.price) best = fit;
+    const bool is_possible = fit.colour.is_white() || holds_noise(bands.below, fit.colour, fit.level.square, period);
+    if (is_possible && fit.price < best.price) best = fit;
   };
   const double corner_price = expected ? thresholds::other_corner_price / thresholds::colour_price : 1.0;
-  for (const bool has_tail : {false, true}) {
-    const double tail = has_tail ? 1.0 : 0.0;
+  for (const Tail tail : {Tail::none, Tail::of_steps}) {
+    const double of_tail = tail == Tail::none ? 0.0 : 1.0;
     if (expected) {
       // Whose own spectrum hardly shows the corner takes it from the others, and says little of it.
-      const double error = std::min(corner_error(levels, *expected, period, has_tail), thresholds::corner_known / 2.0);
-      consider({*expected, fit_level(levels, *expected, period, has_tail), 0.0, error}, tail);
+      const double error = std::min(corner_error(levels, *expected, period, tail), thresholds::corner_known / 2.0);
+      consider({*expected, fit_level(levels, *expected, period, tail), 0.0, error}, of_tail);
     }
-    consider({{}, fit_level(levels, {}, period, has_tail), 0.0, 0.0}, tail);
+    consider({{}, fit_level(levels, {}, period, tail), 0.0, 0.0}, of_tail);
     for (int order = 1; order <= thresholds::highest_filter_order; ++order) {
       using enum NoiseColour::Filter;
-      for (const NoiseColour::Filter filter : {digital, analogue, folded}) {
-        consider(fit_corner(levels, {0.0, order, filter}, period, has_tail), tail + corner_price);
+      for (const NoiseColour::Filter filter : {digital, analogue, folded, held}) {
+        if (filter == held && (order == 1 || tail != Tail::none || !bands.begin_above_motion)) continue;
+        consider(fit_corner(bands, {0.0, order, filter}, period, tail), of_tail + corner_price);
       }
     }
   }
@@ -234,7 +289,7 @@ ColourFit best_floor(const std::vector<BandLevel>& levels, double period) {
   constexpr double tail_and_order = 2.0;
   ColourFit best;
   for (int order = thresholds::flattest_motion; order <= thresholds::steepest_motion; ++order) {
-    ColourFit fit{{}, fit_level(with_tail_of_order(levels, order, period), {}, period, true), 0.0, 0.0};
+    ColourFit fit{{}, fit_level(with_tail_of_order(levels, order, period), {}, period, Tail::of_motion), 0.0, 0.0};
     fit.price = fit.level.deviance + thresholds::colour_price * tail_and_order;
     const bool seen = 0.5 * fit.level.relative_error < thresholds::noise_level_known;
     if (seen && fit.price < best.price) best = fit;
@@ -254,18 +309,19 @@ std::optional<ColourFit> floor_of_motion(const std::vector<BandLevel>& levels, c
 
 std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& samples, double period, bool is_position,
                                                    const std::optional<NoiseColour>& expected, bool is_foot_point) {
-  std::vector<BandLevel> levels = band_levels(samples, period, is_position);
+  ChannelBands bands = bands_of(samples, period, is_position);
+  std::vector<BandLevel>& levels = bands.levels;
   constexpr std::size_t fewest = 6;
   if (levels.size() < fewest) return std::nullopt;
   // A floor that rounding cannot make is judged in all bands; where there is none, a filter ends in rounding.
   const auto floor = is_foot_point ? floor_of_motion(levels, samples, period) : std::nullopt;
   ColourFit best;
-  if (floor && floor->price < best_colour(levels, period, expected).price + thresholds::other_corner_price) {
+  if (floor && floor->price < best_colour(bands, period, expected).price + thresholds::other_corner_price) {
     best = *floor;
   } else {
     drop_rounding(levels);
     if (levels.size() < fewest) return std::nullopt;
-    best = best_colour(levels, period, expected);
+    best = best_colour(bands, period, expected);
   }
   NoiseSpectrumFit fit;
   fit.noise.colour = best.colour;

@@ -9,15 +9,19 @@
 
 namespace host_sim::identification {
 
-/// Spectrum of white noise behind a low-pass, with T the sample period:
+/// Spectrum of white noise behind a Butterworth low-pass, with T the sample period and H(x) that of
+/// common/butterworth.hpp:
 ///
-///   (1)  h(f) = 1 / (1 + (t(f)/t(corner))^{2 order})
-///   (2)  t(f) = tan(πfT)   digital: a Butterworth filter that a computer made
-///             = f          analogue: one before the converter, or computed for more samples than were kept
-///             = sin(πfT)   folded: the noise above the Nyquist frequency came back (order 1: exactly, of one time
-///                          constant)
+///   (1)  h(f) = |H(x)|²
+///        x = tan(πfT)/tan(π corner T)    digital: computed from the samples
+///          = f/corner                    analogue: computed for more samples than were kept
+///          = sin(πfT)/sin(π corner T)    folded: before the converter; noise above the Nyquist frequency came back
+///                                        (order 1: exactly, of one time constant)
+///   (2)  h(f) = |Σ_k H((f + k/T)/corner) (1 − e^{−2πi fT})/(2πi (fT + k))|²
+///                                        held: before the converter, of noise that is a value a sample; of first
+///                                        order it is folded noise
 struct NoiseColour {
-  enum class Filter : unsigned char { digital, analogue, folded };
+  enum class Filter : unsigned char { digital, analogue, folded, held };
 
   double corner = 0.0;  ///< [Hz]; 0: white
   int order = 0;
@@ -62,11 +66,17 @@ using ChannelNoises = std::array<ChannelNoise, model::channel_count>;
 ///
 ///   (5)  min  Σ 2ν (P/S + ln S) + thresholds::colour_price · parameters
 ///
-/// over white noise and low-passes of order 1 … 4. `level` is thresholds::least_of_tail of the lowest power of a band,
-/// ÷ h, at least: below a tail, noise is not seen. `expected`: the colour of other channels, which one recorder has
-/// filtered; it costs nothing, and another corner thresholds::other_corner_price. A corner under a tail that no other
-/// channel has is a guess, and its half width is the corner itself. nullopt: too few samples. Source of (5): P.
-/// Whittle, as in noise/whitening.hpp.
+/// over white noise and low-passes of order 1 … 4, as far as the channel holds their noise at low frequencies, too: an
+/// acceleration hardly moves at 2 Hz, and noise behind 40 Hz would be seen there. The form of (2), which is
+/// tried without a tail alone, and that of (4′) are known to a share e(f) only (thresholds::form_known_to), so that of
+/// these
+///
+///   (6)  1/ν′ = 1/ν + e²,      and ln(ν/ν′) more of each band in (5)
+///
+/// `level` is thresholds::least_of_tail of the lowest power of a band, ÷ h, at least: below a tail, noise is not seen.
+/// `expected`: the colour of other channels, which one recorder has filtered; it costs nothing, and another corner
+/// thresholds::other_corner_price. A corner under a tail that no other channel has is a guess, and its half width is
+/// the corner itself. nullopt: too few samples. Source of (5): P. Whittle, as in noise/whitening.hpp.
 struct NoiseSpectrumFit {
   ChannelNoise noise;
   double tail = 0.0;  ///< b

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <numbers>
 #include <tuple>
@@ -13,6 +14,7 @@
 #include "host_sim/identification/prepare/sensor_noise.hpp"
 #include "tests/host_sim/identification/test_signals.hpp"
 #include "tests/support/reference_road.hpp"
+#include "tests/truth/recorder.hpp"
 
 namespace {
 
@@ -57,6 +59,46 @@ TEST(NoiseColour, HasHalfOfThePowerAtItsCorner) {
   EXPECT_EQ(NoiseColour{}.power(400.0, period), 1.0);
   const double t = std::tan(std::numbers::pi * 150.0 * period);
   EXPECT_NEAR((NoiseColour{150.0, 1, digital}.mean_power(period)), t / (1.0 + t), 1e-5);
+}
+
+// Law. The sum over 8 images is (2) over many, to 2e-3 of it.
+TEST(NoiseColour, KnowsHeldNoise) {
+  for (const double corner : {70.0, 150.0, 390.0}) {
+    for (const double f : {1.0, 70.0, 300.0, 480.0}) {
+      std::complex<double> images = 0.0;
+      for (int k = -2000; k <= 2000; ++k) {
+        const double shifted = f + k / period, x = shifted / corner;
+        images += 1.0 / std::complex(1.0 - x * x, std::sqrt(2.0) * x) / (shifted * period);
+      }
+      const double exact = std::norm(images * std::sin(std::numbers::pi * f * period) / std::numbers::pi);
+      EXPECT_NEAR((NoiseColour{corner, 2, NoiseColour::Filter::held}.power(f, period)), exact, 2e-3 * exact);
+    }
+  }
+}
+
+// Law. Noise of a value a sample behind an analogue low-pass of second order, in steps of a twentieth of one: level and
+// corner are found. (Before, the level was off by a factor of five, under a tail that is not there.)
+TEST(NoiseSpectrum, FindsALowPassBeforeTheConverter) {
+  constexpr int fine = 20;
+  for (const double corner : {90.0, 160.0}) {
+    truth::LowPass filter(corner, 2, period / fine);
+    support::NormalNoise noise(11);
+    std::vector<double> samples;
+    for (int k = 0; k < 40'000; ++k) {
+      const double value = noise();
+      double behind = 0.0;
+      for (int i = 0; i < fine; ++i) behind = filter.push(value);
+      samples.push_back(behind);
+    }
+    const auto fit = identification::fit_noise_spectrum(samples, period, false);
+    ASSERT_TRUE(fit);
+    EXPECT_EQ(fit->noise.colour.order, 2) << corner << ", seed 11";
+    EXPECT_EQ(fit->tail, 0.0) << corner << ", seed 11";
+    EXPECT_NEAR(fit->noise.colour.corner, corner, 2.0 * fit->noise.corner_half_width) << "seed 11";
+    EXPECT_LT(fit->noise.corner_half_width, 0.1 * corner) << "seed 11";
+    // Above the corner only its square times the level is seen, so twice its share, and 5 %.
+    EXPECT_NEAR(fit->noise.level, 1.0, 4.0 * fit->noise.corner_half_width / corner + 0.05) << corner << ", seed 11";
+  }
 }
 
 // Law. Level and corner of filtered noise under a motion of 20 Hz, for several corners. The level's standard error is
