@@ -88,7 +88,7 @@ inline constexpr double noise_ends_share = 0.49;
 inline constexpr double slowest_noise_seen = 2.0, motion_spectrum_bands = 22.0, most_noise_of_power = 4.0;
 /// [1] Share of its power to which the form of a low-pass is known at 0 Hz; at f it is this ÷ (1 − 2fT), since near
 /// the Nyquist frequency there depends on what noise is between samples. Derivation: noise that is a value a sample and
-/// read a fortieth of a sample early has 0.88 of the power of (1) at 0.40/T, 0.77 at 0.45/T, 0.5 at 0.48/T, so the
+/// read a fortieth of a sample early has 0.88 of the power of (2) at 0.40/T, 0.77 at 0.45/T, 0.5 at 0.48/T, so the
 /// share is 0.12, 0.24 and 0.6 there. At none such noise behind 73 Hz was noise of 1.8 times the level behind 54 Hz.
 /// Half and twice were not measured.
 inline constexpr double form_known_to = 0.024;
