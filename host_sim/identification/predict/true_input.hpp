@@ -8,8 +8,8 @@
 
 namespace host_sim::identification {
 
-/// Whether an effect of a sensor leaves what it read to be found from what it shows: not one that cuts off or holds,
-/// nor an offset, which moves nothing that is compared.
+/// true: the signal before a sensor with this effect can be computed from its samples (gain, lag, delay). false: a
+/// limit or a hold has lost a part of it, and an offset changes nothing that is compared.
 [[nodiscard]] bool can_be_undone(const firmware::CatalogueEntry& effect, model::Channel channel);
 
 /// A rig is moved by the true input u; its sensor gave y, and the hypothesis says with which effects
@@ -18,7 +18,7 @@ namespace host_sim::identification {
 ///   (1)  v(t) = y(t + τ)                  on a polynomial of fifth order between samples
 ///   (2)  u = (v + T v̇)/g,  also of velocity and acceleration; the last with differences over two samples
 ///
-/// and a car that was estimated to begin with some motion of y begins with as much of u more as u(0) is more than y(0).
+/// `start` was estimated for the input y: position and velocity of wheel and body begin by u(0) − y(0) higher.
 /// nullopt: the sensor is as described, or the input has none of its own (PreparedRecording::input_sensor).
 struct TrueInput {
   SimulationInput input;

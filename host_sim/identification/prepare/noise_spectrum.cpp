@@ -180,7 +180,8 @@ double corner_error(const std::vector<BandLevel>& levels, const NoiseColour& col
   return curvature > 0.0 ? std::min(difference / std::sqrt(curvature), 1.0) : 1.0;
 }
 
-/// Whether a channel has as much power as its noise in each band where it moves, too.
+/// true: in each band below noise_begins the noise has less than thresholds::most_noise_of_power times the channel's
+/// power. More than the channel's own power is impossible; the rest allows for the error of the fit.
 bool holds_noise(const std::vector<BandLevel>& below, const NoiseColour& colour, double square, double period) {
   return std::all_of(below.begin(), below.end(), [&](const BandLevel& l) {
     return square * colour.power(l.frequency, period) < thresholds::most_noise_of_power * l.power;

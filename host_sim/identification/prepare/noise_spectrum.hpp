@@ -67,11 +67,10 @@ using ChannelNoises = std::array<ChannelNoise, model::channel_count>;
 ///   (5)  min  Σ 2ν (P/S + ln S) + thresholds::colour_price · parameters
 ///
 /// over white noise and low-passes of order 1 … 4, as far as the channel holds their noise at low frequencies, too: an
-/// acceleration hardly moves at 2 Hz, and noise behind 40 Hz would be seen there. The form of (2), which is
-/// tried without a tail alone, and that of (4′) are known to a share e(f) only (thresholds::form_known_to), so that of
-/// these
+/// acceleration hardly moves at 2 Hz, and noise behind 40 Hz would be seen there. (2) is tried without a tail
+/// only. Its power, and that of (4′), is known to a share e(f) (thresholds::form_known_to), and for both
 ///
-///   (6)  1/ν′ = 1/ν + e²,      and ln(ν/ν′) more of each band in (5)
+///   (6)  1/ν′ = 1/ν + e²       takes the place of ν in (5), with ln(ν/ν′) added for each band
 ///
 /// `level` is thresholds::least_of_tail of the lowest power of a band, ÷ h, at least: below a tail, noise is not seen.
 /// `expected`: the colour of other channels, which one recorder has filtered; it costs nothing, and another corner

@@ -1,4 +1,4 @@
-// What moved a rig, from what the sensor of its input made of it.
+// The input before its sensor, computed from the samples of that sensor.
 #include "host_sim/identification/predict/true_input.hpp"
 
 #include <gtest/gtest.h>
