@@ -276,12 +276,14 @@ Truth gaps(Base base, Random& random) {
   return truth;
 }
 
-/// A clock of its own for some channels. Later than the others, or the others later than they.
+/// A clock of its own for some channels. Later than the others, or the others later than they. That of one channel runs
+/// differently, too: if it were only late, it would be the effect sensor_delay.
 void own_clock(Truth& truth, Random& random) {
   const Channels all = measured(truth);
   const Channels late = some(all, true, random);
   const double offset = random.logarithmic(0.5e-3, 4e-3);
-  const double drift = random.chance(0.7) ? random.logarithmic(20e-6, 200e-6) : 0.0;
+  const bool alone = late.size() == 1, drifts = random.chance(0.7) || alone;
+  const double drift = drifts ? random.logarithmic(alone ? 100e-6 : 20e-6, 200e-6) : 0.0;
   for (const std::string& channel : late) {
     truth.rough.recorder[channel].late = offset;
     truth.rough.recorder[channel].drift = drift;

@@ -72,12 +72,6 @@ double position_behind(const PreparedRecording& recording, double frequency) {
   return recording.mean_unknown ? SecondDifference(frequency, recording.input.period).position : 1.0;
 }
 
-/// z_r and zdd_r move the foot point together.
-bool is_fused(const PreparedRecording& recording) {
-  return recording.input.channel == Channel::z_r && recording.recording.has(Channel::zdd_r) &&
-         recording.input_noise.acceleration > 0.0 && !recording.inputs_disagree;
-}
-
 /// The signal behind δ: the acceleration twice integrated, as it is at this frequency, less the position.
 std::vector<double> position_contradiction(const PreparedRecording& recording, Window window, double frequency) {
   const double h = recording.input.period, scale = h * h / SecondDifference(frequency, h).g;
@@ -130,7 +124,7 @@ HumEquations::HumEquations(const IdentificationProblem& problem, std::size_t rec
     const Line with = line_in(measured_minus_read(r, channel, answers[i]), frequency, period, begin);
     gains(static_cast<Eigen::Index>(c)) = (lines_.back() - with) / amplitude;
   }
-  if (is_fused(samples)) observe(position_contradiction(samples, window, frequency), period, begin);
+  if (samples.inputs_fused) observe(position_contradiction(samples, window, frequency), period, begin);
   const auto rows = static_cast<Eigen::Index>(lines_.size());
   for (std::size_t c = 0; c < channels_; ++c) {
     sources_.push_back({problem.channels()[c], false, Eigen::VectorXcd::Unit(rows, static_cast<Eigen::Index>(c))});

@@ -23,9 +23,7 @@ Interval times(const Interval& v, double factor) {
 std::vector<Channel> with_the_input(const IdentificationProblem& problem, const PlacedFault& fault) {
   const PreparedRecording& r = problem.samples().front();
   std::vector<Channel> channels{r.input.channel};
-  if (r.input.channel == Channel::z_r && r.recording.has(Channel::zdd_r) && !r.inputs_disagree) {
-    channels.push_back(Channel::zdd_r);
-  }
+  if (r.inputs_fused) channels.push_back(Channel::zdd_r);
   for (const Channel channel : r.channels) {
     if (!fault.acts_on(channel)) channels.push_back(channel);
   }

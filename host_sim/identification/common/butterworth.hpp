@@ -19,4 +19,11 @@ namespace host_sim::identification {
   return 1.0 / product;
 }
 
+/// −dφ/dx of it at 0: its delay there is that ÷ (2π corner).
+[[nodiscard]] inline double butterworth_delay(int order) {
+  double sum = order % 2 == 1 ? 1.0 : 0.0;
+  for (int m = 0; m < order / 2; ++m) sum += butterworth_damping(order, m);
+  return sum;
+}
+
 }  // namespace host_sim::identification

@@ -46,18 +46,25 @@ StretchPower power_of(const IdentificationProblem& problem, const Response& resp
   const ProblemRecording& r = problem.recordings()[part.recording];
   const std::size_t channels = r.samples->channels.size();
   const Whitening whitening = problem.whitening(part.recording, part.window);
-  const std::vector<double> values = whitening.by_channel(whitening.spectra(*r.samples, response));
-  StretchPower stretch{part.recording, r.samples->recording.time[whitening.window().from],
-                       r.samples->recording.time[whitening.window().to - 1], std::vector<BandPowers>(channels),
+  const Spectra simulated = whitening.spectra(*r.samples, response);
+  const std::vector<double> each_alone = whitening.by_channel(simulated);
+  std::vector<double> independent(whitening.count());
+  whitening.whiten(simulated, independent.data());
+  StretchPower stretch{part.recording,
+                       r.samples->recording.time[whitening.window().from],
+                       r.samples->recording.time[whitening.window().to - 1],
+                       std::vector<BandPowers>(channels),
+                       {},
                        whitening.spread()};
   for (std::size_t k = 0; k < whitening.bins(); ++k) {
     const std::size_t b = std::min(noise_bands - 1, noise_band_of(whitening.frequency(k)));
     for (std::size_t c = 0; c < channels; ++c) {
-      for (std::size_t each = 0; each < 2; ++each) {
-        if (k == 0 && each == 1) continue;  // the sum of the samples is real
-        const double v = values[2 * (k * channels + c) + each];
-        stretch.powers[c][b].squares += k == 0 ? 0.5 * v * v : v * v;  // and has twice the variance
-        stretch.powers[c][b].count += 1.0;
+      const std::size_t at = 2 * (k * channels + c);
+      for (std::size_t part_of = 0; part_of < 2; ++part_of) {
+        if (k == 0 && part_of == 1) continue;     // the sum of the samples is real
+        const double share = k == 0 ? 0.5 : 1.0;  // and has twice the variance
+        add(stretch.powers[c][b], {share * std::pow(each_alone[at + part_of], 2), 1.0});
+        add(stretch.together[b], {share * std::pow(independent[at + part_of], 2), 1.0});
       }
     }
   }
@@ -96,8 +103,8 @@ class Tests {
   }
 
   /// Every channel and all together, in every band and over all bands, of one stretch or of the whole record.
-  void add(const std::vector<BandPowers>& powers, double spread, const StretchPower* stretch) {
-    BandPowers together{};
+  void add(const std::vector<BandPowers>& powers, const BandPowers& together, double spread,
+           const StretchPower* stretch) {
     double error = 0.0;
     Power all;
     for (std::size_t c = 0; c < channels_.size(); ++c) {
@@ -105,7 +112,6 @@ class Tests {
       for (std::size_t b = 0; b < noise_bands; ++b) {
         test(powers[c][b], spread, errors_[c], &channels_[c], b, b + 1, stretch);
         identification::add(whole, powers[c][b]);
-        identification::add(together[b], powers[c][b]);
       }
       test(whole, spread, errors_[c], &channels_[c], 0, noise_bands, stretch);
       error += std::pow(errors_[c], 2) / static_cast<double>(channels_.size());
@@ -188,8 +194,10 @@ Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesi
   const double seconds = tested_seconds(problem);
   // The whole record: its windows as they are, since a longer window loses less at its ends.
   std::vector<BandPowers> whole(problem.channels().size());
+  BandPowers together{};
   double spread = 0.0, count = 0.0;
   for (const StretchPower& window : stretch_powers(problem, responses, seconds)) {
+    for (std::size_t b = 0; b < noise_bands; ++b) add(together[b], window.together[b]);
     for (std::size_t c = 0; c < whole.size(); ++c) {
       for (std::size_t b = 0; b < noise_bands; ++b) add(whole[c][b], window.powers[c][b]);
     }
@@ -197,10 +205,10 @@ Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesi
     count += 1.0;
   }
   if (!(count > 0.0)) return {};
-  tests.add(whole, spread / count, nullptr);
+  tests.add(whole, together, spread / count, nullptr);
   const double each = std::max(seconds / thresholds::stretches, thresholds::shortest_stretch);
   for (const StretchPower& stretch : stretch_powers(problem, responses, each)) {
-    tests.add(stretch.powers, stretch.spread, &stretch);
+    tests.add(stretch.powers, stretch.together, stretch.spread, &stretch);
   }
   return tests.surest();
 }

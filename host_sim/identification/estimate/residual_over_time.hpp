@@ -17,8 +17,9 @@ namespace host_sim::identification {
 ///   (1)  variance of Σ r² over n residuals of noise = 2n · spread,   spread = N Σw⁴/(Σw²)²,   w: taper of N samples
 struct StretchPower {
   std::size_t recording;
-  double from, to;  ///< [s], as in the recording
-  std::vector<std::array<Power, noise_bands>> powers;
+  double from, to;                                     ///< [s], as in the recording
+  std::vector<std::array<Power, noise_bands>> powers;  ///< of each channel by itself
+  std::array<Power, noise_bands> together;             ///< of all: freed from what noise of the input they share
   double spread;
 
   [[nodiscard]] Power of_channel(std::size_t channel) const;  ///< all bands

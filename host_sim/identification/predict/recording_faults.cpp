@@ -25,8 +25,6 @@ bool drifts(const std::vector<PlacedFault>& faults) {
                      [](const PlacedFault& fault) { return fault.kind == FaultKind::drift; });
 }
 
-namespace {
-
 std::vector<double> shifted(const std::vector<double>& values, double offset, double rate, double period) {
   std::vector<double> moved(values.size());
   const auto count = static_cast<std::ptrdiff_t>(values.size());
@@ -42,6 +40,8 @@ std::vector<double> shifted(const std::vector<double>& values, double offset, do
   }
   return moved;
 }
+
+namespace {
 
 void add_hum(std::vector<double>& values, const PlacedFault& hum, Channel channel, double period) {
   const auto at = std::find(hum.channels.begin(), hum.channels.end(), channel) - hum.channels.begin();
@@ -60,15 +60,24 @@ double warm_up(double s, double kappa) {
 
 }  // namespace
 
+std::vector<double> before_filter_of_input(const std::vector<PlacedFault>& faults, Channel channel,
+                                           std::vector<double> values, double period) {
+  if (values.empty()) return values;
+  for (const PlacedFault& fault : faults) {
+    if (fault.kind != FaultKind::common_filter || !fault.inverse || !fault.acts_on(channel)) continue;
+    values = un_low_passed({fault.values[0], fault.order, fault.digital}, values, period);
+  }
+  return values;
+}
+
 std::vector<double> with_faults(const std::vector<PlacedFault>& faults, Channel channel, std::vector<double> values,
                                 double period) {
   if (values.empty()) return values;
   for (const FaultKind kind : {FaultKind::common_filter, FaultKind::clock, FaultKind::mains_hum}) {
     for (const PlacedFault& fault : faults) {
-      if (fault.kind != kind || !fault.acts_on(channel)) continue;
+      if (fault.kind != kind || fault.inverse || !fault.acts_on(channel)) continue;
       if (kind == FaultKind::common_filter) {
-        const LowPass filter{fault.values[0], fault.order, fault.digital};
-        values = fault.inverse ? un_low_passed(filter, values, period) : low_passed(filter, values, period);
+        values = low_passed({fault.values[0], fault.order, fault.digital}, values, period);
       }
       if (kind == FaultKind::clock) values = shifted(values, fault.values[0], fault.values[1], period);
       if (kind == FaultKind::mains_hum) add_hum(values, fault, channel, period);

@@ -21,9 +21,10 @@ namespace host_sim::identification {
 ///                       g(s) = (1 − e^{−κ s})/(1 − e^{−κ})              a first-order warm-up; κ = 0: g = s
 ///
 /// (1): offset > 0 is late; with rate > 0 the clock of these channels runs slow. (1) to (3) act on each of `channels`
-/// behind the model's own sensors, in the order (2), (1), (3). In (4) `value` is that of the hypothesis' rig, at the
-/// beginning of the recording. (2b): the input is behind the filter, and these channels are not. A rig that is driven
-/// by what the filter left shows what it would show behind the same filter, as far as it is linear.
+/// behind the model's own sensors, in the order (2), (1), (3); (2b) before them. In (4) `value` is that of the
+/// hypothesis' rig, at the beginning of the recording. (2b): the input is behind the filter, and these channels are
+/// not. A rig that is driven by what the filter left shows what it would show behind the same filter, as far as it is
+/// linear.
 enum class FaultKind : unsigned char { clock, common_filter, mains_hum, drift };
 
 struct PlacedFault {
@@ -39,6 +40,8 @@ struct PlacedFault {
   std::vector<bool> fitted{};
 
   [[nodiscard]] bool acts_on(model::Channel channel) const;
+  /// Whether it is this channel's clock or filter: an inverse filter acts on the channels it is not of.
+  [[nodiscard]] bool is_of(model::Channel channel) const { return acts_on(channel) != inverse; }
 };
 
 /// True if one of the faults acts between a channel's sensor and its samples.
@@ -47,7 +50,16 @@ struct PlacedFault {
 /// True if a parameter of the rig changes with time.
 [[nodiscard]] bool drifts(const std::vector<PlacedFault>& faults);
 
-/// Samples of a channel as the faults leave them; `period` [s].
+/// (1) of a signal that is known at samples `period` [s] apart: on a polynomial of fifth order between them, constant
+/// beyond its ends.
+[[nodiscard]] std::vector<double> shifted(const std::vector<double>& values, double offset, double rate, double period);
+
+/// (2b): what a channel is on the rig itself, of what it is on a rig that is driven by the filtered input. Its own
+/// sensor, which may cut it off, comes behind that.
+[[nodiscard]] std::vector<double> before_filter_of_input(const std::vector<PlacedFault>& faults, model::Channel channel,
+                                                         std::vector<double> values, double period);
+
+/// Samples of a channel as the other faults leave them; `period` [s].
 [[nodiscard]] std::vector<double> with_faults(const std::vector<PlacedFault>& faults, model::Channel channel,
                                               std::vector<double> values, double period);
 

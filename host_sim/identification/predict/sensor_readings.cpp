@@ -240,8 +240,9 @@ std::vector<double> through_sensors(const Hypothesis& hypothesis, const Prepared
 
 std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
                                     const std::vector<double>& truth) {
-  return with_faults(hypothesis.faults, channel, through_sensors(hypothesis, recording, channel, truth),
-                     recording.input.period);
+  const double period = recording.input.period;
+  const std::vector<double> on_the_rig = before_filter_of_input(hypothesis.faults, channel, truth, period);
+  return with_faults(hypothesis.faults, channel, through_sensors(hypothesis, recording, channel, on_the_rig), period);
 }
 
 Response read_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,

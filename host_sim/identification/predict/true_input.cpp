@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "host_sim/identification/predict/sample_polynomial.hpp"
+#include "host_sim/identification/predict/recording_faults.hpp"
 
 namespace host_sim::identification {
 
@@ -16,12 +16,13 @@ using Path = model::SensorPath<double>;
 
 bool is_undone(const Path& path) { return path.offset == 0.0 && path.limit == 0.0 && path.hold == 0.0; }
 
-/// (1) of one of position, velocity and acceleration.
-void set_earlier(firmware::FootPointMotion& motion, double Motion::*part, double samples) {
+/// (1)
+void set_earlier(firmware::FootPointMotion& motion, double delay, double period) {
   std::vector<double> values(motion.size());
-  for (std::size_t k = 0; k < values.size(); ++k) values[k] = motion[k].*part;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    motion[k].*part = value_between(values, static_cast<double>(k) + samples);
+  for (double Motion::*part : {&Motion::position, &Motion::velocity, &Motion::acceleration}) {
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = motion[k].*part;
+    values = shifted(values, -delay, 0.0, period);
+    for (std::size_t k = 0; k < values.size(); ++k) motion[k].*part = values[k];
   }
 }
 
@@ -54,11 +55,7 @@ std::optional<TrueInput> true_input(const model::RigParameters<double>& rig, con
   if (path.gain == 1.0 && path.lag == 0.0 && path.delay == 0.0) return std::nullopt;
   TrueInput truth{input, start};
   auto& motions = truth.input.motion;
-  if (path.delay > 0.0) {
-    for (double Motion::*part : {&Motion::position, &Motion::velocity, &Motion::acceleration}) {
-      set_earlier(motions, part, path.delay / input.period);
-    }
-  }
+  if (path.delay > 0.0) set_earlier(motions, path.delay, input.period);
   if (path.lag > 0.0) sharpen(motions, path.lag, input.period);
   for (Motion& motion : motions) {
     motion.position /= path.gain;

@@ -61,6 +61,7 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
       firmware::through_samples(fused_displacement(recording[Channel::z_r], sensors->acceleration,
                                                    sensors->position_noise, sensors->acceleration_noise, h),
                                 1.0 / h);
+  prepared.inputs_fused = true;
   noise.acceleration = sampled.noise[index(Channel::zdd_r)];
   noise.acceleration_colour = sampled.channel_noise[index(Channel::zdd_r)].colour;
 }
@@ -101,8 +102,7 @@ bool PreparedRecording::shows(const firmware::CatalogueEntry& effect) const {
 }
 
 std::optional<Channel> PreparedRecording::input_sensor() const {
-  const bool fused = input_noise.position > 0.0 && input_noise.acceleration > 0.0;
-  if (input.channel == Channel::x_cmd || fused || channels.size() < 2) return std::nullopt;
+  if (input.channel == Channel::x_cmd || inputs_fused || channels.size() < 2) return std::nullopt;
   return input.channel;
 }
 

@@ -57,9 +57,9 @@ struct PreparedRecording {
   /// The input is an integrated acceleration: its mean was removed, (ż(T) − ż(0))/T of which was motion, and with it
   /// what a channel is on average. At 0 Hz accelerations alone are compared (noise/whitening.hpp, 7).
   bool mean_unknown = false;
-  /// z_r and zdd_r contradict each other: the foot point moves on z_r alone and zdd_r is one of the channels. Where
-  /// they agree the foot point moves on the fusion of both.
+  /// z_r and zdd_r contradict each other: the foot point moves on z_r alone and zdd_r is one of the channels.
   bool inputs_disagree = false;
+  bool inputs_fused = false;  ///< they agree: the foot point moves on the fusion of both
   /// Where z_r alone gives z̈_r: the frequency [Hz] up to which z_r is above its noise. 0: not needed.
   double acceleration_known = 0.0;
   /// Model steps per sample where friction, free play or stops act (thresholds::step_with_corners).

@@ -46,8 +46,20 @@ double most_frequent_top(const std::vector<double>& values) {
   return 0.5 * largest * (1.0 + (most + 0.5) / thresholds::top_bins);
 }
 
+/// Whether a channel stands still about a top: without its noise, as behind a sensor's limit.
+bool is_still_at(double top, const std::vector<double>& values, double noise) {
+  const double width = 0.5 * largest_magnitude(values) / thresholds::top_bins;
+  std::size_t still = 0, there = 0;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    if (std::abs(std::abs(values[k]) - top) > 0.5 * width) continue;
+    ++there;
+    if (std::abs(values[k] - values[k - 1]) < thresholds::still * noise) ++still;
+  }
+  return 2 * still > there;
+}
+
 /// The |value| at which a channel is cut off, of each recording in which it is, or may be behind a filter. Forces have
-/// flat tops of their own there: a component that yields, a tyre that lifts off.
+/// flat tops of their own there, with noise: a component that yields, a tyre that lifts off.
 Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Channel channel) {
   Starts starts;
   for (const PreparedRecording& e : recordings) {
@@ -57,9 +69,12 @@ Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Chann
     for (std::size_t k = 0; k < e.size(); k += e.step) recorded.push_back(e.recording[channel][k]);
     if (const auto limit = cut_off_at(recorded)) {
       starts.push_back({{*limit}});
-    } else if (model::unit(channel) != "N" && e.channel_noise[index(channel)].shows_a_filter() &&
-               largest_magnitude(recorded) > 0.0) {
-      starts.push_back({{most_frequent_top(recorded)}});
+    } else if (e.channel_noise[index(channel)].shows_a_filter() && largest_magnitude(recorded) > 0.0) {
+      const double top = most_frequent_top(recorded);
+      const bool repeats = e.rounding[index(channel)] > 0.0 || e.renewals[index(channel)];
+      const bool cut_off =
+          model::unit(channel) != "N" || (!repeats && is_still_at(top, recorded, e.noise[index(channel)]));
+      if (cut_off) starts.push_back({{top}});
     }
   }
   return starts;

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host_sim/comparison/start_state.hpp"
+#include "host_sim/identification/common/butterworth.hpp"
 #include "host_sim/identification/common/frequency_bands.hpp"
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/select/fault_candidates.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -253,7 +256,7 @@ std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateMode
   refit(best, 4);
   join_filters(best);
   improve_group(best);
-  simplify_clock(best);
+  simplify_clock(best, best.faults().size() - 1);
   bend_drift(best);
   return best;
 }
@@ -264,6 +267,27 @@ CandidateModel ModelFitter::filtered(const CandidateModel& base, const PlacedFau
   CandidateModel model = refitted(start, base.effects, 8);
   if (std::isfinite(model.fit.chi_squared)) improve_group(model);
   return model;
+}
+
+bool ModelFitter::improve_order(CandidateModel& model, std::size_t fault) const {
+  if (model.faults()[fault].kind != FaultKind::common_filter) return false;
+  bool improved = false;
+  for (const int step : {-1, 1}) {
+    while (true) {
+      const int order = model.faults()[fault].order;
+      if (order + step < 1 || order + step > thresholds::highest_filter_order) break;
+      Hypothesis start = model.fit.hypothesis;
+      start.faults[fault].order += step;
+      start.faults[fault].values[0] *= butterworth_delay(order + step) / butterworth_delay(order);
+      CandidateModel other = refitted(start, model.effects, 8);
+      if (!(other.penalised_chi_squared(criterion_) < model.penalised_chi_squared(criterion_) - thresholds::replaces)) {
+        break;
+      }
+      model = std::move(other);
+      improved = true;
+    }
+  }
+  return improved;
 }
 
 void ModelFitter::join_filters(CandidateModel& model) const {
@@ -291,6 +315,20 @@ void ModelFitter::join_filters(CandidateModel& model) const {
   }
 }
 
+namespace {
+
+void put_behind(PlacedFault& fault, Channel channel) {
+  if (fault.is_of(channel)) return;
+  if (fault.inverse) {
+    std::erase(fault.channels, channel);
+  } else {
+    fault.channels.push_back(channel);
+  }
+  fault.seen = false;
+}
+
+}  // namespace
+
 std::optional<CandidateModel> ModelFitter::in_group(const CandidateModel& whole, std::size_t effect) const {
   const std::optional<Channel> channel = whole.effects[effect].channel;
   if (!channel || !problem_.samples().front().explains(*channel)) return std::nullopt;
@@ -298,13 +336,12 @@ std::optional<CandidateModel> ModelFitter::in_group(const CandidateModel& whole,
   for (std::size_t f = 0; f < whole.faults().size(); ++f) {
     const PlacedFault& fault = whole.faults()[f];
     const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
-    if (!of_group || fault.acts_on(*channel)) continue;
+    if (!of_group || fault.is_of(*channel) || (fault.inverse && fault.channels.size() == 1)) continue;
     Hypothesis start = whole.fit.hypothesis;
     std::vector<firmware::PlacedEffect> effects = whole.effects;
     firmware::remove_effect(start.rig, *effects[effect].entry, channel);
     effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
-    start.faults[f].channels.push_back(*channel);
-    start.faults[f].seen = false;
+    put_behind(start.faults[f], *channel);
     CandidateModel other = refitted(start, std::move(effects), 8);
     if (criterion_.prefers(other, best ? *best : whole)) best = std::move(other);
   }
@@ -324,18 +361,39 @@ void ModelFitter::improve_group(CandidateModel& model) const {
   }
 }
 
-void ModelFitter::simplify_clock(CandidateModel& model) const {
-  if (model.faults().back().kind != FaultKind::clock) return;
-  const CandidateModel whole = model;
-  for (const std::size_t value : {std::size_t{0}, std::size_t{1}}) {
+std::optional<CandidateModel> ModelFitter::in_filter(const CandidateModel& whole, std::size_t clock) const {
+  if (whole.faults()[clock].kind != FaultKind::clock) return std::nullopt;
+  std::optional<CandidateModel> best;
+  for (std::size_t f = 0; f < whole.faults().size(); ++f) {
+    if (whole.faults()[f].kind != FaultKind::common_filter) continue;
     Hypothesis start = whole.fit.hypothesis;
-    start.faults.back().values[value] = 0.0;
-    start.faults.back().fitted[value] = false;
-    CandidateModel simpler = refitted(start, whole.effects, 8);
-    // One channel that is late is its sensor's delay.
-    const bool of_sensor = value == 1 && start.faults.back().channels.size() == 1;
-    if (!of_sensor && criterion_.prefers(simpler, model)) model = std::move(simpler);
+    for (const Channel channel : whole.faults()[clock].channels) put_behind(start.faults[f], channel);
+    const std::size_t count = start.faults[f].channels.size();
+    if (count == 0 || count == whole.faults()[f].channels.size()) continue;
+    start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(clock));
+    CandidateModel other = refitted(start, whole.effects, 8);
+    if (criterion_.prefers(other, best ? *best : whole)) best = std::move(other);
   }
+  return best;
+}
+
+bool ModelFitter::simplify_clock(CandidateModel& model, std::size_t fault) const {
+  const CandidateModel whole = model;
+  const PlacedFault& own = whole.faults()[fault];
+  if (own.kind != FaultKind::clock || !own.fitted[0] || !own.fitted[1]) return false;
+  bool simplified = false;
+  for (const std::size_t value : {std::size_t{0}, std::size_t{1}}) {
+    // One channel that is late is its sensor's delay.
+    if (value == 1 && own.channels.size() == 1) continue;
+    Hypothesis start = whole.fit.hypothesis;
+    start.faults[fault].values[value] = 0.0;
+    start.faults[fault].fitted[value] = false;
+    CandidateModel simpler = refitted(start, whole.effects, 8);
+    if (!criterion_.prefers(simpler, model)) continue;
+    model = std::move(simpler);
+    simplified = true;
+  }
+  return simplified;
 }
 
 void ModelFitter::bend_drift(CandidateModel& model) const {
@@ -348,8 +406,36 @@ void ModelFitter::bend_drift(CandidateModel& model) const {
 
 CandidateModel ModelFitter::without_fault(const CandidateModel& whole, std::size_t leave_out, int most) const {
   Hypothesis hypothesis = whole.fit.hypothesis;
+  const PlacedFault fault = hypothesis.faults[leave_out];
   hypothesis.faults.erase(hypothesis.faults.begin() + static_cast<std::ptrdiff_t>(leave_out));
-  return refitted(hypothesis, whole.effects, most);
+  CandidateModel less = refitted(hypothesis, whole.effects, most);
+  for (const Channel channel : fault.channels) set_clock_anew(less, channel);
+  return less;
+}
+
+std::optional<CandidateModel> ModelFitter::by_sensor(const CandidateModel& whole, std::size_t fault) const {
+  const PlacedFault& own = whole.faults()[fault];
+  const bool clock = own.kind == FaultKind::clock, filter = own.kind == FaultKind::common_filter;
+  if (!clock && !(filter && own.order == 1 && !own.digital)) return std::nullopt;
+  const PreparedRecording& samples = problem_.samples().front();
+  // The clock of all others is that of the input; an inverse filter says so itself.
+  const bool of_input = filter ? own.inverse : own.channels.size() == problem_.channels().size();
+  if (of_input ? own.channels.size() < problem_.channels().size() : own.channels.size() > 1) return std::nullopt;
+  const std::optional<Channel> channel = of_input ? samples.input_sensor() : own.channels.front();
+  const firmware::CatalogueEntry* const entry = firmware::find_effect(clock ? "sensor_delay" : "sensor_lag");
+  const double value =
+      clock ? (of_input ? -own.values[0] : own.values[0]) : 1.0 / (2.0 * std::numbers::pi * own.values[0]);
+  const auto is_there = [&](const firmware::PlacedEffect& e) { return e.entry == entry && e.channel == channel; };
+  Hypothesis start = whole.fit.hypothesis;
+  if (!channel || !(value > entry->parameters.front().lower) || !firmware::has_place(start.rig, *entry, channel) ||
+      std::any_of(whole.effects.begin(), whole.effects.end(), is_there)) {
+    return std::nullopt;
+  }
+  std::vector<firmware::PlacedEffect> effects = whole.effects;
+  effects.push_back({entry, channel, {std::min(value, entry->parameters.front().upper)}});
+  start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(fault));
+  firmware::put_effect(start.rig, effects.back());
+  return refitted(start, std::move(effects), 8);
 }
 
 std::optional<CandidateModel> ModelFitter::held(const CandidateModel& base, const Scales& scales,
@@ -364,23 +450,25 @@ std::optional<CandidateModel> ModelFitter::held(const CandidateModel& base, cons
   return std::nullopt;
 }
 
-CandidateModel ModelFitter::without(const CandidateModel& whole, std::size_t leave_out) const {
+void ModelFitter::set_clock_anew(CandidateModel& model, Channel channel) const {
+  const auto holds_it = [channel](const firmware::PlacedEffect& e) {
+    return e.channel == channel && is_hold(*e.entry);
+  };
+  if (std::none_of(model.effects.begin(), model.effects.end(), holds_it)) return;
+  Hypothesis own = model.fit.hypothesis;
+  own.clocks[index(channel)] = {true, 0.0};
+  CandidateModel clocked = refitted(own, model.effects, 2);
+  set_clock(clocked, channel);
+  if (take_if_better(std::move(clocked), model)) refit(model, 4);
+}
+
+CandidateModel ModelFitter::without(const CandidateModel& whole, std::size_t leave_out, int most) const {
   Hypothesis hypothesis = whole.fit.hypothesis;
   std::vector<firmware::PlacedEffect> effects = whole.effects;
   firmware::remove_effect(hypothesis.rig, *effects[leave_out].entry, effects[leave_out].channel);
   effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(leave_out));
-  CandidateModel less = refitted(hypothesis, std::move(effects), 6);
-  const std::optional<Channel> channel = whole.effects[leave_out].channel;
-  const auto holds_it = [channel](const firmware::PlacedEffect& e) {
-    return e.channel == channel && is_hold(*e.entry);
-  };
-  if (!channel || std::none_of(less.effects.begin(), less.effects.end(), holds_it)) return less;
-  // Its clock was set before all else was found, and what is left out may have made up for that.
-  Hypothesis own = less.fit.hypothesis;
-  own.clocks[index(*channel)] = {true, 0.0};
-  CandidateModel clocked = refitted(own, less.effects, 2);
-  set_clock(clocked, *channel);
-  if (take_if_better(std::move(clocked), less)) refit(less, 4);
+  CandidateModel less = refitted(hypothesis, std::move(effects), most);
+  if (const std::optional<Channel> channel = whole.effects[leave_out].channel) set_clock_anew(less, *channel);
   return less;
 }
 

@@ -54,8 +54,8 @@ class ModelFitter {
   [[nodiscard]] static CandidateModel refitted_in(IdentificationProblem& problem, const SearchSpace& space,
                                                   const SelectionCriterion& criterion, const CandidateModel& model);
 
-  /// Refitted without one of its effects.
-  [[nodiscard]] CandidateModel without(const CandidateModel& whole, std::size_t leave_out) const;
+  /// Without one of its effects, after at most so many steps of a fit.
+  [[nodiscard]] CandidateModel without(const CandidateModel& whole, std::size_t leave_out, int most = 6) const;
 
   /// With the effect that one of them contains in its place, beginning where this one is; nullopt: it contains none.
   [[nodiscard]] std::optional<CandidateModel> simplified(const CandidateModel& whole, std::size_t effect) const;
@@ -74,6 +74,21 @@ class ModelFitter {
 
   /// Without one of the faults, after at most so many steps of a fit. 0: everything else as it was.
   [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t leave_out, int most = 6) const;
+
+  /// With an effect of a sensor in the place of a clock or filter of one channel, or of the input: a delay, or a lag
+  /// for a filter of first order. nullopt: the fault is none of these.
+  [[nodiscard]] std::optional<CandidateModel> by_sensor(const CandidateModel& whole, std::size_t fault) const;
+
+  /// Without a clock whose channels are behind a filter that is there: its group was taken from noises, and one may not
+  /// have shown it. nullopt: no filter makes it better.
+  [[nodiscard]] std::optional<CandidateModel> in_filter(const CandidateModel& whole, std::size_t clock) const;
+
+  /// A filter of the order that the motion shows: a noise of few samples above the corner may not. It starts from the
+  /// same delay. false: it has that order.
+  bool improve_order(CandidateModel& model, std::size_t fault) const;
+
+  /// A clock whose offset or rate is not worth its price is left with the other one. false: both are.
+  bool simplify_clock(CandidateModel& model, std::size_t fault) const;
 
   /// Without an effect of a sensor, whose channel joins the group of a clock or filter that is there: three low-passes
   /// of one recorder may have been found as a filter of two channels and a delay of the third. nullopt: no group makes
@@ -122,11 +137,12 @@ class ModelFitter {
   /// A hold with a clock of its own: the phase at which its values are taken, by golden section over what the renewals
   /// allow. All else moves linearly inside its bounds, since a little damping looks like a little time.
   void set_clock(CandidateModel& model, model::Channel channel) const;
+  /// The same of a hold whose clock was set before all else was found: what was left out since may have made up for it.
+  void set_clock_anew(CandidateModel& model, model::Channel channel) const;
 
   [[nodiscard]] bool repeats_regularly(model::Channel channel) const;
 
   /// A model whose last fault is fitted, with the values and channels that improve the criterion.
-  void simplify_clock(CandidateModel& model) const;
   /// The last filter and one of the same order and nearly the same corner (thresholds::alike_filters) as one filter.
   void join_filters(CandidateModel& model) const;
   void bend_drift(CandidateModel& model) const;

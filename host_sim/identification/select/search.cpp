@@ -62,6 +62,7 @@ class Search {
   void compare_in_sample(SearchResult& found);
   bool take_filter_seen(SearchResult& found) const;
   bool improve(std::size_t effect, SearchResult& found);
+  [[nodiscard]] std::optional<CandidateModel> instead_of_limit(std::size_t effect, const SearchResult& found) const;
   [[nodiscard]] std::optional<CandidateModel> in_one(const SearchResult& found) const;
   bool improve_fault(std::size_t fault, SearchResult& found);
   bool eliminate_by_held_out(SearchResult& found);
@@ -269,10 +270,11 @@ bool Search::take_filter_seen(SearchResult& found) const {
     return false;
   for (const PlacedFault& filter : filters_seen(fitter_.problem())) {
     const auto behind_it = [&](const firmware::PlacedEffect& effect) {
-      return effect.channel && filter.acts_on(*effect.channel);
+      return effect.channel && filter.is_of(*effect.channel);
     };
     if (std::none_of(found.best.effects.begin(), found.best.effects.end(), behind_it)) continue;
     CandidateModel with = fitter_.filtered(found.best, filter);
+    if (std::isfinite(with.fit.chi_squared)) fitter_.improve_order(with, with.faults().size() - 1);
     for (std::size_t i = 0; i < with.effects.size();) {
       std::optional<CandidateModel> less;
       if (behind_it(with.effects[i])) less = fitter_.without(with, i);
@@ -358,6 +360,10 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     best = std::move(*simpler);
     return true;
   }
+  if (auto other = instead_of_limit(effect, found)) {
+    best = std::move(*other);
+    return true;
+  }
   if (auto shared = fitter_.in_group(best, effect)) {
     best = std::move(*shared);
     return true;
@@ -397,6 +403,22 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   drop_jacobian(reduced.fit);
   reduced_[effect] = std::move(reduced);
   return false;
+}
+
+/// Another effect in the place of one that ends at a limit of its card: a resonance of the largest damping is a lag.
+/// All else is where the effect has brought it, so it begins from there. nullopt: none is better.
+std::optional<CandidateModel> Search::instead_of_limit(std::size_t effect, const SearchResult& found) const {
+  if (!ends_at_bound(found.best.effects[effect])) return std::nullopt;
+  const CandidateModel reduced = fitter_.without(found.best, effect, 0);
+  for (const CandidateModel& other : fitter_.extended(reduced, found.scales, thresholds::fault_rivals)) {
+    if (ends_at_bound(other.effects.back())) continue;
+    CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 12);
+    if (criterion_.prefers(full, found.best) && !ends_at_bound(full.effects.back()) &&
+        stays_finite(fitter_.problem(), full.fit.hypothesis)) {
+      return full;
+    }
+  }
+  return std::nullopt;
 }
 
 /// An effect of the rig in the place of two of sensors: a gain and a lag of F together are nearly what a soft mount of
@@ -504,15 +526,24 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
     best = reduced;
     return true;
   }
+  if (fitter_.simplify_clock(best, fault) || fitter_.improve_order(best, fault)) return true;
+  if (auto filtered = fitter_.in_filter(best, fault)) {
+    best = std::move(*filtered);
+    return true;
+  }
   const double value = best.penalised_chi_squared(criterion_), to_beat = value - thresholds::replaces;
+  // A component of the rig explains as much as a fault: the rig's name is the answer.
+  const double as_good = value + thresholds::tie;
+  if (auto sensor = fitter_.by_sensor(best, fault); sensor && sensor->penalised_chi_squared(criterion_) < as_good) {
+    best = std::move(*sensor);
+    return true;
+  }
   if (auto other = by_fault(reduced, {}); other && other->penalised_chi_squared(criterion_) < to_beat) {
     best = std::move(*other);
     return true;
   }
   FaultSupport& support = found.faults[fault];
   support.gain = reduced.fit.chi_squared - best.fit.chi_squared;
-  // A component of the rig explains as much as a fault: the rig's name is the answer.
-  const double as_good = value + thresholds::tie;
   auto others = fitter_.extended(reduced, found.scales, thresholds::fault_rivals);
   // What the fault was may be bent into other parameters by then: also from where these are.
   for (CandidateModel& other :

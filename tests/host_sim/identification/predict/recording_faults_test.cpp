@@ -94,8 +94,13 @@ std::vector<PlacedFault> filters(std::initializer_list<double> corners) {
   return list;
 }
 
+/// What a filter, or its inverse, makes of a signal.
+std::vector<double> behind(const PlacedFault& filter, const std::vector<double>& values) {
+  return with_faults({filter}, Channel::F, before_filter_of_input({filter}, Channel::F, values, period), period);
+}
+
 void expect_gain(const PlacedFault& filter, std::complex<double> gain, double frequency, std::size_t first) {
-  const auto seen = with_faults({filter}, Channel::F, cosine(frequency, first + 500), period);
+  const auto seen = behind(filter, cosine(frequency, first + 500));
   for (std::size_t k = first; k < first + 490; ++k) {
     const double phase = two_pi * frequency * period * static_cast<double>(k) + std::arg(gain);
     ASSERT_NEAR(seen[k], std::abs(gain) * std::cos(phase), 1e-3 * std::max(1.0, std::abs(gain)))
@@ -119,7 +124,7 @@ TEST(RecordingFaults, AnInverseFilterUndoesIt) {
 TEST(RecordingFaults, AnInverseFilterIsBounded) {
   for (PlacedFault& inverse : filters({60.0})) {
     inverse.inverse = true;
-    const auto seen = with_faults({inverse}, Channel::F, cosine(430.0, 500), period);
+    const auto seen = behind(inverse, cosine(430.0, 500));
     const double largest = *std::max_element(seen.begin() + 10, seen.end() - 10);
     EXPECT_LT(largest, 5.0 / std::abs(gain_of(inverse, 160.0))) << inverse.order;
   }

@@ -59,6 +59,26 @@ TEST(Readings, AreRenewedWhereTheRecordingIs) {
   }
 }
 
+// A channel is cut off as it is on the rig, not as the filtered input would make it: the inverse of the input's filter
+// raises the reading above the limit only if it comes behind it.
+TEST(Readings, AreCutOffBehindTheFilterOfTheInput) {
+  const identification::PreparedRecording e = held_recording(4.3);
+  identification::Hypothesis hypothesis;
+  hypothesis.rig.kind = model::RigKind::component_bench;
+  hypothesis.rig.effects.add(Channel::F, model::SensorSaturation<double>{0.8});
+  identification::PlacedFault filter;
+  filter.kind = identification::FaultKind::common_filter;
+  filter.channels = {Channel::F};
+  filter.values = {20.0};
+  filter.fitted = {true};
+  filter.inverse = true;
+  hypothesis.faults = {filter};
+  const std::vector<double> truth = sine(0.6, 30.0, e.size());  // on the rig: 0.6 |1 + 1.5 i| = 1.08
+  const auto read = identification::sensor_readings(hypothesis, e, Channel::F, truth);
+  EXPECT_EQ(*std::max_element(read.begin(), read.end()), 0.8);
+  EXPECT_EQ(*std::min_element(read.begin(), read.end()), -0.8);
+}
+
 // Its period too: turns at ten places between samples, over some 1395 of them, leave it less than 2 · 0.1/1395 samples.
 TEST(HoldPeriod, IsReadOffTheRenewals) {
   const std::vector<identification::PreparedRecording> recordings{held_recording(4.3)};

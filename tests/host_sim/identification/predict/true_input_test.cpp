@@ -78,7 +78,7 @@ TEST(TrueInput, IsTheInputWhereItsSensorSaysNothing) {
   seen.channels.pop_back();
   EXPECT_FALSE(true_input(gain, seen, seen.input, start));
   seen = wheel_seen_with(1.0, 0.0, 0.0);
-  seen.input_noise.position = seen.input_noise.acceleration = 1.0;
+  seen.inputs_fused = true;
   EXPECT_FALSE(true_input(gain, seen, seen.input, start));
 }
 

@@ -124,4 +124,18 @@ TEST(Search, FindsTheGapAmongManyMinima) {
   EXPECT_EQ(found.effects[0].effect.entry->name, "backlash") << said;
 }
 
+// Journey. A lag of 5.6 ms beside friction and an offset was first found as a resonance of 1.1 kHz with the largest
+// damping of its card, which is the same motion; the lag, fitted from the rig without it, stuck in another minimum.
+TEST(Search, CallsAResonanceAtItsLimitALag) {
+  const truth::Truth truth = truth::draw_rough("many", 2026121400);
+  const Diagnosis found = sample::diagnosis_of_all(truth);
+  const std::string said = identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), truth.effects.size()) << said;
+  for (const truth::Effect& hidden : truth.effects) {
+    EXPECT_TRUE(std::any_of(found.effects.begin(), found.effects.end(),
+                            [&](const auto& e) { return e.effect.entry->name == hidden.name; }))
+        << hidden.name << ": " << said;
+  }
+}
+
 }  // namespace
