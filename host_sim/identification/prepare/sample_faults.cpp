@@ -290,6 +290,28 @@ std::vector<std::size_t> find_outliers(const std::vector<double>& samples, const
   return found;
 }
 
+double place_deviation(const std::vector<double>& values, const std::vector<std::size_t>& places) {
+  std::vector<double> sorted = values, shares;
+  std::sort(sorted.begin(), sorted.end());
+  const auto n = static_cast<double>(values.size());
+  std::size_t before = 0;
+  for (const std::size_t k : places) {
+    const bool new_one = shares.empty() || k > before + neighbours;
+    before = k;
+    if (!new_one) continue;
+    const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), values[k]);
+    shares.push_back(0.5 * static_cast<double>((first - sorted.begin()) + (last - sorted.begin())) / n);
+  }
+  std::sort(shares.begin(), shares.end());
+  const auto count = static_cast<double>(shares.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const double below = static_cast<double>(i) / count, above = static_cast<double>(i + 1) / count;
+    largest = std::max({largest, shares[i] - below, above - shares[i]});
+  }
+  return std::sqrt(count) * largest;
+}
+
 void mend_outliers(std::vector<double>& samples, const std::vector<std::size_t>& outliers,
                    const std::vector<bool>& unusable) {
   std::vector<bool> out = unusable;

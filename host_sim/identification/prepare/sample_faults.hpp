@@ -44,6 +44,14 @@ struct Outliers {
   std::vector<double> values;   ///< recorded there [SI]
 };
 
+/// How far the places of outliers are from random ones on another channel's values, each group of neighbours once:
+///
+///   (8)  √n sup |share of the n places whose value lies below v − share of all samples below v|
+///
+/// Above λ with a chance of 2 e^{−2λ²} where they are random. Source: A. Kolmogorov, Giornale dell'Istituto Italiano
+/// degli Attuari 4, 1933. `places` ascend.
+[[nodiscard]] double place_deviation(const std::vector<double>& values, const std::vector<std::size_t>& places);
+
 /// e_k / s of (2) and (3), for a look at one channel beside the outliers of another; 0 where there are too few samples.
 [[nodiscard]] std::vector<double> relative_deviations(const std::vector<double>& samples,
                                                       const std::vector<bool>& unusable = {}, double step = 0.0);

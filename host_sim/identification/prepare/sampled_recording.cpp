@@ -93,6 +93,19 @@ bool shows_elsewhere(const std::vector<std::vector<double>>& deviations, std::si
   return false;
 }
 
+/// Whether outliers of a force or an acceleration come where the rig is in one place: where free play is crossed, a
+/// component lets go for a few samples. A displacement may be wrong where its potentiometer is worn.
+bool go_with_motion(const firmware::Recording& recording, model::Channel channel,
+                    const std::vector<std::size_t>& places) {
+  if (places.empty() || model::unit(channel) == "m") return false;
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    const model::Channel other = model::channel_at(c);
+    if (other == channel || !recording.has(other)) continue;
+    if (place_deviation(recording[other], places) > thresholds::places_of_motion) return true;
+  }
+  return false;
+}
+
 /// The outliers of each channel are marked in `unusable` and mended; one sample in `fewer` is kept afterwards.
 std::array<Outliers, model::channel_count> leave_out_outliers(model::RigKind kind, firmware::Recording& recording,
                                                               const Steps& steps, std::size_t fewer,
@@ -110,6 +123,7 @@ std::array<Outliers, model::channel_count> leave_out_outliers(model::RigKind kin
   std::array<Outliers, model::channel_count> outliers;
   for (std::size_t c = 0; c < places.size(); ++c) {
     std::erase_if(places[c], [&](std::size_t k) { return shows_elsewhere(deviations, c, k); });
+    if (go_with_motion(recording, model::channel_at(c), places[c])) places[c].clear();
     if (places[c].empty()) continue;
     outliers[c].count = places[c].size();
     for (const std::size_t k : places[c]) {

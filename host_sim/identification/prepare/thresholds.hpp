@@ -161,6 +161,10 @@ inline constexpr double alike_outliers = 0.5;
 /// [1] Share of a channel's samples that are outliers at most: more is how the channel is. Half and twice: the same
 /// names; recorders with one flipped bit in 300 samples are known.
 inline constexpr double most_outliers = 0.01;
+/// λ of sample_faults.hpp (8) from which outliers are motion. Derivation: each of ten channels is compared with nine,
+/// so random ones are taken for motion in 90 · 2 e^{−2λ²} = 7e-4 of all recordings. Half: in half of them. Twice: a
+/// hundred outliers at one place are needed, instead of 25.
+inline constexpr double places_of_motion = 2.5;
 /// [s] From this sample period on, a knock of the rig may be as short as a sample: an outlier must not show in another
 /// channel. Derivation: contacts of steel last 1 to 5 ms. Half: one outlier in ten beside friction stays in. Twice: a
 /// knock of 3 ms on a channel of 300 Hz counts as outlier.

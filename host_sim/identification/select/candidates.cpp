@@ -69,12 +69,13 @@ Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Chann
     for (std::size_t k = 0; k < e.size(); k += e.step) recorded.push_back(e.recording[channel][k]);
     if (const auto limit = cut_off_at(recorded)) {
       starts.push_back({{*limit}});
-    } else if (e.channel_noise[index(channel)].shows_a_filter() && largest_magnitude(recorded) > 0.0) {
+    } else if (largest_magnitude(recorded) > 0.0) {
+      const auto c = index(channel);
       const double top = most_frequent_top(recorded);
-      const bool repeats = e.rounding[index(channel)] > 0.0 || e.renewals[index(channel)];
-      const bool cut_off =
-          model::unit(channel) != "N" || (!repeats && is_still_at(top, recorded, e.noise[index(channel)]));
-      if (cut_off) starts.push_back({{top}});
+      const bool repeats = e.rounding[c] > 0.0 || e.renewals[c];
+      const bool is_still = !repeats && is_still_at(top, recorded, e.noise[c]);
+      const bool may_be_round = model::unit(channel) != "N" && e.channel_noise[c].shows_a_filter();
+      if (is_still || may_be_round) starts.push_back({{top}});
     }
   }
   return starts;

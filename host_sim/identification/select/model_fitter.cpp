@@ -280,9 +280,8 @@ bool ModelFitter::improve_order(CandidateModel& model, std::size_t fault) const 
       start.faults[fault].order += step;
       start.faults[fault].values[0] *= butterworth_delay(order + step) / butterworth_delay(order);
       CandidateModel other = refitted(start, model.effects, 8);
-      if (!(other.penalised_chi_squared(criterion_) < model.penalised_chi_squared(criterion_) - thresholds::replaces)) {
-        break;
-      }
+      const double to_beat = model.penalised_chi_squared(criterion_) - thresholds::replaces;
+      if (!(other.penalised_chi_squared(criterion_) < to_beat) || !leaves_noise(other)) break;
       model = std::move(other);
       improved = true;
     }
@@ -336,12 +335,19 @@ std::optional<CandidateModel> ModelFitter::in_group(const CandidateModel& whole,
   for (std::size_t f = 0; f < whole.faults().size(); ++f) {
     const PlacedFault& fault = whole.faults()[f];
     const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
-    if (!of_group || fault.is_of(*channel) || (fault.inverse && fault.channels.size() == 1)) continue;
+    // A clock of this channel that runs differently may be late as well.
+    const bool is_late = fault.kind == FaultKind::clock && fault.acts_on(*channel) && fault.channels.size() == 1 &&
+                         whole.effects[effect].entry->name == "sensor_delay";
+    if (!of_group || (fault.is_of(*channel) && !is_late) || (fault.inverse && fault.channels.size() == 1)) continue;
     Hypothesis start = whole.fit.hypothesis;
     std::vector<firmware::PlacedEffect> effects = whole.effects;
     firmware::remove_effect(start.rig, *effects[effect].entry, channel);
     effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
     put_behind(start.faults[f], *channel);
+    if (is_late) {
+      start.faults[f].values[0] += whole.effects[effect].values[0];
+      start.faults[f].fitted[0] = true;
+    }
     CandidateModel other = refitted(start, std::move(effects), 8);
     if (criterion_.prefers(other, best ? *best : whole)) best = std::move(other);
   }

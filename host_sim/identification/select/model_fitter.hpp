@@ -83,16 +83,16 @@ class ModelFitter {
   /// have shown it. nullopt: no filter makes it better.
   [[nodiscard]] std::optional<CandidateModel> in_filter(const CandidateModel& whole, std::size_t clock) const;
 
-  /// A filter of the order that the motion shows: a noise of few samples above the corner may not. It starts from the
-  /// same delay. false: it has that order.
+  /// A filter of the order that the motion shows, where that leaves nothing but noise: the noise itself, with few
+  /// samples above the corner, may not. It starts from the same delay. false: it has that order.
   bool improve_order(CandidateModel& model, std::size_t fault) const;
 
   /// A clock whose offset or rate is not worth its price is left with the other one. false: both are.
   bool simplify_clock(CandidateModel& model, std::size_t fault) const;
 
   /// Without an effect of a sensor, whose channel joins the group of a clock or filter that is there: three low-passes
-  /// of one recorder may have been found as a filter of two channels and a delay of the third. nullopt: no group makes
-  /// it better.
+  /// of one recorder may have been found as a filter of two channels and a delay of the third. Or a delay that a clock
+  /// of this channel takes over. nullopt: no group makes it better.
   [[nodiscard]] std::optional<CandidateModel> in_group(const CandidateModel& whole, std::size_t effect) const;
 
   /// With the hold of a channel whose renewals are regular, where it is not there yet.

@@ -225,29 +225,52 @@ bool tie_again(ParameterSearch& search_for, FreedModel& now) {
   return false;
 }
 
+/// Beside a parameter that was freed in the place of one effect, another effect less: a softer spring is a gain of F,
+/// but for a damper that makes up for what the gain takes from the damping. nullopt: none of these is better than
+/// `to_beat`; else the place of that effect.
+std::optional<std::size_t> leave_out_another(ParameterSearch& search_for, FreedModel& other, double to_beat) {
+  for (std::size_t i = 0; i < other.model.effects.size(); ++i) {
+    if (search_for.is_seen(other.model.effects[i])) continue;
+    FreedModel less;
+    less.freed = other.freed;
+    less.model = search_for.without(other.model, i, other.freed);
+    if (search_for.value(less) >= to_beat) continue;
+    other = std::move(less);
+    return i;
+  }
+  return std::nullopt;
+}
+
 /// The model without something, or with a parameter freed in its place. `effect`: what is left out, of the effects of
-/// `now`; none: a fault. false: that is no better.
+/// `now`, whose places go with it; none: the caller's. `keeps_name`: an effect that no parameter replaces by doing the
+/// same. false: that is no better.
 bool free_instead(ParameterSearch& search_for, Replacement& now, CandidateModel reduced,
-                  std::optional<std::size_t> effect) {
+                  std::optional<std::size_t> effect, bool keeps_name = false) {
   const double value = search_for.value(now);
   FreedModel other;
   other.model = std::move(reduced);
   other.freed = now.freed;
+  std::optional<std::size_t> another;
   if (search_for.value(other) >= value - thresholds::replaces) {
     const double needed = other.model.fit.chi_squared - now.model.fit.chi_squared;
     if (now.freed.size() == thresholds::most_freed || !search_for.free_one_more(other, 0.5 * needed)) return false;
     // Together with what is left out, another parameter may have been in the wrong one's place.
     while (!now.freed.empty() && tie_again(search_for, other)) {
     }
+    if (effect && search_for.value(other) >= value - thresholds::replaces) {
+      another = leave_out_another(search_for, other, value - thresholds::replaces);
+    }
     const double worse = search_for.value(other) - value;
     const double error = std::clamp(other.model.fit.chi_squared - now.model.fit.chi_squared, 0.0,
                                     thresholds::model_error_of_limit * needed);
-    const bool limit = worse >= -thresholds::replaces && worse - error < thresholds::tie && effect &&
+    const bool limit = worse >= -thresholds::replaces && worse - error < thresholds::tie && effect && !keeps_name &&
                        !other.freed.empty() && search_for.is_at_its_limit(now.model, *effect, other);
     if (worse >= -thresholds::replaces && !limit) return false;
   }
   if (search_for.leaves_noise(now.model) && !search_for.leaves_noise(other.model)) return false;
   now.FreedModel::operator=(std::move(other));
+  if (effect) now.effects.erase(now.effects.begin() + static_cast<std::ptrdiff_t>(*effect));
+  if (another) now.effects.erase(now.effects.begin() + static_cast<std::ptrdiff_t>(*another));
   return true;
 }
 
@@ -264,11 +287,11 @@ bool replace_one(ParameterSearch& search_for, Replacement& now) {
   for (std::size_t i = 0; i < now.model.effects.size(); ++i) {
     const firmware::PlacedEffect& effect = now.model.effects[i];
     const double own_price = criterion.effect + criterion.parameter * static_cast<double>(effect.values.size());
-    // A clean effect that is cheaper than a parameter keeps its name.
-    if (search_for.is_seen(effect) || (clean && now.freed.empty() && own_price < search_for.price(1))) continue;
-    if (!free_instead(search_for, now, search_for.without(now.model, i, now.freed), i)) continue;
-    now.effects.erase(now.effects.begin() + static_cast<std::ptrdiff_t>(i));
-    return true;
+    if (search_for.is_seen(effect)) continue;
+    // A clean effect that is cheaper than a parameter keeps its name, unless two of them are dearer.
+    const bool keeps_name = clean && now.freed.empty() && own_price < search_for.price(1);
+    if (keeps_name && now.model.effects.size() < 2) continue;
+    if (free_instead(search_for, now, search_for.without(now.model, i, now.freed), i, keeps_name)) return true;
   }
   return false;
 }

@@ -24,8 +24,8 @@ namespace host_sim::identification {
 ///      if (1) is lower and the error on the recordings falls by thresholds::parameters_replace_error
 ///   4  of the better one, a parameter that is not worth its price is bound again, one is freed if more than noise is
 ///      left, and one effect or drift after the other is left out, with a parameter in its place where that costs too
-///      much (where a parameter stands at the bound of its tolerance also two effects at once); an effect that is a
-///      limit of its law does what a parameter does, which takes its place where the two
+///      much, or another effect with it (where a parameter stands at the bound of its tolerance also two effects at
+///      once); an effect that is a limit of its law does what a parameter does, which takes its place where the two
 ///      cannot be told apart (thresholds::at_the_limit, tie)
 ///
 /// Holds that the values themselves show stay in all of these.

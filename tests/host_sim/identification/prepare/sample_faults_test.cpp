@@ -205,6 +205,41 @@ TEST(SampledRecording, LeavesOutliersOut) {
   EXPECT_EQ(found.outliers[f].at, Places{500});
 }
 
+// Point. (8): of n places at the median √n/2; of places that are spread evenly 1/(2√n); neighbours count once.
+TEST(Outliers, AreAtRandomPlaces) {
+  std::vector<double> values(10'001);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = static_cast<double>(k % 101);
+  Places middle, spread, beside;
+  for (std::size_t i = 0; i < 64; ++i) {
+    middle.push_back(50 + 101 * i);
+    beside.insert(beside.end(), {50 + 101 * i, 51 + 101 * i});
+    spread.push_back(101 * i + (2 * i + 1) * 101 / 128);
+  }
+  EXPECT_NEAR(place_deviation(values, middle), 4.0, 0.1);
+  EXPECT_EQ(place_deviation(values, beside), place_deviation(values, middle));
+  EXPECT_NEAR(place_deviation(values, spread), 1.0 / 16.0, 0.1);
+  EXPECT_EQ(place_deviation(values, {}), 0.0);
+}
+
+// Fault. Where free play is crossed a component lets go for a sample or two: a force that leaves its course wherever
+// the rig passes one place does what the rig does. The same steps at random places are a recorder's.
+TEST(SampledRecording, KnowsFreePlayByItsPlace) {
+  constexpr std::size_t n = 20'000, strikes = 40;
+  firmware::Recording r = bench(0.0, 16);
+  r.time = firmware::sample_times(n, 1'000.0);
+  support::NormalNoise noise(16);
+  for (const Channel channel : {Channel::x_cmd, Channel::x_act, Channel::F}) {
+    r[channel] = sine(10.0, 1.0, n);
+    for (double& v : r[channel]) v += 0.01 * noise();
+  }
+  const std::vector<double> smooth = r[Channel::F];
+  for (std::size_t i = 0; i < strikes; ++i) r[Channel::F][500 + i * 480] += 1.0;  // all phases of 1 s
+  EXPECT_EQ(sampled(bench_description({}), r).outliers[index(Channel::F)].count, strikes);
+  r[Channel::F] = smooth;
+  for (std::size_t i = 0; i < 36; ++i) r[Channel::F][500 + i * 500] += i % 2 == 0 ? 1.0 : -1.0;  // at zero
+  EXPECT_EQ(sampled(bench_description({}), r).outliers[index(Channel::F)].count, 0U);
+}
+
 // Fault. A knock at 200 Hz may be as short as a sample: what shows in another channel, too, is motion.
 TEST(SampledRecording, KnowsAKnockByTheOtherChannels) {
   firmware::Recording r = bench(0.0, 15);

@@ -391,6 +391,19 @@ void expect_only(const std::string& condition, std::uint64_t seed, std::vector<s
   EXPECT_FALSE(found.unexplained) << said;
 }
 
+// Free play that is crossed in three samples makes pulses of F, which are no outliers, and a clock that drifts is late
+// as well: no sensor beside it.
+TEST(RecordingFaults, AClockHasADelayOfItsOwn) {
+  const Diagnosis found = sample::diagnosis_of_all(truth::draw_rough("daq", 2026121308));
+  const std::string said = host_sim::identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects.front().effect.entry->name, "backlash") << said;
+  const RecordingFault* const offset = fault_of(found, "clock_offset");
+  ASSERT_NE(offset, nullptr) << said;
+  ASSERT_NE(fault_of(found, "clock_drift"), nullptr) << said;
+  EXPECT_NEAR(offset->parameters.at("seconds").value, 2.89e-3, 0.1e-3) << "twice its interval: " << said;
+}
+
 // The clock of a hold was set before all else was found; a clock of its channel made up for that.
 TEST(RecordingFaults, AHoldIsNoLateClock) {
   expect_only("few_sensors", 2026121408, {"sensor_hold", "viscous_damping"});

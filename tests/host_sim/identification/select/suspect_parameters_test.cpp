@@ -189,4 +189,10 @@ TEST(SuspectParameters, AreTriedInThePlaceOfTwoEffects) {
   expect_one_of_each(2026120202, "actuator_rate_limit", "suspension.damping");
 }
 
+// A spring 7.8 % too soft is a gain of F with a damper that gives back what the gain took, and no parameter stands at a
+// bound then.
+TEST(SuspectParameters, TakeThePlaceOfTwoEffects) {
+  expect_one_of_each(2026121308, "actuator_resonance", "suspension.stiffness");
+}
+
 }  // namespace
