@@ -35,7 +35,11 @@ Size size_of(const std::vector<double>& values) {
 
 /// The |value| beyond half of the largest that comes most often: where a channel is cut off before a low-pass, which
 /// rounds the tops and overshoots by up to 11 %, and where a sine turns.
-double most_frequent_top(const std::vector<double>& values) {
+struct Top {
+  double value;
+  bool prominent;  ///< it comes thresholds::top_prominence times as often as the others, in the median
+};
+Top most_frequent_top(const std::vector<double>& values) {
   const double largest = largest_magnitude(values);
   std::array<std::size_t, thresholds::top_bins> counts{};
   for (const double v : values) {
@@ -43,7 +47,9 @@ double most_frequent_top(const std::vector<double>& values) {
     if (height >= 0.0) ++counts[std::min(static_cast<std::size_t>(height * thresholds::top_bins), counts.size() - 1)];
   }
   const auto most = static_cast<double>(std::max_element(counts.begin(), counts.end()) - counts.begin());
-  return 0.5 * largest * (1.0 + (most + 0.5) / thresholds::top_bins);
+  std::sort(counts.begin(), counts.end());
+  return {0.5 * largest * (1.0 + (most + 0.5) / thresholds::top_bins),
+          counts.back() > thresholds::top_prominence * std::max<std::size_t>(counts[counts.size() / 2], 1)};
 }
 
 /// Whether a channel stands still about a top: without its noise, as behind a sensor's limit.
@@ -71,11 +77,11 @@ Starts repeated_extremes(const std::vector<PreparedRecording>& recordings, Chann
       starts.push_back({{*limit}});
     } else if (largest_magnitude(recorded) > 0.0) {
       const auto c = index(channel);
-      const double top = most_frequent_top(recorded);
+      const Top top = most_frequent_top(recorded);
       const bool repeats = e.rounding[c] > 0.0 || e.renewals[c];
-      const bool is_still = !repeats && is_still_at(top, recorded, e.noise[c]);
-      const bool may_be_round = model::unit(channel) != "N" && e.channel_noise[c].shows_a_filter();
-      if (is_still || may_be_round) starts.push_back({{top}});
+      const bool is_still = !repeats && is_still_at(top.value, recorded, e.noise[c]);
+      const bool may_be_round = model::unit(channel) != "N" && (top.prominent || e.channel_noise[c].shows_a_filter());
+      if (is_still || may_be_round) starts.push_back({{top.value}});
     }
   }
   return starts;

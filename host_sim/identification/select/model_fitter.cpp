@@ -419,28 +419,44 @@ CandidateModel ModelFitter::without_fault(const CandidateModel& whole, std::size
   return less;
 }
 
-std::optional<CandidateModel> ModelFitter::by_sensor(const CandidateModel& whole, std::size_t fault) const {
+std::optional<CandidateModel> ModelFitter::by_sensors(const CandidateModel& whole, std::size_t fault) const {
   const PlacedFault& own = whole.faults()[fault];
   const bool clock = own.kind == FaultKind::clock, filter = own.kind == FaultKind::common_filter;
   if (!clock && !(filter && own.order == 1 && !own.digital)) return std::nullopt;
-  const PreparedRecording& samples = problem_.samples().front();
   // The clock of all others is that of the input; an inverse filter says so itself.
   const bool of_input = filter ? own.inverse : own.channels.size() == problem_.channels().size();
-  if (of_input ? own.channels.size() < problem_.channels().size() : own.channels.size() > 1) return std::nullopt;
-  const std::optional<Channel> channel = of_input ? samples.input_sensor() : own.channels.front();
-  const firmware::CatalogueEntry* const entry = firmware::find_effect(clock ? "sensor_delay" : "sensor_lag");
-  const double value =
-      clock ? (of_input ? -own.values[0] : own.values[0]) : 1.0 / (2.0 * std::numbers::pi * own.values[0]);
-  const auto is_there = [&](const firmware::PlacedEffect& e) { return e.entry == entry && e.channel == channel; };
-  Hypothesis start = whole.fit.hypothesis;
-  if (!channel || !(value > entry->parameters.front().lower) || !firmware::has_place(start.rig, *entry, channel) ||
-      std::any_of(whole.effects.begin(), whole.effects.end(), is_there)) {
+  if (of_input ? own.channels.size() < problem_.channels().size() : clock && own.channels.size() > 1) {
     return std::nullopt;
   }
+  std::vector<Channel> channels = own.channels;
+  if (of_input) {
+    const std::optional<Channel> input = problem_.samples().front().input_sensor();
+    if (!input) return std::nullopt;
+    channels = {*input};
+  }
+  const firmware::CatalogueEntry* const entry = firmware::find_effect(clock ? "sensor_delay" : "sensor_lag");
+  const auto& card = entry->parameters.front();
+  const double value =
+      clock ? (of_input ? -own.values[0] : own.values[0]) : 1.0 / (2.0 * std::numbers::pi * own.values[0]);
+  if (!(value > card.lower)) return std::nullopt;
+  Hypothesis start = whole.fit.hypothesis;
   std::vector<firmware::PlacedEffect> effects = whole.effects;
-  effects.push_back({entry, channel, {std::min(value, entry->parameters.front().upper)}});
+  for (const Channel channel : channels) {
+    const auto is_there = [&](const firmware::PlacedEffect& e) { return e.entry == entry && e.channel == channel; };
+    if (!firmware::has_place(start.rig, *entry, channel) || std::any_of(effects.begin(), effects.end(), is_there)) {
+      return std::nullopt;
+    }
+    effects.push_back({entry, channel, {std::min(value, card.upper)}});
+    firmware::put_effect(start.rig, effects.back());
+  }
+  const auto is_among = [&](Channel channel) {
+    return std::find(channels.begin(), channels.end(), channel) != channels.end();
+  };
   start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(fault));
-  firmware::put_effect(start.rig, effects.back());
+  std::erase_if(start.faults, [&](const PlacedFault& other) {
+    return channels.size() > 1 && other.kind == FaultKind::clock &&
+           std::all_of(other.channels.begin(), other.channels.end(), is_among);
+  });
   return refitted(start, std::move(effects), 8);
 }
 

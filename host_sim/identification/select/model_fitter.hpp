@@ -76,8 +76,9 @@ class ModelFitter {
   [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t leave_out, int most = 6) const;
 
   /// With an effect of a sensor in the place of a clock or filter of one channel, or of the input: a delay, or a lag
-  /// for a filter of first order. nullopt: the fault is none of these.
-  [[nodiscard]] std::optional<CandidateModel> by_sensor(const CandidateModel& whole, std::size_t fault) const;
+  /// for a filter of first order. For such a filter of several channels a lag of each, without clocks of these alone.
+  /// nullopt: the fault is none of these.
+  [[nodiscard]] std::optional<CandidateModel> by_sensors(const CandidateModel& whole, std::size_t fault) const;
 
   /// Without a clock whose channels are behind a filter that is there: its group was taken from noises, and one may not
   /// have shown it. nullopt: no filter makes it better.

@@ -534,9 +534,12 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
   const double value = best.penalised_chi_squared(criterion_), to_beat = value - thresholds::replaces;
   // A component of the rig explains as much as a fault: the rig's name is the answer.
   const double as_good = value + thresholds::tie;
-  if (auto sensor = fitter_.by_sensor(best, fault); sensor && sensor->penalised_chi_squared(criterion_) < as_good) {
-    best = std::move(*sensor);
-    return true;
+  if (auto sensors = fitter_.by_sensors(best, fault)) {
+    const bool several = sensors->effects.size() > best.effects.size() + 1;
+    if (sensors->penalised_chi_squared(criterion_) < (several ? to_beat : as_good)) {
+      best = std::move(*sensors);
+      return true;
+    }
   }
   if (auto other = by_fault(reduced, {}); other && other->penalised_chi_squared(criterion_) < to_beat) {
     best = std::move(*other);

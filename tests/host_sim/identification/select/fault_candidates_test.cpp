@@ -409,6 +409,9 @@ TEST(RecordingFaults, AHoldIsNoLateClock) {
   expect_only("few_sensors", 2026121408, {"sensor_hold", "viscous_damping"});
 }
 
+// Two lags of 3.4 and 3.9 ms were a filter of both channels with a clock of one.
+TEST(RecordingFaults, ALagOfEachIsNoFilter) { expect_only("rates", 2026121507, {"sensor_lag", "sensor_lag"}); }
+
 // Late by 5.7 ms beside friction: in another minimum a clock of F_w with a drift of -0.5 +- 1.6 ppm was a little
 // better.
 TEST(RecordingFaults, ALateSensorIsNoClock) {
