@@ -291,23 +291,27 @@ std::vector<std::size_t> find_outliers(const std::vector<double>& samples, const
 }
 
 double place_deviation(const std::vector<double>& values, const std::vector<std::size_t>& places) {
-  std::vector<double> sorted = values, shares;
-  std::sort(sorted.begin(), sorted.end());
-  const auto n = static_cast<double>(values.size());
+  std::vector<double> at;  // the values there
   std::size_t before = 0;
   for (const std::size_t k : places) {
-    const bool new_one = shares.empty() || k > before + neighbours;
+    if (at.empty() || k > before + neighbours) at.push_back(values[k]);
     before = k;
-    if (!new_one) continue;
-    const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), values[k]);
-    shares.push_back(0.5 * static_cast<double>((first - sorted.begin()) + (last - sorted.begin())) / n);
   }
-  std::sort(shares.begin(), shares.end());
-  const auto count = static_cast<double>(shares.size());
+  std::sort(at.begin(), at.end());
+  // How many values lie between two of these, those that are equal to one below it and above it.
+  std::vector<std::size_t> below(at.size() + 1), up_to(at.size() + 1);
+  for (const double v : values) {
+    ++below[static_cast<std::size_t>(std::upper_bound(at.begin(), at.end(), v) - at.begin())];
+    ++up_to[static_cast<std::size_t>(std::lower_bound(at.begin(), at.end(), v) - at.begin())];
+  }
+  const auto n = static_cast<double>(values.size()), count = static_cast<double>(at.size());
+  std::size_t less = 0, not_more = 0;
   double largest = 0.0;
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    const double below = static_cast<double>(i) / count, above = static_cast<double>(i + 1) / count;
-    largest = std::max({largest, shares[i] - below, above - shares[i]});
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    less += below[i];
+    not_more += up_to[i];
+    const double share = 0.5 * static_cast<double>(less + not_more) / n;
+    largest = std::max({largest, share - static_cast<double>(i) / count, static_cast<double>(i + 1) / count - share});
   }
   return std::sqrt(count) * largest;
 }

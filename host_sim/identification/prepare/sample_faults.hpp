@@ -33,18 +33,19 @@ namespace host_sim::identification {
 [[nodiscard]] std::vector<std::size_t> find_outliers(const std::vector<double>& samples,
                                                      const std::vector<bool>& unusable = {}, double step = 0.0);
 
-/// Of one channel, as they are left out.
 /// The |value| at which a channel is cut off: the largest that comes again exactly, four times and more. Beyond it are
 /// at most a quarter as many: what an interpolation makes of the corners. nullopt: it is not.
 [[nodiscard]] std::optional<double> cut_off_at(const std::vector<double>& samples);
 
+/// Of one channel, as they are left out.
 struct Outliers {
   std::size_t count = 0;        ///< in the recording at its own rate
   std::vector<std::size_t> at;  ///< samples of the simulation that are among them
   std::vector<double> values;   ///< recorded there [SI]
 };
 
-/// How far the places of outliers are from random ones on another channel's values, each group of neighbours once:
+/// A test whether outliers come at random: the values of another channel at the outliers, compared with all values of
+/// that channel. Outliers within six samples of each other count as one.
 ///
 ///   (8)  √n sup |share of the n places whose value lies below v − share of all samples below v|
 ///

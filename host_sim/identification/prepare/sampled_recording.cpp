@@ -93,8 +93,9 @@ bool shows_elsewhere(const std::vector<std::vector<double>>& deviations, std::si
   return false;
 }
 
-/// Whether outliers of a force or an acceleration come where the rig is in one place: where free play is crossed, a
-/// component lets go for a few samples. A displacement may be wrong where its potentiometer is worn.
+/// True if the outliers of a force or an acceleration are motion: they come only where another channel has certain
+/// values. When free play is crossed, for example, the force is zero for a few samples. Outliers of a displacement are
+/// never taken for motion, since a potentiometer may be worn at one place.
 bool go_with_motion(const firmware::Recording& recording, model::Channel channel,
                     const std::vector<std::size_t>& places) {
   if (places.empty() || model::unit(channel) == "m") return false;

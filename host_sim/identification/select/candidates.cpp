@@ -52,7 +52,8 @@ Top most_frequent_top(const std::vector<double>& values) {
           counts.back() > thresholds::top_prominence * std::max<std::size_t>(counts[counts.size() / 2], 1)};
 }
 
-/// Whether a channel stands still about a top: without its noise, as behind a sensor's limit.
+/// True if more than half of the samples near `top` differ from the sample before by much less than the noise. Only a
+/// sensor at its limit does that.
 bool is_still_at(double top, const std::vector<double>& values, double noise) {
   const double width = 0.5 * largest_magnitude(values) / thresholds::top_bins;
   std::size_t still = 0, there = 0;

@@ -143,7 +143,8 @@ class ModelFitter {
 
   [[nodiscard]] bool repeats_regularly(model::Channel channel) const;
 
-  /// A model whose last fault is fitted, with the values and channels that improve the criterion.
+  // A model whose last fault is fitted, with the values and channels that improve the criterion.
+
   /// The last filter and one of the same order and nearly the same corner (thresholds::alike_filters) as one filter.
   void join_filters(CandidateModel& model) const;
   void bend_drift(CandidateModel& model) const;

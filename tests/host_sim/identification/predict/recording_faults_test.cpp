@@ -94,7 +94,7 @@ std::vector<PlacedFault> filters(std::initializer_list<double> corners) {
   return list;
 }
 
-/// What a filter, or its inverse, makes of a signal.
+/// A signal after a filter, or after the inverse of one.
 std::vector<double> behind(const PlacedFault& filter, const std::vector<double>& values) {
   return with_faults({filter}, Channel::F, before_filter_of_input({filter}, Channel::F, values, period), period);
 }

@@ -1,4 +1,4 @@
-// Where candidates begin that the values of a channel show.
+// Start values of candidate effects that are read off the samples of a channel.
 #include "host_sim/identification/select/candidates.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ PreparedRecording bench(Channel channel, bool cut_off, bool noise_behind = false
   return e;
 }
 
-/// Where a limit of the channel's sensor begins; nullopt: it is no candidate.
+/// The start value of sensor_saturation of the channel; nullopt: the effect is no candidate.
 std::optional<double> limit_of(const PreparedRecording& recording) {
   Hypothesis hypothesis;
   hypothesis.rig.kind = model::RigKind::component_bench;
