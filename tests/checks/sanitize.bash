@@ -14,7 +14,7 @@ LEFT_OUT=-$(xargs <<'END' | tr ' ' ':'
 AirSpringDiagnosis.* Calibration.* CharacteristicRoots.AgreeWith* Classics.* CompensatedStability.Judges* CompensatedStability.Margins*
 CompensatedStability.Says* CompensationCommand.* DiagnoseCommand.ReadsTheEnds* Diagnosis.DoesNotJudge* Diagnosis.FindsANegative* Diagnosis.IsLess* Diagnosis.Learns* Diagnosis.Names* Diagnosis.Reads*
 Diagnosis.SaysOfNo* Diagnosis.Weighs* DiagnosisAtAnyRate.* DiagnosisWithoutRoad.* DuctPolicy.Beats* DuctPolicy.LosesLittle* DuctPolicy.Reaches*
-EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Finite.VerdictOrOneLine* HeldOut.TakesAway* HowMade.*
+EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Finite.Verdict* HeldOut.TakesAway* HowMade.*
 Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.ReachesTheBounds* LawBand.Holds* LawConstancy.Doubts* LearnLaws.* Manual.*
 ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstReference.Follows*Delay ModelAgainstReference.Follows*Friction
 ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N*
@@ -22,7 +22,7 @@ Plan.S* PlanCommand.* Questions/* RecordingFaults.A* RecordingFaults.Damping* Re
 RecordingFaults.TheInputs* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.SurvivesAbsurd* Rest.IsNotFound* Rths.* SampledLoop.AddsHalf*
 SampledLoop.TendsTo* Search.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityMap.IsExact* StabilityMap.TakesAny*
 StabilityReport.IsWhole* StackFit.Diagnosis* SuspectParameters.A* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand* SuspectParameters.Take*
-SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is*
+SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is* TransferPosterior.StaysAt*
 TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthNeighbours.DifferentiateBy* TruthSimulation.*
 Uncertainty.HoldsTheTruth* UnitCheck.AreNotSeen* UnitCheck.FindTheChannel*
 END

@@ -228,7 +228,7 @@ std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>
     Hypothesis start;
     const Curve* curve;
     LawFamily family;
-    std::optional<Candidate> fitted{};
+    Candidate fitted{};
   };
   std::vector<Task> tasks;
   for (const Curve& curve : curves) {
@@ -246,18 +246,19 @@ std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>
   }
   const auto fit_on = [&](const IdentificationProblem& problem) {
     for_all(tasks.size(), [&](std::size_t i) {
-      tasks[i].fitted = fitted_as(tasks[i].family, problem, tasks[i].start, tasks[i].curve->beside.effects);
+      auto fitted = fitted_as(tasks[i].family, problem, tasks[i].start, tasks[i].curve->beside.effects);
+      tasks[i].fitted = fitted ? std::move(*fitted) : Candidate{{}, INFINITY};
     });
-    std::erase_if(tasks, [](const Task& task) { return !task.fitted || !is_possible(*task.fitted); });
+    std::erase_if(tasks,
+                  [](const Task& task) { return !std::isfinite(task.fitted.cost) || !is_possible(task.fitted); });
   };
   fit_on(part_);
-  const auto cost = [](const Task& task) { return task.fitted ? task.fitted->cost : INFINITY; };
-  std::sort(tasks.begin(), tasks.end(), [&](const Task& a, const Task& b) { return cost(a) < cost(b); });
+  std::sort(tasks.begin(), tasks.end(), [](const Task& a, const Task& b) { return a.fitted.cost < b.fitted.cost; });
   if (tasks.size() > thresholds::fitted_on_whole) tasks.resize(thresholds::fitted_on_whole);
-  for (Task& task : tasks) task.start = task.fitted->model.fit.hypothesis;
+  for (Task& task : tasks) task.start = task.fitted.model.fit.hypothesis;
   fit_on(problem_);
   std::vector<Candidate> list;
-  for (Task& task : tasks) list.push_back(std::move(*task.fitted));
+  for (Task& task : tasks) list.push_back(std::move(task.fitted));
   return list;
 }
 

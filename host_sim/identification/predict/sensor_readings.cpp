@@ -99,7 +99,7 @@ Response no_answer(const PreparedRecording& recording, const SimulationInput& in
 
 Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& read,
                        const InitialState& begin, std::size_t samples, Resolution resolution) {
-  const std::optional<TrueInput> before = true_input(hypothesis.rig, recording, read, begin);
+  const std::optional<TrueInput> before = true_input(hypothesis, recording, read, begin);
   const SimulationInput& input = before ? before->input : read;
   const InitialState& start = before ? before->start : begin;
   const Rig bare = without_sensors(hypothesis.rig);
@@ -133,7 +133,7 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
   std::vector<std::optional<TrueInput>> before(rigs.size());
   std::vector<SimulatedRig> driven = rigs;
   for (std::size_t i = 0; i < rigs.size(); ++i) {
-    before[i] = true_input(rigs[i].hypothesis->rig, recording, *rigs[i].input, *rigs[i].start);
+    before[i] = true_input(*rigs[i].hypothesis, recording, *rigs[i].input, *rigs[i].start);
     if (before[i]) driven[i] = {rigs[i].hypothesis, &before[i]->start, &before[i]->input};
   }
   std::vector<Channel> channels = response_channels(rigs.front().hypothesis->rig.kind, *rigs.front().input);
@@ -198,8 +198,7 @@ std::vector<double> held_values(const std::vector<double>& values, const Renewal
   std::size_t n = 0;
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (n < renewals.at.size() && renewals.at[n] == k) {
-      const double taken = renewals.first + clock.phase * renewals.slack + renewals.turn[n] * renewals.period;
-      now = clock.own && renewals.regular ? at(values, taken) : values[k];
+      now = at(values, taken_at(renewals, n, clock));
       ++n;
     }
     shown[k] = now;

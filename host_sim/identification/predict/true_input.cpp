@@ -4,6 +4,9 @@
 #include <vector>
 
 #include "host_sim/identification/predict/recording_faults.hpp"
+#include "host_sim/identification/prepare/driving_input.hpp"
+#include "host_sim/identification/prepare/input_fusion.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
 
@@ -14,7 +17,24 @@ namespace {
 
 using Path = model::SensorPath<double>;
 
-bool is_undone(const Path& path) { return path.offset == 0.0 && path.limit == 0.0 && path.hold == 0.0; }
+/// (0): what the samples between the renewals make of the motion is taken out.
+void fill_hold(firmware::FootPointMotion& motion, const PreparedRecording& recording, Channel channel,
+               const HoldClock& clock) {
+  const double period = recording.input.period;
+  const std::vector<double>& held = recording.recording[channel];
+  const auto shown = motion_of(channel, held, period);
+  auto filled = motion_of(channel, before_hold(held, *recording.renewals[index(channel)], clock), period);
+  if (recording.acceleration_known > 0.0) {
+    for (std::size_t k = 0; k < filled.size(); ++k) filled[k].acceleration -= shown[k].acceleration;
+    smooth_acceleration(filled, thresholds::acceleration_edge * recording.acceleration_known, period);
+    for (std::size_t k = 0; k < filled.size(); ++k) filled[k].acceleration += shown[k].acceleration;
+  }
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    for (double Motion::*part : {&Motion::position, &Motion::velocity, &Motion::acceleration}) {
+      motion[k].*part += filled[k].*part - shown[k].*part;
+    }
+  }
+}
 
 /// (1)
 void set_earlier(firmware::FootPointMotion& motion, double delay, double period) {
@@ -41,20 +61,25 @@ void sharpen(firmware::FootPointMotion& motion, double lag, double period) {
 
 }  // namespace
 
-bool can_be_undone(const firmware::CatalogueEntry& effect, Channel channel) {
+bool can_be_undone(const firmware::CatalogueEntry& effect, const PreparedRecording& recording, Channel channel) {
   model::RigParameters<double> rig;
   firmware::put_effect(rig, {&effect, channel, std::vector<double>(effect.parameters.size(), 1.0)});
-  return is_undone(rig.effects.sensor_paths()[index(channel)]);
+  const Path path = rig.effects.sensor_paths()[index(channel)];
+  return path.offset == 0.0 && path.limit == 0.0 && (path.hold == 0.0 || recording.renewals[index(channel)]);
 }
 
-std::optional<TrueInput> true_input(const model::RigParameters<double>& rig, const PreparedRecording& recording,
+std::optional<TrueInput> true_input(const Hypothesis& hypothesis, const PreparedRecording& recording,
                                     const SimulationInput& input, const InitialState& start) {
   const std::optional<Channel> channel = recording.input_sensor();
   if (!channel || input.size() == 0) return std::nullopt;
-  const Path path = rig.effects.sensor_paths()[index(*channel)];
-  if (path.gain == 1.0 && path.lag == 0.0 && path.delay == 0.0) return std::nullopt;
+  const auto c = index(*channel);
+  const model::RigParameters<double>& rig = hypothesis.rig;
+  const Path path = rig.effects.sensor_paths()[c];
+  const bool held = path.hold > 0.0 && recording.renewals[c];
+  if (path.gain == 1.0 && path.lag == 0.0 && path.delay == 0.0 && !held) return std::nullopt;
   TrueInput truth{input, start};
   auto& motions = truth.input.motion;
+  if (held) fill_hold(motions, recording, *channel, hypothesis.clocks[c]);
   if (path.delay > 0.0) set_earlier(motions, path.delay, input.period);
   if (path.lag > 0.0) sharpen(motions, path.lag, input.period);
   for (Motion& motion : motions) {

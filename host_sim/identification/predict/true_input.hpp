@@ -8,13 +8,16 @@
 
 namespace host_sim::identification {
 
-/// true: the signal before a sensor with this effect can be computed from its samples (gain, lag, delay). false: a
-/// limit or a hold has lost a part of it, and an offset changes nothing that is compared.
-[[nodiscard]] bool can_be_undone(const firmware::CatalogueEntry& effect, model::Channel channel);
+/// true: the signal before a sensor with this effect can be computed from its samples: gain, lag, delay, and a hold
+/// whose renewals the recording shows. false: a limit has lost a part of it, and an offset changes nothing that is
+/// compared.
+[[nodiscard]] bool can_be_undone(const firmware::CatalogueEntry& effect, const PreparedRecording& recording,
+                                 model::Channel channel);
 
 /// A rig is moved by the true input u; its sensor gave y, and the hypothesis says with which effects
-/// (model/sensors.hpp, in their order gain g, lag T, delay τ). So
+/// (model/sensors.hpp, in their order gain g, lag T, delay τ, hold). So
 ///
+///   (0)  y(t) between renewals of a hold  by before_hold() (prepare/sample_hold.hpp)
 ///   (1)  v(t) = y(t + τ)                  on a polynomial of fifth order between samples
 ///   (2)  u = (v + T v̇)/g,  also of velocity and acceleration; the last with differences over two samples
 ///
@@ -24,8 +27,7 @@ struct TrueInput {
   SimulationInput input;
   InitialState start;
 };
-[[nodiscard]] std::optional<TrueInput> true_input(const model::RigParameters<double>& rig,
-                                                  const PreparedRecording& recording, const SimulationInput& input,
-                                                  const InitialState& start);
+[[nodiscard]] std::optional<TrueInput> true_input(const Hypothesis& hypothesis, const PreparedRecording& recording,
+                                                  const SimulationInput& input, const InitialState& start);
 
 }  // namespace host_sim::identification

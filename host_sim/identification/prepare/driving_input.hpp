@@ -25,6 +25,10 @@ namespace host_sim::identification {
 /// straight line: neither is known from an acceleration.
 [[nodiscard]] std::vector<double> twice_integrated(std::vector<double> acceleration, double period);
 
+/// The motion that samples of the driving channel say: of an acceleration it is integrated twice.
+[[nodiscard]] firmware::FootPointMotion motion_of(model::Channel channel, const std::vector<double>& samples,
+                                                  double period);
+
 /// One line on an input that stands for the road; empty where the road was measured.
 [[nodiscard]] std::string road_remark(const SimulationInput& input);
 

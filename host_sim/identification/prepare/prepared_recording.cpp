@@ -139,6 +139,8 @@ std::optional<HoldPeriod> hold_period(const std::vector<PreparedRecording>& reco
 
 bool inputs_disagree(const firmware::RigDescription& description, const SampledRecording& sampled) {
   const auto sensors = foot_sensors(description, sampled);
+  const auto& held = sampled.renewals[index(Channel::zdd_r)];
+  if (sensors && held && held->regular) return true;
   return sensors && disagree(sampled.recording[Channel::z_r], sensors->acceleration, sensors->position_noise,
                              sensors->acceleration_noise, sampled.recording.sample_period, sampled.step);
 }
@@ -179,6 +181,14 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
     prepared.channels.push_back(channel);
     prepared.renewals[c] = std::move(sampled.renewals[c]);
     prepared.clipped[c] = std::move(sampled.clipped[c]);
+  }
+  const std::optional<Channel> driving = prepared.input_sensor();
+  if (driving && sampled.renewals[index(*driving)] && sampled.renewals[index(*driving)]->regular) {
+    prepared.renewals[index(*driving)] = std::move(sampled.renewals[index(*driving)]);
+    // A value stands for all samples up to the next: so does its noise, which is that much stronger below.
+    const double samples = prepared.renewals[index(*driving)]->period / static_cast<double>(prepared.step);
+    prepared.input_noise.position *= std::sqrt(samples);
+    prepared.input_noise.acceleration *= std::sqrt(samples);
   }
   prepared.outliers = sampled.outliers;
   prepared.rounding = sampled.rounding;

@@ -1,6 +1,7 @@
 #include "host_sim/identification/prepare/sample_hold.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -107,7 +108,66 @@ double change_of_value(const std::vector<double>& samples, const Renewals& r) {
   return *middle;
 }
 
+/// The value of every turn from the first to the last: one that brought the same value again was not seen.
+std::vector<double> values_by_turn(const std::vector<double>& held, const Renewals& r) {
+  std::vector<double> values(static_cast<std::size_t>(span(r) - r.turn.front()) + 1);
+  std::size_t next = 0;
+  for (std::size_t n = 0; n < r.at.size(); ++n) {
+    const auto turn = static_cast<std::size_t>(std::max(r.turn[n] - r.turn.front(), 0.0));
+    for (; next < turn; ++next) values[next] = values[next - 1];
+    values[turn] = held[r.at[n]];
+    next = turn + 1;
+  }
+  return values;
+}
+
+constexpr std::size_t nodes = 16;
+
+/// (−1)ⁱ times the binomial coefficients: barycentric weights of equidistant nodes.
+constexpr std::array<double, nodes> node_weights() {
+  std::array<double, nodes> weights{1.0};
+  for (std::size_t i = 1; i < nodes; ++i) {
+    weights[i] = -weights[i - 1] * static_cast<double>(nodes - i) / static_cast<double>(i);
+  }
+  return weights;
+}
+
+/// The polynomial through the values around `place`; at least `nodes` of them.
+double on_polynomial(const std::vector<double>& values, double place) {
+  constexpr std::array<double, nodes> weights = node_weights();
+  const auto nearest = static_cast<std::size_t>(std::lround(place));
+  if (place == static_cast<double>(nearest)) return values[nearest];
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t first = std::min(below - std::min(below, nodes / 2 - 1), values.size() - nodes);
+  double sum = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const double weight = weights[i] / (place - static_cast<double>(first + i));
+    sum += weight * values[first + i];
+    all += weight;
+  }
+  return sum / all;
+}
+
 }  // namespace
+
+double taken_at(const Renewals& r, std::size_t n, const HoldClock& clock) {
+  if (!clock.own || !r.regular) return static_cast<double>(r.at[n]);
+  const double from_middle = r.turn[n] - 0.5 * (r.turn.front() + r.turn.back());
+  return r.first + clock.phase * r.slack + r.turn[n] * r.period + clock.stretch * r.period_slack * from_middle;
+}
+
+std::vector<double> before_hold(const std::vector<double>& held, const Renewals& r, const HoldClock& clock) {
+  if (!r.regular || span(r) - r.turn.front() < static_cast<double>(nodes)) return held;
+  const std::vector<double> taken = values_by_turn(held, r);
+  const HoldClock own{true, clock.phase, clock.stretch};
+  const double first = taken_at(r, 0, own), period = r.period + clock.stretch * r.period_slack;
+  const auto last = static_cast<double>(taken.size() - 1);
+  std::vector<double> values(held.size());
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] = on_polynomial(taken, std::clamp((static_cast<double>(k) - first) / period, 0.0, last));
+  }
+  return values;
+}
 
 std::optional<Renewals> renewals_of(const std::vector<double>& samples, double step, const std::vector<bool>& filled) {
   const auto is_filled = [&](std::size_t k) { return k < filled.size() && filled[k]; };

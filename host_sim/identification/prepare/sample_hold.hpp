@@ -7,11 +7,11 @@
 
 namespace host_sim::identification {
 
-/// When a held channel takes its value: with the sample at which it shows, or by a clock of its own, at a phase inside
-/// what the renewals allow: −1 the earliest, 1 the latest.
+/// When a held channel takes its value: with the sample at which it shows, or by a clock of its own, at a phase and
+/// with a period inside what the renewals allow: −1 the earliest and the shortest, 1 the latest and the longest.
 struct HoldClock {
   bool own = false;
-  double phase = 0.0;
+  double phase = 0.0, stretch = 0.0;
 };
 
 /// The renewals of a held channel.
@@ -32,6 +32,16 @@ struct Renewals {
   double first = 0.0, slack = 0.0;  ///< t_0, and half width of what (1) allows, at this P
   bool regular = false;             ///< (1) can be met
 };
+
+/// When the value n of `at` was taken [samples]: by a clock of its own at t_n, stretched about the middle, else at k_n.
+[[nodiscard]] double taken_at(const Renewals& renewals, std::size_t n, const HoldClock& clock);
+
+/// What a held channel whose renewals are regular took its values from: the polynomial through the 16 values around a
+/// place, taken at t_n. Before the first and behind the last it stays at that value. Of a sine of f it is wrong by 1e-3
+/// at f P = 0.25, 1e-2 at 0.3, 6e-2 at 0.35. Source: J.-P. Berrut and L. N. Trefethen, Barycentric Lagrange
+/// Interpolation, 2004.
+[[nodiscard]] std::vector<double> before_hold(const std::vector<double>& held, const Renewals& renewals,
+                                              const HoldClock& clock);
 
 /// nullopt: the samples do not repeat themselves, or do so without a period (a limit), or because they are rounded:
 /// half of the new values are one `step` (sample_faults.hpp) from the old ones, and their instants do not meet (1).

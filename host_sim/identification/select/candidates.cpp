@@ -236,7 +236,7 @@ std::vector<Candidate> candidates(const std::vector<PreparedRecording>& recordin
     if (entry.of_channel) {
       for (const Channel channel : sensors) {
         if (!firmware::has_place(hypothesis.rig, entry, channel) || is_present(entry, channel)) continue;
-        if (!first.explains(channel) && !can_be_undone(entry, channel)) continue;
+        if (!first.explains(channel) && !can_be_undone(entry, first, channel)) continue;
         Starts starts = starts_of(entry, recordings, channel, scales);
         if (!starts.empty()) list.push_back({&entry, channel, std::move(starts)});
       }

@@ -165,20 +165,26 @@ void ModelFitter::set_clock(CandidateModel& model, Channel channel) const {
   if (!now.hypothesis.clocks[c].own) return;
   const Eigen::MatrixXd h = now.jacobian.transpose() * now.jacobian;
   const StepBox box = step_box(now.parameters, now.hypothesis, 1.0);
-  const auto with_phase = [&](double phase) {
-    Hypothesis other = now.hypothesis;
-    other.clocks[c].phase = phase;
-    return other;
-  };
-  const auto power = [&](double phase) {
-    const Eigen::VectorXd r = residuals(problem_, predict_sensor(problem_, with_phase(phase), now.prediction, channel));
-    const Eigen::VectorXd g = now.jacobian.transpose() * r;
-    const Eigen::VectorXd d = bounded_step(h, g, box);
-    return r.squaredNorm() + 2.0 * g.dot(d) + d.dot(h * d);
-  };
-  const LowestPoint best = golden_section(power, -1.0, 1.0, thresholds::clock_rounds);
-  if (best.value >= now.chi_squared) return;
-  model = fitted(with_phase(best.at), model.effects, 6);
+  const bool drives = !problem_.samples().front().explains(channel);
+  Hypothesis other = now.hypothesis;
+  double lowest = now.chi_squared;
+  for (double HoldClock::*const part : {&HoldClock::phase, &HoldClock::stretch, &HoldClock::phase}) {
+    double& value = other.clocks[c].*part;
+    const double before = value;
+    const auto power = [&](double tried) {
+      value = tried;
+      const Eigen::VectorXd r = residuals(
+          problem_, drives ? predict(problem_, other) : predict_sensor(problem_, other, now.prediction, channel));
+      const Eigen::VectorXd g = now.jacobian.transpose() * r;
+      const Eigen::VectorXd d = bounded_step(h, g, box);
+      return r.squaredNorm() + 2.0 * g.dot(d) + d.dot(h * d);
+    };
+    const LowestPoint best = golden_section(power, -1.0, 1.0, thresholds::clock_rounds);
+    value = best.value < lowest ? best.at : before;
+    lowest = std::min(lowest, best.value);
+  }
+  if (lowest >= now.chi_squared) return;
+  model = fitted(other, model.effects, 6);
 }
 
 CandidateModel ModelFitter::fitted_beside(const CandidateModel& base, const Scanned& scanned) const {

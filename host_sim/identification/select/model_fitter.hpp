@@ -135,8 +135,9 @@ class ModelFitter {
   /// Fitted in growing shares of the windows.
   [[nodiscard]] CandidateModel grown_from(Hypothesis start, const std::vector<firmware::PlacedEffect>& effects) const;
 
-  /// A hold with a clock of its own: the phase at which its values are taken, by golden section over what the renewals
-  /// allow. All else moves linearly inside its bounds, since a little damping looks like a little time.
+  /// A hold with a clock of its own: the phase and the stretch with which its values are taken, by golden section over
+  /// what the renewals allow. All else moves linearly inside its bounds, since a little damping looks like a little
+  /// time.
   void set_clock(CandidateModel& model, model::Channel channel) const;
   /// The same of a hold whose clock was set before all else was found: what was left out since may have made up for it.
   void set_clock_anew(CandidateModel& model, model::Channel channel) const;

@@ -149,7 +149,9 @@ void Search::begin(SearchResult& found) {
   // A described rig with corners has minima of its own.
   if (options_.truncates && has_corners(space_.given.rig)) fitter_.refit_by_continuation(found.nothing);
   found.best = found.nothing;
-  for (const Channel channel : fitter_.problem().channels()) {
+  std::vector<Channel> channels = fitter_.problem().channels();
+  if (const auto input = fitter_.problem().samples().front().input_sensor()) channels.push_back(*input);
+  for (const Channel channel : channels) {
     auto held = fitter_.held(found.best, found.scales, channel);
     if (held && criterion_.accepts(*held, found.best, 0.0)) found.best = std::move(*held);
   }

@@ -418,6 +418,10 @@ std::optional<BesideFreed> search_beside(IdentificationProblem& problem, const S
   const SelectionCriterion& criterion = search_for.criterion();
   SearchSpace space_of_freed = untied(space, start.freed);
   space_of_freed.given = start.model.fit.hypothesis;
+  // What is described has no name: holds that the values show are found again.
+  for (const firmware::PlacedEffect& effect : start.model.effects) {
+    firmware::remove_effect(space_of_freed.given.rig, *effect.entry, effect.channel);
+  }
   const SearchOptions options{{}, true, progress};
   SearchResult other = search(problem, space_of_freed, options);
   // Compared under the weights of that search; without a replacement those of the effects alone come back, since

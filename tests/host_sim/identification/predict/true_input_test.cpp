@@ -33,10 +33,10 @@ PreparedRecording wheel_seen_with(double gain, double lag, double delay) {
   return r;
 }
 
-model::RigParameters<double> car_with(const char* effect, Channel channel, double value) {
+Hypothesis car_with(const char* effect, Channel channel, double value) {
   auto rig = firmware::parse_rig(std::string(support::quarter_car_text), "car.toml").rig;
   firmware::put_effect(rig, {firmware::find_effect(effect), channel, {value}});
-  return rig;
+  return {rig, {}};
 }
 
 void expect_undone(const char* effect, double value, const PreparedRecording& seen) {
@@ -82,14 +82,17 @@ TEST(TrueInput, IsTheInputWhereItsSensorSaysNothing) {
   EXPECT_FALSE(true_input(gain, seen, seen.input, start));
 }
 
-// Point. What a sensor cut off, or held, cannot be found again.
+// Point. What a sensor cut off cannot be found again, and what it held only where its renewals are known.
 TEST(TrueInput, KnowsWhatCanBeUndone) {
+  PreparedRecording seen = wheel_seen_with(1.0, 0.0, 0.0);
   for (const char* effect : {"sensor_gain", "sensor_lag", "sensor_delay"}) {
-    EXPECT_TRUE(can_be_undone(*firmware::find_effect(effect), Channel::zdd_w)) << effect;
+    EXPECT_TRUE(can_be_undone(*firmware::find_effect(effect), seen, Channel::zdd_w)) << effect;
   }
   for (const char* effect : {"sensor_offset", "sensor_saturation", "sensor_hold"}) {
-    EXPECT_FALSE(can_be_undone(*firmware::find_effect(effect), Channel::zdd_w)) << effect;
+    EXPECT_FALSE(can_be_undone(*firmware::find_effect(effect), seen, Channel::zdd_w)) << effect;
   }
+  seen.renewals[index(Channel::zdd_w)] = Renewals{};
+  EXPECT_TRUE(can_be_undone(*firmware::find_effect("sensor_hold"), seen, Channel::zdd_w));
 }
 
 }  // namespace

@@ -129,6 +129,10 @@ TEST(DiagnosisWithoutRoad, NamesTheGainOfWhatDrives) {
 TEST(DiagnosisWithoutRoad, NamesTheLagOfWhatDrives) {
   expect_named(2026120910, {"sensor_lag", "sensor_gain"}, Channel::zdd_w, 3e-5);
 }
+// A hold of it was no effect, and the road had images of its steps.
+TEST(DiagnosisWithoutRoad, NamesTheHoldOfWhatDrives) {
+  expect_named(2026130009, {"sensor_hold", "sensor_gain"}, Channel::zdd_w, 1e-6);
+}
 TEST(DiagnosisWithoutRoad, NamesTheDelayOfWhatDrives) {
   expect_named(2026121000, {"sensor_delay", "sensor_hold"}, Channel::zdd_w, 1e-5);
 }

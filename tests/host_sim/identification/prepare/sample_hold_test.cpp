@@ -3,13 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 namespace {
 
+using host_sim::identification::before_hold;
 using host_sim::identification::Renewals;
 using host_sim::identification::renewals_of;
+using host_sim::identification::taken_at;
 
 /// A ramp that is renewed at every sample k with k − 1 < t_0 + n P ≤ k.
 std::vector<double> held_ramp(double first, double turn, std::size_t count) {
@@ -72,6 +75,34 @@ TEST(Renewals, AreNoneOrIrregularWhereThereIsNoClock) {
   const auto found = renewals_of(jitter);
   ASSERT_TRUE(found);
   EXPECT_FALSE(found->regular);
+}
+
+// Limit. A sine that is held comes back between its renewals as exactly as the polynomial says: 1e-3 at f P = 0.25. A
+// value that came twice is no renewal, but a turn.
+TEST(Renewals, GiveBackWhatWasHeld) {
+  constexpr double turn_length = 6.68, first = 3.1, omega = 2.0 * 3.141592653589793 * 0.25 / turn_length;
+  std::vector<double> held(3000, 0.0);
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    const double n = std::max(std::floor((static_cast<double>(k) - first) / turn_length), 0.0);
+    held[k] = std::sin(omega * (first + (n == 200.0 ? 199.0 : n) * turn_length));
+  }
+  const auto renewals = renewals_of(held);
+  ASSERT_TRUE(renewals && renewals->regular);
+  const auto values = before_hold(held, *renewals, {true, 0.0, 0.0});
+  // t_0 and P are known to what the renewals leave open.
+  const double late = renewals->slack + renewals->period_slack * renewals->turn.back() * 0.5;
+  for (std::size_t k = 100; k < 2900; ++k) {
+    const double turn = (static_cast<double>(k) - first) / turn_length;
+    if (std::abs(turn - 200.0) < 9.0) continue;
+    ASSERT_NEAR(values[k], std::sin(omega * static_cast<double>(k)), 1.5e-3 + omega * late) << k;
+  }
+  EXPECT_LT(omega * late, 0.01);
+  EXPECT_NEAR(taken_at(*renewals, 0, {true, 1.0, 0.0}) - taken_at(*renewals, 0, {true, 0.0, 0.0}), renewals->slack,
+              1e-12);
+  const std::size_t last = renewals->at.size() - 1;
+  EXPECT_NEAR(taken_at(*renewals, last, {true, 0.0, 1.0}) - taken_at(*renewals, last, {true, 0.0, 0.0}),
+              renewals->period_slack * 0.5 * renewals->turn[last], 1e-9);
+  EXPECT_EQ(taken_at(*renewals, 5, {}), static_cast<double>(renewals->at[5]));
 }
 
 }  // namespace

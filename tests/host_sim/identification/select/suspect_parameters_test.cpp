@@ -195,4 +195,16 @@ TEST(SuspectParameters, TakeThePlaceOfTwoEffects) {
   expect_one_of_each(2026121308, "actuator_resonance", "suspension.stiffness");
 }
 
+// Fault. Effects are searched again beside a parameter that is freed: the hold that the values show was part of the
+// rig that this search was given, so nobody named it.
+TEST(SuspectParameters, TakeNoHoldsNameAway) {
+  const Diagnosis found = sample::diagnosis_of_all(truth::draw_rough("parameters_off", 2026121903));
+  const std::string said = host_sim::identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects[0].effect.entry->name, "sensor_hold") << said;
+  EXPECT_EQ(found.effects[0].effect.channel, model::Channel::zdd_r) << said;
+  ASSERT_EQ(found.parameters_off.size(), 1U) << said;
+  EXPECT_EQ(found.parameters_off[0].path, "wheel.mass") << said;
+}
+
 }  // namespace
