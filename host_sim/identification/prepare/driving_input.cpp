@@ -76,7 +76,7 @@ std::string road_remark(const SimulationInput& input) {
   if (input.wheel_prescribed) {
     return "the road is not measured: the wheel's motion (" + channel +
            ") drives suspension and body; tyre and road cannot be judged, and of the sensor of " + channel +
-           " only gain, lag and delay";
+           " only gain, lag, delay and hold";
   }
   if (input.channel == Channel::zdd_r) return "z_r is not measured: zdd_r, integrated twice, drives the simulation";
   return {};
