@@ -17,21 +17,20 @@ namespace {
 
 using Path = model::SensorPath<double>;
 
-/// (0): what the samples between the renewals make of the motion is taken out.
+/// (0): motion is linear in the samples, so what the hold took away is added to it.
 void fill_hold(firmware::FootPointMotion& motion, const PreparedRecording& recording, Channel channel,
                const HoldClock& clock) {
   const double period = recording.input.period;
   const std::vector<double>& held = recording.recording[channel];
-  const auto shown = motion_of(channel, held, period);
-  auto filled = motion_of(channel, before_hold(held, *recording.renewals[index(channel)], clock), period);
+  std::vector<double> missing = before_hold(held, *recording.renewals[index(channel)], clock);
+  for (std::size_t k = 0; k < missing.size(); ++k) missing[k] -= held[k];
+  auto added = motion_of(channel, missing, period);
   if (recording.acceleration_known > 0.0) {
-    for (std::size_t k = 0; k < filled.size(); ++k) filled[k].acceleration -= shown[k].acceleration;
-    smooth_acceleration(filled, thresholds::acceleration_edge * recording.acceleration_known, period);
-    for (std::size_t k = 0; k < filled.size(); ++k) filled[k].acceleration += shown[k].acceleration;
+    smooth_acceleration(added, thresholds::acceleration_edge * recording.acceleration_known, period);
   }
   for (std::size_t k = 0; k < motion.size(); ++k) {
     for (double Motion::*part : {&Motion::position, &Motion::velocity, &Motion::acceleration}) {
-      motion[k].*part += filled[k].*part - shown[k].*part;
+      motion[k].*part += added[k].*part;
     }
   }
 }

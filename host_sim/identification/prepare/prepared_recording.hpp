@@ -92,8 +92,8 @@ struct PreparedRecording {
 /// `held_out`: the whole recording is held out; `shared`: its last quarter is; `fitted`: nothing is.
 enum class Use { fitted, shared, held_out };
 
-/// Whether a recording holds z_r and zdd_r and they contradict each other (input_fusion.hpp), or zdd_r is held: what is
-/// fused with it would be late.
+/// True if z_r and zdd_r are both recorded and must not be fused: they contradict each other (input_fusion.hpp), or
+/// zdd_r is held, which would make the fused motion late.
 [[nodiscard]] bool inputs_disagree(const firmware::RigDescription& description, const SampledRecording& sampled);
 
 /// InputError where the recording does not hold what is needed: the input, a measured channel,

@@ -36,9 +36,9 @@ struct Renewals {
 /// When the value n of `at` was taken [samples]: by a clock of its own at t_n, stretched about the middle, else at k_n.
 [[nodiscard]] double taken_at(const Renewals& renewals, std::size_t n, const HoldClock& clock);
 
-/// What a held channel whose renewals are regular took its values from: the polynomial through the 16 values around a
-/// place, taken at t_n. Before the first and behind the last it stays at that value. Of a sine of f it is wrong by 1e-3
-/// at f P = 0.25, 1e-2 at 0.3, 6e-2 at 0.35. Source: J.-P. Berrut and L. N. Trefethen, Barycentric Lagrange
+/// The signal of a channel before its hold, whose renewals must be regular. Through the 16 held values around a sample,
+/// taken at t_n, goes a polynomial; before the first and behind the last the value stays. Of a sine of f it is wrong by
+/// 1e-3 at f P = 0.25, 1e-2 at 0.3, 6e-2 at 0.35. Source: J.-P. Berrut and L. N. Trefethen, Barycentric Lagrange
 /// Interpolation, 2004.
 [[nodiscard]] std::vector<double> before_hold(const std::vector<double>& held, const Renewals& renewals,
                                               const HoldClock& clock);
