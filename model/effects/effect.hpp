@@ -103,6 +103,14 @@ struct Starts {
   Reading read = Reading::nothing;
 };
 
+/// A law that is in no catalogue and moves a rig as the effect does while one parameter is near a value.
+struct Lookalike {
+  std::string_view law{};  ///< its name; empty: there is none
+  double at = 0.0;         ///< [unit of the parameter] mean of what is found where that law acts
+  double deviation = 0.0;  ///< and its standard deviation
+  double range = 0.0;      ///< in which the effect itself has any value
+};
+
 /// One parameter of an effect. Bounds are physical: nobody would build or believe a rig beyond them.
 struct EffectParameter {
   std::string_view name;
@@ -114,6 +122,7 @@ struct EffectParameter {
   bool fitted = true;        ///< false: what was read off the recording is the value
   double kept_within = 0.0;  ///< share of its start by which a fit may move it, where it is read off; 0: any
   bool from_contained = false;  ///< starts at the first parameter of the effect that this one contains, where that is
+  Lookalike lookalike{};        ///< `diagnose` weighs the effect against it
 };
 
 /// What an effect is in the linearised loop of a hil rig, which `rigtwin stability` analyses.

@@ -94,7 +94,7 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
     const double worth = error.with_effects < error.refitted ? 1.0 : 0.0;
     const double seen = std::max(thresholds::significant_deviations * std::sqrt(2.0 * tyre.count),
                                  thresholds::significant_share * tyre.count);
-    NamedEffect named{tyre.effect, {}, confidence({odds}, tyre.gain, {worth, 1.0, seen, false}), {}};
+    NamedEffect named{tyre.effect, {}, confidence({odds}, tyre.gain, {worth, 1.0, seen, false}), {}, {}};
     for (const Estimate& e : tyre.parameters) named.parameters.push_back(interval_of(e));
     result.effects.push_back(std::move(named));
   }
@@ -127,6 +127,21 @@ void add_inconstant_laws(const SearchResult& found, double temper, Diagnosis& re
     result.residual.append(result.residual.empty() ? "" : "; ")
         .append(words(found.best.effects[i]))
         .append(constancy.with_time ? ": its size changes over the record" : ": its size depends on the amplitude");
+  }
+}
+
+/// An effect that rather is a law outside the catalogue.
+void add_lookalikes(Diagnosis& result) {
+  for (const NamedEffect& named : result.effects) {
+    if (!is_close(named.other)) continue;
+    const std::string text =
+        words(named.effect) + " may be " + std::string(named.other.law) + ", which the catalogue does not hold";
+    if (named.other.chance <= 0.5) {
+      result.remarks.push_back(text);
+      continue;
+    }
+    result.unexplained = true;
+    result.residual.append(result.residual.empty() ? "" : "; ").append(text);
   }
 }
 
@@ -245,9 +260,12 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.next_step = next_step(problem, learned);
   result.described_curves = described_curves(problem, description, refit);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
+  add_lookalikes(result);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
+  const auto has_lookalike = [](const NamedEffect& named) { return is_close(named.other); };
   result.recording_faults = recording_causes(problem, found, criterion, parameters, certainty);
   const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close) ||
+                     std::any_of(result.effects.begin(), result.effects.end(), has_lookalike) ||
                      std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close) ||
                      std::any_of(result.recording_faults.begin(), result.recording_faults.end(), has_close);
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());

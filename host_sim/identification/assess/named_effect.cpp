@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "host_sim/identification/assess/experiment.hpp"
@@ -45,6 +46,25 @@ double confidence(const std::vector<double>& odds, double gain, const Certainty&
   return thresholds::highest_confidence / (1.0 + against) * certainty.worth * known_law;
 }
 
+PossibleLaw lookalike_of(const firmware::PlacedEffect& effect, const std::vector<Interval>& parameters) {
+  constexpr double deviations_of_95 = 1.96;
+  PossibleLaw nearest;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const model::EffectParameter& card = effect.entry->parameters[i];
+    if (card.lookalike.law.empty()) continue;
+    const double sigma = 0.5 * (parameters[i].upper - parameters[i].lower) / deviations_of_95;
+    const double variance = card.lookalike.deviation * card.lookalike.deviation + sigma * sigma;
+    const double away = parameters[i].value - card.lookalike.at;
+    const double density = std::exp(-0.5 * away * away / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
+    const double odds = thresholds::outside_share / (1.0 - thresholds::outside_share) * card.lookalike.range * density;
+    const double chance = odds / (1.0 + odds);
+    if (chance > nearest.chance) nearest = {card.lookalike.law, chance};
+  }
+  return nearest;
+}
+
+bool is_close(const PossibleLaw& other) { return other.chance * thresholds::close_odds > 1.0 - other.chance; }
+
 std::vector<Interval> intervals(const Fit& fit, const Eigen::VectorXd& half_widths) {
   std::vector<Interval> list;
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
@@ -70,7 +90,7 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
   const double of_steps = changed_by_steps(problem, best.fit.hypothesis);
   std::vector<NamedEffect> list;
   for (std::size_t i = 0; i < best.effects.size(); ++i) {
-    NamedEffect named{best.effects[i], {}, 0.0, {}};
+    NamedEffect named{best.effects[i], {}, 0.0, {}, {}};
     const std::size_t count = effect_parameters(named.effect).size();
     for (std::size_t p = 0; p < count; ++p) named.parameters.push_back(parameters[next++]);
     // A hold is read off the values themselves, so no law outside the catalogue can look like it.
@@ -98,6 +118,8 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
     if (imitation || lost_in_steps || law_in_doubt(found, i, certainty.temper)) {
       named.confidence *= thresholds::inconstant_worth;
     }
+    named.other = lookalike_of(named.effect, named.parameters);
+    named.confidence *= 1.0 - named.other.chance;
     list.push_back(std::move(named));
   }
   return list;

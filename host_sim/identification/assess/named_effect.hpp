@@ -20,11 +20,18 @@ struct Alternative {
   std::string separate_by;  ///< the experiment, where the two are close
 };
 
+/// A law outside the catalogue that an effect may be (model::Lookalike).
+struct PossibleLaw {
+  std::string_view law{};
+  double chance = 0.0;  ///< that it is that one rather than the effect; 0: there is none
+};
+
 struct NamedEffect {
   firmware::PlacedEffect effect;
   std::vector<Interval> parameters;
   double confidence;
   std::vector<Alternative> alternatives;  ///< the nearest first
+  PossibleLaw other{};
 };
 
 /// What confidence depends on beside the rivals.
@@ -51,6 +58,12 @@ struct Certainty {
 /// Bayes factors, J. Am. Stat. Assoc. 90, 1995.
 [[nodiscard]] double confidence(const std::vector<double>& odds, double gain, const Certainty& certainty);
 
+/// The law outside the catalogue that this effect may be. A parameter x that is known to ± σ lies near a where that law
+/// acts, with the deviation d, and anywhere in the range w of its card where it does not:
+///
+///   (5)  chance = r/(1 + r),  r = w p/(1 − p) exp(−(x − a)²/(2v))/√(2πv),  v = d² + σ²,  p = outside_share
+[[nodiscard]] PossibleLaw lookalike_of(const firmware::PlacedEffect& effect, const std::vector<Interval>& parameters);
+
 /// 95 % of each parameter of a fit, within its bounds. `half_widths`: of Uncertainty.
 [[nodiscard]] std::vector<Interval> intervals(const Fit& fit, const Eigen::VectorXd& half_widths);
 
@@ -62,5 +75,7 @@ struct Certainty {
 
 /// Whether a rival is so near that the two count as not told apart (thresholds::close_odds).
 [[nodiscard]] bool has_close_rival(const std::vector<Alternative>& alternatives);
+/// The same of the law that it may be.
+[[nodiscard]] bool is_close(const PossibleLaw& other);
 
 }  // namespace host_sim::identification

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "host_sim/comparison/start_state.hpp"
-#include "host_sim/identification/common/butterworth.hpp"
 #include "host_sim/identification/common/frequency_bands.hpp"
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/select/fault_candidates.hpp"
+#include "host_sim/identification/select/fault_rewrites.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
@@ -262,7 +261,7 @@ std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateMode
   refit(best, 4);
   join_filters(best);
   improve_group(best);
-  simplify_clock(best, best.faults().size() - 1);
+  simplify_clock(*this, best, best.faults().size() - 1);
   bend_drift(best);
   return best;
 }
@@ -273,26 +272,6 @@ CandidateModel ModelFitter::filtered(const CandidateModel& base, const PlacedFau
   CandidateModel model = refitted(start, base.effects, 8);
   if (std::isfinite(model.fit.chi_squared)) improve_group(model);
   return model;
-}
-
-bool ModelFitter::improve_order(CandidateModel& model, std::size_t fault) const {
-  if (model.faults()[fault].kind != FaultKind::common_filter) return false;
-  bool improved = false;
-  for (const int step : {-1, 1}) {
-    while (true) {
-      const int order = model.faults()[fault].order;
-      if (order + step < 1 || order + step > thresholds::highest_filter_order) break;
-      Hypothesis start = model.fit.hypothesis;
-      start.faults[fault].order += step;
-      start.faults[fault].values[0] *= butterworth_delay(order + step) / butterworth_delay(order);
-      CandidateModel other = refitted(start, model.effects, 8);
-      const double to_beat = model.penalised_chi_squared(criterion_) - thresholds::replaces;
-      if (!(other.penalised_chi_squared(criterion_) < to_beat) || !leaves_noise(other)) break;
-      model = std::move(other);
-      improved = true;
-    }
-  }
-  return improved;
 }
 
 void ModelFitter::join_filters(CandidateModel& model) const {
@@ -320,46 +299,6 @@ void ModelFitter::join_filters(CandidateModel& model) const {
   }
 }
 
-namespace {
-
-void put_behind(PlacedFault& fault, Channel channel) {
-  if (fault.is_of(channel)) return;
-  if (fault.inverse) {
-    std::erase(fault.channels, channel);
-  } else {
-    fault.channels.push_back(channel);
-  }
-  fault.seen = false;
-}
-
-}  // namespace
-
-std::optional<CandidateModel> ModelFitter::in_group(const CandidateModel& whole, std::size_t effect) const {
-  const std::optional<Channel> channel = whole.effects[effect].channel;
-  if (!channel || !problem_.samples().front().explains(*channel)) return std::nullopt;
-  std::optional<CandidateModel> best;
-  for (std::size_t f = 0; f < whole.faults().size(); ++f) {
-    const PlacedFault& fault = whole.faults()[f];
-    const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
-    // A clock of this channel that runs differently may be late as well.
-    const bool is_late = fault.kind == FaultKind::clock && fault.acts_on(*channel) && fault.channels.size() == 1 &&
-                         whole.effects[effect].entry->name == "sensor_delay";
-    if (!of_group || (fault.is_of(*channel) && !is_late) || (fault.inverse && fault.channels.size() == 1)) continue;
-    Hypothesis start = whole.fit.hypothesis;
-    std::vector<firmware::PlacedEffect> effects = whole.effects;
-    firmware::remove_effect(start.rig, *effects[effect].entry, channel);
-    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
-    put_behind(start.faults[f], *channel);
-    if (is_late) {
-      start.faults[f].values[0] += whole.effects[effect].values[0];
-      start.faults[f].fitted[0] = true;
-    }
-    CandidateModel other = refitted(start, std::move(effects), 8);
-    if (criterion_.prefers(other, best ? *best : whole)) best = std::move(other);
-  }
-  return best;
-}
-
 void ModelFitter::improve_group(CandidateModel& model) const {
   for (std::size_t round = 0; round < problem_.channels().size(); ++round) {
     const auto others = neighbouring_groups(problem_, model.fit, model.faults().size() - 1,
@@ -371,41 +310,6 @@ void ModelFitter::improve_group(CandidateModel& model) const {
     if (!(other.fit.chi_squared < model.fit.chi_squared - thresholds::replaces)) return;
     model = std::move(other);
   }
-}
-
-std::optional<CandidateModel> ModelFitter::in_filter(const CandidateModel& whole, std::size_t clock) const {
-  if (whole.faults()[clock].kind != FaultKind::clock) return std::nullopt;
-  std::optional<CandidateModel> best;
-  for (std::size_t f = 0; f < whole.faults().size(); ++f) {
-    if (whole.faults()[f].kind != FaultKind::common_filter) continue;
-    Hypothesis start = whole.fit.hypothesis;
-    for (const Channel channel : whole.faults()[clock].channels) put_behind(start.faults[f], channel);
-    const std::size_t count = start.faults[f].channels.size();
-    if (count == 0 || count == whole.faults()[f].channels.size()) continue;
-    start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(clock));
-    CandidateModel other = refitted(start, whole.effects, 8);
-    if (criterion_.prefers(other, best ? *best : whole)) best = std::move(other);
-  }
-  return best;
-}
-
-bool ModelFitter::simplify_clock(CandidateModel& model, std::size_t fault) const {
-  const CandidateModel whole = model;
-  const PlacedFault& own = whole.faults()[fault];
-  if (own.kind != FaultKind::clock || !own.fitted[0] || !own.fitted[1]) return false;
-  bool simplified = false;
-  for (const std::size_t value : {std::size_t{0}, std::size_t{1}}) {
-    // One channel that is late is its sensor's delay.
-    if (value == 1 && own.channels.size() == 1) continue;
-    Hypothesis start = whole.fit.hypothesis;
-    start.faults[fault].values[value] = 0.0;
-    start.faults[fault].fitted[value] = false;
-    CandidateModel simpler = refitted(start, whole.effects, 8);
-    if (!criterion_.prefers(simpler, model)) continue;
-    model = std::move(simpler);
-    simplified = true;
-  }
-  return simplified;
 }
 
 void ModelFitter::bend_drift(CandidateModel& model) const {
@@ -423,47 +327,6 @@ CandidateModel ModelFitter::without_fault(const CandidateModel& whole, std::size
   CandidateModel less = refitted(hypothesis, whole.effects, most);
   for (const Channel channel : fault.channels) set_clock_anew(less, channel);
   return less;
-}
-
-std::optional<CandidateModel> ModelFitter::by_sensors(const CandidateModel& whole, std::size_t fault) const {
-  const PlacedFault& own = whole.faults()[fault];
-  const bool clock = own.kind == FaultKind::clock, filter = own.kind == FaultKind::common_filter;
-  if (!clock && !(filter && own.order == 1 && !own.digital)) return std::nullopt;
-  // The clock of all others is that of the input; an inverse filter says so itself.
-  const bool of_input = filter ? own.inverse : own.channels.size() == problem_.channels().size();
-  if (of_input ? own.channels.size() < problem_.channels().size() : clock && own.channels.size() > 1) {
-    return std::nullopt;
-  }
-  std::vector<Channel> channels = own.channels;
-  if (of_input) {
-    const std::optional<Channel> input = problem_.samples().front().input_sensor();
-    if (!input) return std::nullopt;
-    channels = {*input};
-  }
-  const firmware::CatalogueEntry* const entry = firmware::find_effect(clock ? "sensor_delay" : "sensor_lag");
-  const auto& card = entry->parameters.front();
-  const double value =
-      clock ? (of_input ? -own.values[0] : own.values[0]) : 1.0 / (2.0 * std::numbers::pi * own.values[0]);
-  if (!(value > card.lower)) return std::nullopt;
-  Hypothesis start = whole.fit.hypothesis;
-  std::vector<firmware::PlacedEffect> effects = whole.effects;
-  for (const Channel channel : channels) {
-    const auto is_there = [&](const firmware::PlacedEffect& e) { return e.entry == entry && e.channel == channel; };
-    if (!firmware::has_place(start.rig, *entry, channel) || std::any_of(effects.begin(), effects.end(), is_there)) {
-      return std::nullopt;
-    }
-    effects.push_back({entry, channel, {std::min(value, card.upper)}});
-    firmware::put_effect(start.rig, effects.back());
-  }
-  const auto is_among = [&](Channel channel) {
-    return std::find(channels.begin(), channels.end(), channel) != channels.end();
-  };
-  start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(fault));
-  std::erase_if(start.faults, [&](const PlacedFault& other) {
-    return channels.size() > 1 && other.kind == FaultKind::clock &&
-           std::all_of(other.channels.begin(), other.channels.end(), is_among);
-  });
-  return refitted(start, std::move(effects), 8);
 }
 
 std::optional<CandidateModel> ModelFitter::held(const CandidateModel& base, const Scales& scales,

@@ -35,6 +35,7 @@ class ModelFitter {
       : problem_(problem), common_(std::move(common)), criterion_(criterion), effort_(effort) {}
 
   [[nodiscard]] const IdentificationProblem& problem() const { return problem_; }
+  [[nodiscard]] const SelectionCriterion& criterion() const { return criterion_; }
   /// The same with other common parameters.
   [[nodiscard]] ModelFitter with_common(std::vector<FreeParameter> common) const {
     return {problem_, std::move(common), criterion_, effort_};
@@ -74,27 +75,6 @@ class ModelFitter {
 
   /// Without one of the faults, after at most so many steps of a fit. 0: everything else as it was.
   [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t leave_out, int most = 6) const;
-
-  /// With an effect of a sensor in the place of a clock or filter of one channel, or of the input: a delay, or a lag
-  /// for a filter of first order. For such a filter of several channels a lag of each, without clocks of these alone.
-  /// nullopt: the fault is none of these.
-  [[nodiscard]] std::optional<CandidateModel> by_sensors(const CandidateModel& whole, std::size_t fault) const;
-
-  /// Without a clock whose channels are behind a filter that is there: its group was taken from noises, and one may not
-  /// have shown it. nullopt: no filter makes it better.
-  [[nodiscard]] std::optional<CandidateModel> in_filter(const CandidateModel& whole, std::size_t clock) const;
-
-  /// A filter of the order that the motion shows, where that leaves nothing but noise: the noise itself, with few
-  /// samples above the corner, may not. It starts from the same delay. false: it has that order.
-  bool improve_order(CandidateModel& model, std::size_t fault) const;
-
-  /// A clock whose offset or rate is not worth its price is left with the other one. false: both are.
-  bool simplify_clock(CandidateModel& model, std::size_t fault) const;
-
-  /// Without an effect of a sensor, whose channel joins the group of a clock or filter that is there: three low-passes
-  /// of one recorder may have been found as a filter of two channels and a delay of the third. Or a delay that a clock
-  /// of this channel takes over. nullopt: no group makes it better.
-  [[nodiscard]] std::optional<CandidateModel> in_group(const CandidateModel& whole, std::size_t effect) const;
 
   /// With the hold of a channel whose renewals are regular, where it is not there yet.
   [[nodiscard]] std::optional<CandidateModel> held(const CandidateModel& base, const Scales& scales,

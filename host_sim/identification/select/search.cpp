@@ -9,6 +9,7 @@
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
 #include "host_sim/identification/select/fault_candidates.hpp"
+#include "host_sim/identification/select/fault_rewrites.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
@@ -276,7 +277,7 @@ bool Search::take_filter_seen(SearchResult& found) const {
     };
     if (std::none_of(found.best.effects.begin(), found.best.effects.end(), behind_it)) continue;
     CandidateModel with = fitter_.filtered(found.best, filter);
-    if (std::isfinite(with.fit.chi_squared)) fitter_.improve_order(with, with.faults().size() - 1);
+    if (std::isfinite(with.fit.chi_squared)) improve_order(fitter_, with, with.faults().size() - 1);
     for (std::size_t i = 0; i < with.effects.size();) {
       std::optional<CandidateModel> less;
       if (behind_it(with.effects[i])) less = fitter_.without(with, i);
@@ -366,7 +367,7 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     best = std::move(*other);
     return true;
   }
-  if (auto shared = fitter_.in_group(best, effect)) {
+  if (auto shared = in_group(fitter_, best, effect)) {
     best = std::move(*shared);
     return true;
   }
@@ -528,15 +529,15 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
     best = reduced;
     return true;
   }
-  if (fitter_.simplify_clock(best, fault) || fitter_.improve_order(best, fault)) return true;
-  if (auto filtered = fitter_.in_filter(best, fault)) {
+  if (simplify_clock(fitter_, best, fault) || improve_order(fitter_, best, fault)) return true;
+  if (auto filtered = in_filter(fitter_, best, fault)) {
     best = std::move(*filtered);
     return true;
   }
   const double value = best.penalised_chi_squared(criterion_), to_beat = value - thresholds::replaces;
   // A component of the rig explains as much as a fault: the rig's name is the answer.
   const double as_good = value + thresholds::tie;
-  if (auto sensors = fitter_.by_sensors(best, fault)) {
+  if (auto sensors = by_sensors(fitter_, best, fault)) {
     const bool several = sensors->effects.size() > best.effects.size() + 1;
     if (sensors->penalised_chi_squared(criterion_) < (several ? to_beat : as_good)) {
       best = std::move(*sensors);

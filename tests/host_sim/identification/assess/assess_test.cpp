@@ -52,12 +52,35 @@ TEST(Confidence, DoesNotBelieveAnImitationBesideARest) {
     found.gains = {1e9};
     found.rivals.resize(1);
     found.constancy.resize(1);
-    const std::vector<Interval> parameters(effect_parameters(found.best.effects[0]).size(), Interval{1.0, 0.9, 1.1});
+    std::vector<Interval> parameters;
+    for (const double value : found.best.effects[0].values) parameters.push_back({value, 0.99 * value, 1.01 * value});
     return named_effects(problem, found, {}, parameters, {1.0, 1.0, 200.0, rest}).at(0).confidence;
   };
-  EXPECT_DOUBLE_EQ(confidence_of("bouc_wen", {1e5, 50.0, 0.5}, false), thresholds::highest_confidence);
-  EXPECT_LT(confidence_of("bouc_wen", {1e5, 50.0, 0.5}, true), 0.5);
+  EXPECT_GT(confidence_of("bouc_wen", {1e5, 50.0, 0.2}, false), 0.99);
+  EXPECT_LT(confidence_of("bouc_wen", {1e5, 50.0, 0.2}, true), 0.5);
   EXPECT_DOUBLE_EQ(confidence_of("coulomb_friction", {50.0}, true), thresholds::highest_confidence);
+}
+
+// Bouc–Wen hysteresis that unloads as friction with bristles does may be that friction. By hand for an unloading of
+// 0.8 and σ = 0.05: v = 0.0314, the density 2.2513, r = 3 · 0.25 · 2.2513; √v below that e^½ less.
+TEST(Confidence, DoubtsALawThatAnotherOneLooksLike) {
+  const auto law_at = [](double unloading, double sigma) {
+    const firmware::PlacedEffect wen{firmware::find_effect("bouc_wen"), std::nullopt, {1e5, 50.0, unloading}};
+    const double half = 1.96 * sigma;
+    return lookalike_of(wen,
+                        {{1e5, 0.9e5, 1.1e5}, {50.0, 49.0, 51.0}, {unloading, unloading - half, unloading + half}});
+  };
+  const auto odds_at = [&](double unloading, double sigma) {
+    const double chance = law_at(unloading, sigma).chance;
+    return chance / (1.0 - chance);
+  };
+  EXPECT_NEAR(odds_at(0.8, 0.05), 1.6885, 1e-4);
+  EXPECT_NEAR(odds_at(0.8 - std::sqrt(0.0314), 0.05), 1.6885 * std::exp(-0.5), 1e-4);
+  EXPECT_EQ(law_at(0.8, 0.05).law, "friction with bristles (Dahl, LuGre)");
+  EXPECT_TRUE(is_close(law_at(0.4, 0.05))) << "odds of 1 to 7.6";
+  EXPECT_FALSE(is_close(law_at(0.3, 0.05))) << "odds of 1 to 32";
+  const firmware::PlacedEffect dry{firmware::find_effect("coulomb_friction"), std::nullopt, {50.0}};
+  EXPECT_EQ(lookalike_of(dry, {{50.0, 49.0, 51.0}}).chance, 0.0);
 }
 
 // Beside dry friction twice the step changes the residuals: what gains less may be made by the steps, what gains

@@ -18,6 +18,7 @@
 #include "host_sim/identification/prepare/prepare.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
+#include "host_sim/identification/select/fault_rewrites.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
 #include "tests/host_sim/identification/faulty_recording.hpp"
 #include "tests/support/report_page.hpp"
@@ -162,7 +163,7 @@ TEST(RecordingFaults, ADelayThatIsTheFiltersJoinsIt) {
     const firmware::PlacedEffect late{firmware::find_effect("sensor_delay"), Channel::zdd_b, {shared ? 1.5e-3 : 3e-3}};
     firmware::put_effect(start.rig, late);
     const CandidateModel split = fitter.refitted(start, {late});
-    const auto joined = fitter.in_group(split, 0);
+    const auto joined = in_group(fitter, split, 0);
     ASSERT_EQ(joined.has_value(), shared);
     if (!joined) continue;
     EXPECT_TRUE(joined->effects.empty());
@@ -170,6 +171,43 @@ TEST(RecordingFaults, ADelayThatIsTheFiltersJoinsIt) {
     EXPECT_EQ(sorted(joined->faults()[0].channels), sorted({Channel::zdd_w, Channel::zdd_b}));
     EXPECT_NEAR(joined->faults()[0].values[0], 150.0, 12.0) << "eight per cent";
   }
+}
+
+// A filter of two channels found with a corner that is too high, and the rest of its delay as a clock of both: the
+// clock goes, the corner comes down. At 0 Hz the delay of a second order is √2/(2π corner), so 1.0 ms of 2.6 ms are the
+// clock's.
+TEST(RecordingFaults, AClockOfAFiltersOwnChannelsIsItsCorner) {
+  using namespace host_sim::identification;
+  const truth::Truth truth = sample::quarter_car(6);
+  const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
+  const auto change = [](Columns& columns) { sample::put_through_filter(columns, {"zdd_w", "zdd_b"}, 87.0); };
+  PreparedData data = prepare(description, {{sample::changed_recording(truth, change), Use::shared}});
+  const Hypothesis given = described_hypothesis(description, data.recordings);
+  IdentificationProblem problem(std::move(data.recordings), given);
+  const SearchSpace space = search_space(description, problem.samples(), given);
+  Effort effort;
+  const SelectionCriterion criterion;
+  const ModelFitter fitter(problem, space.common, criterion, effort);
+  PlacedFault filter;
+  filter.kind = FaultKind::common_filter;
+  filter.channels = {Channel::zdd_w, Channel::zdd_b};
+  filter.order = 2;
+  filter.values = {140.0};
+  filter.fitted = {true};
+  PlacedFault clock;
+  clock.kind = FaultKind::clock;
+  clock.channels = filter.channels;
+  clock.values = {1.0e-3, 0.0};
+  clock.fitted = {true, false};
+  Hypothesis start = given;
+  start.faults = {filter, clock};
+  const CandidateModel split = fitter.refitted(start, {}, 0);
+  EXPECT_FALSE(in_filter(fitter, split, 0)) << "a filter is no clock";
+  const auto whole = in_filter(fitter, split, 1);
+  ASSERT_TRUE(whole);
+  ASSERT_EQ(whole->faults().size(), 1U);
+  EXPECT_EQ(whole->faults()[0].kind, FaultKind::common_filter);
+  EXPECT_NEAR(whole->faults()[0].values[0], 87.0, 2.0);
 }
 
 // The road's sensors and two more are behind one filter, with their noise, whose level and colour nobody declares: the

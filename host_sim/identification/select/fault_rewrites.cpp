@@ -1,0 +1,163 @@
+#include "host_sim/identification/select/fault_rewrites.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "host_sim/identification/common/butterworth.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
+
+namespace host_sim::identification {
+
+using model::Channel;
+
+namespace {
+
+void put_behind(PlacedFault& fault, Channel channel) {
+  if (fault.is_of(channel)) return;
+  if (fault.inverse) {
+    std::erase(fault.channels, channel);
+  } else {
+    fault.channels.push_back(channel);
+  }
+  fault.seen = false;
+}
+
+bool same_channels(const PlacedFault& a, const PlacedFault& b) {
+  return a.channels.size() == b.channels.size() &&
+         std::all_of(a.channels.begin(), a.channels.end(), [&](Channel channel) { return b.acts_on(channel); });
+}
+
+}  // namespace
+
+bool improve_order(const ModelFitter& fitter, CandidateModel& model, std::size_t fault) {
+  if (model.faults()[fault].kind != FaultKind::common_filter) return false;
+  bool improved = false;
+  for (const int step : {-1, 1}) {
+    while (true) {
+      const int order = model.faults()[fault].order;
+      if (order + step < 1 || order + step > thresholds::highest_filter_order) break;
+      Hypothesis start = model.fit.hypothesis;
+      start.faults[fault].order += step;
+      start.faults[fault].values[0] *= butterworth_delay(order + step) / butterworth_delay(order);
+      CandidateModel other = fitter.refitted(start, model.effects, 8);
+      const double to_beat = model.penalised_chi_squared(fitter.criterion()) - thresholds::replaces;
+      if (!(other.penalised_chi_squared(fitter.criterion()) < to_beat) || !fitter.leaves_noise(other)) break;
+      model = std::move(other);
+      improved = true;
+    }
+  }
+  return improved;
+}
+
+bool simplify_clock(const ModelFitter& fitter, CandidateModel& model, std::size_t fault) {
+  const CandidateModel whole = model;
+  const PlacedFault& own = whole.faults()[fault];
+  if (own.kind != FaultKind::clock || !own.fitted[0] || !own.fitted[1]) return false;
+  bool simplified = false;
+  for (const std::size_t value : {std::size_t{0}, std::size_t{1}}) {
+    // One channel that is late is its sensor's delay.
+    if (value == 1 && own.channels.size() == 1) continue;
+    Hypothesis start = whole.fit.hypothesis;
+    start.faults[fault].values[value] = 0.0;
+    start.faults[fault].fitted[value] = false;
+    CandidateModel simpler = fitter.refitted(start, whole.effects, 8);
+    if (!fitter.criterion().prefers(simpler, model)) continue;
+    model = std::move(simpler);
+    simplified = true;
+  }
+  return simplified;
+}
+
+std::optional<CandidateModel> in_filter(const ModelFitter& fitter, const CandidateModel& whole, std::size_t clock) {
+  const PlacedFault& late = whole.faults()[clock];
+  if (late.kind != FaultKind::clock) return std::nullopt;
+  std::optional<CandidateModel> best;
+  for (std::size_t f = 0; f < whole.faults().size(); ++f) {
+    if (whole.faults()[f].kind != FaultKind::common_filter) continue;
+    Hypothesis start = whole.fit.hypothesis;
+    PlacedFault& filter = start.faults[f];
+    if (same_channels(filter, late)) {
+      const double own = butterworth_delay(filter.order) / (2.0 * std::numbers::pi);  // [s] times the corner
+      const double delay = own / filter.values[0] + (filter.inverse ? -late.values[0] : late.values[0]);
+      if (!(delay > 0.0)) continue;
+      filter.values[0] = own / delay;
+    } else {
+      for (const Channel channel : late.channels) put_behind(filter, channel);
+      if (filter.channels.empty() || filter.channels.size() == whole.faults()[f].channels.size()) continue;
+    }
+    start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(clock));
+    CandidateModel other = fitter.refitted(start, whole.effects, 8);
+    if (fitter.criterion().prefers(other, best ? *best : whole)) best = std::move(other);
+  }
+  return best;
+}
+
+std::optional<CandidateModel> in_group(const ModelFitter& fitter, const CandidateModel& whole, std::size_t effect) {
+  const std::optional<Channel> channel = whole.effects[effect].channel;
+  if (!channel || !fitter.problem().samples().front().explains(*channel)) return std::nullopt;
+  std::optional<CandidateModel> best;
+  for (std::size_t f = 0; f < whole.faults().size(); ++f) {
+    const PlacedFault& fault = whole.faults()[f];
+    const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
+    // A clock of this channel that runs differently may be late as well.
+    const bool is_late = fault.kind == FaultKind::clock && fault.acts_on(*channel) && fault.channels.size() == 1 &&
+                         whole.effects[effect].entry->name == "sensor_delay";
+    if (!of_group || (fault.is_of(*channel) && !is_late) || (fault.inverse && fault.channels.size() == 1)) continue;
+    Hypothesis start = whole.fit.hypothesis;
+    std::vector<firmware::PlacedEffect> effects = whole.effects;
+    firmware::remove_effect(start.rig, *effects[effect].entry, channel);
+    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
+    put_behind(start.faults[f], *channel);
+    if (is_late) {
+      start.faults[f].values[0] += whole.effects[effect].values[0];
+      start.faults[f].fitted[0] = true;
+    }
+    CandidateModel other = fitter.refitted(start, std::move(effects), 8);
+    if (fitter.criterion().prefers(other, best ? *best : whole)) best = std::move(other);
+  }
+  return best;
+}
+
+std::optional<CandidateModel> by_sensors(const ModelFitter& fitter, const CandidateModel& whole, std::size_t fault) {
+  const PlacedFault& own = whole.faults()[fault];
+  const bool clock = own.kind == FaultKind::clock, filter = own.kind == FaultKind::common_filter;
+  if (!clock && !(filter && own.order == 1 && !own.digital)) return std::nullopt;
+  // The clock of all others is that of the input; an inverse filter says so itself.
+  const bool of_input = filter ? own.inverse : own.channels.size() == fitter.problem().channels().size();
+  if (of_input ? own.channels.size() < fitter.problem().channels().size() : clock && own.channels.size() > 1) {
+    return std::nullopt;
+  }
+  std::vector<Channel> channels = own.channels;
+  if (of_input) {
+    const std::optional<Channel> input = fitter.problem().samples().front().input_sensor();
+    if (!input) return std::nullopt;
+    channels = {*input};
+  }
+  const firmware::CatalogueEntry* const entry = firmware::find_effect(clock ? "sensor_delay" : "sensor_lag");
+  const auto& card = entry->parameters.front();
+  const double value =
+      clock ? (of_input ? -own.values[0] : own.values[0]) : 1.0 / (2.0 * std::numbers::pi * own.values[0]);
+  if (!(value > card.lower)) return std::nullopt;
+  Hypothesis start = whole.fit.hypothesis;
+  std::vector<firmware::PlacedEffect> effects = whole.effects;
+  for (const Channel channel : channels) {
+    const auto is_there = [&](const firmware::PlacedEffect& e) { return e.entry == entry && e.channel == channel; };
+    if (!firmware::has_place(start.rig, *entry, channel) || std::any_of(effects.begin(), effects.end(), is_there)) {
+      return std::nullopt;
+    }
+    effects.push_back({entry, channel, {std::min(value, card.upper)}});
+    firmware::put_effect(start.rig, effects.back());
+  }
+  const auto is_among = [&](Channel channel) {
+    return std::find(channels.begin(), channels.end(), channel) != channels.end();
+  };
+  start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(fault));
+  std::erase_if(start.faults, [&](const PlacedFault& other) {
+    return channels.size() > 1 && other.kind == FaultKind::clock &&
+           std::all_of(other.channels.begin(), other.channels.end(), is_among);
+  });
+  return fitter.refitted(start, std::move(effects), 8);
+}
+
+}  // namespace host_sim::identification
