@@ -104,6 +104,12 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
                                             car.tyre_error.with_effects, 0.0};
 }
 
+/// Something is there that the catalogue does not hold; `text` joins what is said of it.
+void add_unexplained(const std::string& text, Diagnosis& result) {
+  result.unexplained = true;
+  result.residual += (result.residual.empty() ? "" : "; ") + text;
+}
+
 /// Where no effect is named, a relation that fails counts as a residual: what drives the simulation, or is computed by
 /// the program, shows in the relations alone.
 void add_failed_relations(Diagnosis& result) {
@@ -112,9 +118,7 @@ void add_failed_relations(Diagnosis& result) {
     return;
   for (const ParityResidual& r : result.relations) {
     if (!r.significant()) continue;
-    result.unexplained = true;
-    result.residual.append(result.residual.empty() ? "" : "; ").append(r.relation).append(" does not hold");
-    if (!r.description.empty()) result.residual.append(", ").append(r.description);
+    add_unexplained(r.relation + " does not hold" + (r.description.empty() ? "" : ", " + r.description), result);
   }
 }
 
@@ -123,10 +127,9 @@ void add_inconstant_laws(const SearchResult& found, double temper, Diagnosis& re
   for (std::size_t i = 0; i < found.constancy.size(); ++i) {
     const LawConstancy& constancy = found.constancy[i];
     if (!constancy.fails(temper)) continue;
-    result.unexplained = true;
-    result.residual.append(result.residual.empty() ? "" : "; ")
-        .append(words(found.best.effects[i]))
-        .append(constancy.with_time ? ": its size changes over the record" : ": its size depends on the amplitude");
+    const char* const how =
+        constancy.with_time ? ": its size changes over the record" : ": its size depends on the amplitude";
+    add_unexplained(words(found.best.effects[i]) + how, result);
   }
 }
 
@@ -136,12 +139,11 @@ void add_lookalikes(Diagnosis& result) {
     if (!is_close(named.other)) continue;
     const std::string text =
         words(named.effect) + " may be " + std::string(named.other.law) + ", which the catalogue does not hold";
-    if (named.other.chance <= 0.5) {
+    if (named.other.chance > 0.5) {
+      add_unexplained(text, result);
+    } else {
       result.remarks.push_back(text);
-      continue;
     }
-    result.unexplained = true;
-    result.residual.append(result.residual.empty() ? "" : "; ").append(text);
   }
 }
 

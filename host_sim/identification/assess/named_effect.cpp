@@ -47,12 +47,12 @@ double confidence(const std::vector<double>& odds, double gain, const Certainty&
 }
 
 PossibleLaw lookalike_of(const firmware::PlacedEffect& effect, const std::vector<Interval>& parameters) {
-  constexpr double deviations_of_95 = 1.96;
+  constexpr double deviations = 1.96;  // 95 % of a normal distribution
   PossibleLaw nearest;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const model::EffectParameter& card = effect.entry->parameters[i];
     if (card.lookalike.law.empty()) continue;
-    const double sigma = 0.5 * (parameters[i].upper - parameters[i].lower) / deviations_of_95;
+    const double sigma = 0.5 * (parameters[i].upper - parameters[i].lower) / deviations;
     const double variance = card.lookalike.deviation * card.lookalike.deviation + sigma * sigma;
     const double away = parameters[i].value - card.lookalike.at;
     const double density = std::exp(-0.5 * away * away / variance) / std::sqrt(2.0 * std::numbers::pi * variance);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host_sim/identification/common/butterworth.hpp"
+#include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {

@@ -8,7 +8,6 @@
 #include "host_sim/identification/common/golden_section.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
-#include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/select/fault_candidates.hpp"
 #include "host_sim/identification/select/fault_rewrites.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"

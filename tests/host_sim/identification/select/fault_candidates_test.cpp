@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -133,37 +134,53 @@ TEST(RecordingFaults, ACommonFilterOfAllAccelerometers) {
   expect_near(filter->parameters.at("corner_hz"), 150.0);
 }
 
+/// A car whose recording was changed, as what models are fitted to.
+struct ChangedCar {
+  template <class Change>
+  explicit ChangedCar(const Change& change) {
+    using namespace host_sim::identification;
+    const truth::Truth truth = sample::quarter_car(6);
+    const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
+    PreparedData data = prepare(description, {{sample::changed_recording(truth, change), Use::shared}});
+    given = described_hypothesis(description, data.recordings);
+    problem.emplace(std::move(data.recordings), given);
+    fitter.emplace(*problem, search_space(description, problem->samples(), given).common, criterion, effort);
+  }
+
+  host_sim::identification::Hypothesis given;
+  std::optional<host_sim::identification::IdentificationProblem> problem;
+  host_sim::identification::Effort effort;
+  host_sim::identification::SelectionCriterion criterion;
+  std::optional<host_sim::identification::ModelFitter> fitter;
+};
+
+/// A filter of second order, its corner [Hz] to be fitted.
+host_sim::identification::PlacedFault filter_of(std::vector<Channel> channels, double corner) {
+  host_sim::identification::PlacedFault filter;
+  filter.kind = host_sim::identification::FaultKind::common_filter;
+  filter.channels = std::move(channels);
+  filter.order = 2;
+  filter.values = {corner};
+  filter.fitted = {true};
+  return filter;
+}
+
 // The filter of zdd_w found first and zdd_b called late: zdd_b joins the filter. A channel that is late by twice what
 // the filter makes of it does not.
 TEST(RecordingFaults, ADelayThatIsTheFiltersJoinsIt) {
   using namespace host_sim::identification;
   for (const bool shared : {true, false}) {
-    const truth::Truth truth = sample::quarter_car(6);
-    const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
-    const auto change = [shared](Columns& columns) {
+    const ChangedCar car([shared](Columns& columns) {
       sample::put_through_filter(columns, {"zdd_w"}, 150.0);
       if (shared) sample::put_through_filter(columns, {"zdd_b"}, 150.0);
       if (!shared) sample::put_on_clock(columns, {"zdd_b"}, 3e-3, 0.0);
-    };
-    PreparedData data = prepare(description, {{sample::changed_recording(truth, change), Use::shared}});
-    const Hypothesis given = described_hypothesis(description, data.recordings);
-    IdentificationProblem problem(std::move(data.recordings), given);
-    const SearchSpace space = search_space(description, problem.samples(), given);
-    Effort effort;
-    const SelectionCriterion criterion;
-    const ModelFitter fitter(problem, space.common, criterion, effort);
-    PlacedFault filter;
-    filter.kind = FaultKind::common_filter;
-    filter.channels = {Channel::zdd_w};
-    filter.order = 2;
-    filter.values = {160.0};
-    filter.fitted = {true};
-    Hypothesis start = given;
-    start.faults = {filter};
+    });
+    Hypothesis start = car.given;
+    start.faults = {filter_of({Channel::zdd_w}, 160.0)};
     const firmware::PlacedEffect late{firmware::find_effect("sensor_delay"), Channel::zdd_b, {shared ? 1.5e-3 : 3e-3}};
     firmware::put_effect(start.rig, late);
-    const CandidateModel split = fitter.refitted(start, {late});
-    const auto joined = in_group(fitter, split, 0);
+    const CandidateModel split = car.fitter->refitted(start, {late});
+    const auto joined = in_group(*car.fitter, split, 0);
     ASSERT_EQ(joined.has_value(), shared);
     if (!joined) continue;
     EXPECT_TRUE(joined->effects.empty());
@@ -178,32 +195,18 @@ TEST(RecordingFaults, ADelayThatIsTheFiltersJoinsIt) {
 // clock's.
 TEST(RecordingFaults, AClockOfAFiltersOwnChannelsIsItsCorner) {
   using namespace host_sim::identification;
-  const truth::Truth truth = sample::quarter_car(6);
-  const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
-  const auto change = [](Columns& columns) { sample::put_through_filter(columns, {"zdd_w", "zdd_b"}, 87.0); };
-  PreparedData data = prepare(description, {{sample::changed_recording(truth, change), Use::shared}});
-  const Hypothesis given = described_hypothesis(description, data.recordings);
-  IdentificationProblem problem(std::move(data.recordings), given);
-  const SearchSpace space = search_space(description, problem.samples(), given);
-  Effort effort;
-  const SelectionCriterion criterion;
-  const ModelFitter fitter(problem, space.common, criterion, effort);
-  PlacedFault filter;
-  filter.kind = FaultKind::common_filter;
-  filter.channels = {Channel::zdd_w, Channel::zdd_b};
-  filter.order = 2;
-  filter.values = {140.0};
-  filter.fitted = {true};
+  const ChangedCar car([](Columns& columns) { sample::put_through_filter(columns, {"zdd_w", "zdd_b"}, 87.0); });
+  const PlacedFault filter = filter_of({Channel::zdd_w, Channel::zdd_b}, 140.0);
   PlacedFault clock;
   clock.kind = FaultKind::clock;
   clock.channels = filter.channels;
   clock.values = {1.0e-3, 0.0};
   clock.fitted = {true, false};
-  Hypothesis start = given;
+  Hypothesis start = car.given;
   start.faults = {filter, clock};
-  const CandidateModel split = fitter.refitted(start, {}, 0);
-  EXPECT_FALSE(in_filter(fitter, split, 0)) << "a filter is no clock";
-  const auto whole = in_filter(fitter, split, 1);
+  const CandidateModel split = car.fitter->refitted(start, {}, 0);
+  EXPECT_FALSE(in_filter(*car.fitter, split, 0)) << "a filter is no clock";
+  const auto whole = in_filter(*car.fitter, split, 1);
   ASSERT_TRUE(whole);
   ASSERT_EQ(whole->faults().size(), 1U);
   EXPECT_EQ(whole->faults()[0].kind, FaultKind::common_filter);
