@@ -12,6 +12,7 @@
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/estimate/prediction.hpp"
 #include "host_sim/identification/prepare/input_fusion.hpp"
+#include "host_sim/identification/prepare/smoothed_input.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/identification/select/selection_criterion.hpp"
 #include "host_sim/signal/line.hpp"
@@ -89,10 +90,8 @@ SimulationInput with_line(const PreparedRecording& recording, double frequency, 
   for (std::size_t k = 0; k < line.size(); ++k) {
     line[k] = std::cos(2.0 * std::numbers::pi * frequency * static_cast<double>(k) * input.period);
   }
-  firmware::FootPointMotion added = firmware::through_samples(line, 1.0 / input.period);
-  if (recording.inputs_disagree) {
-    smooth_acceleration(added, thresholds::acceleration_edge * recording.acceleration_known, input.period);
-  }
+  if (recording.input_edge > 0.0) line = smoothed(line, recording.input_edge, input.period);
+  const firmware::FootPointMotion added = firmware::through_samples(line, 1.0 / input.period);
   for (std::size_t k = 0; k < line.size(); ++k) {
     input.motion[k].position += amplitude * added[k].position;
     input.motion[k].velocity += amplitude * added[k].velocity;

@@ -37,8 +37,7 @@ double noise_floor(const IdentificationProblem& problem, Channel channel) {
     const double rms = samples.channel_noise[c].rms(samples.compared_period());
     double variance = rms * rms + r.input_noise.variance[c];
     if (channel == Channel::zdd_r) {  // z_r alone says nothing of faster motion
-      variance += variance_above(thresholds::acceleration_edge * samples.acceleration_known, measured, window, rms,
-                                 samples.input.period);
+      variance += variance_above(samples.input_edge, measured, window, rms, samples.input.period);
     }
     noise += variance * count;
   }

@@ -104,6 +104,9 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
       const double period = r.compared_period();
       ChannelNoise found = noise_in(left_of(r, channel, read), period, channel, r.expected_colour);
       if (!found.is_known()) continue;
+      // A corner that is a guess is what the model leaves of the motion.
+      const bool is_guess = !found.colour.is_white() && !found.shows_a_filter();
+      if (is_guess && r.channel_noise[c].shows_a_filter()) found = r.channel_noise[c];
       const double highest = r.channel_noise[c].highest_level;
       if (highest > 0.0) found.level = std::min(found.level, highest);
       // Behind a low-pass, what corners leave of the channel was filtered, and the simulation is not: no noise.

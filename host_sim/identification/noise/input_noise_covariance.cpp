@@ -10,6 +10,7 @@
 #include "host_sim/identification/predict/sensor_readings.hpp"
 #include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/input_fusion.hpp"
+#include "host_sim/identification/prepare/smoothed_input.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/signal/interpolation.hpp"
 #include "host_sim/signal/spectrum.hpp"
@@ -24,6 +25,14 @@ std::vector<double> noise_of_input(const PreparedRecording& recording, double rm
   noise = Interpolation(recording.step)(noise);
   noise.resize(recording.size(), 0.0);
   return noise;
+}
+
+/// What is left of the noise that was smoothed away: enough to tell what it would do to the channels, (1), and too
+/// little to shift events.
+void weaken_above_edge(std::vector<double>& noise, double edge, double period) {
+  constexpr double left = 0.03;
+  const std::vector<double> slow = smoothed(noise, edge, period);
+  for (std::size_t k = 0; k < noise.size(); ++k) noise[k] = slow[k] + left * (noise[k] - slow[k]);
 }
 
 /// Noise of the input, as it passes the fusion or the integration, and the input with it.
@@ -44,6 +53,7 @@ NoisyInput noisy_input(const PreparedRecording& recording, int realisation) {
       const std::vector<double> acceleration = noise_of_input(recording, noise.acceleration, gaussian);
       position = fused_displacement(position, acceleration, noise.position, noise.acceleration, period);
     }
+    if (recording.input_edge > 0.0) weaken_above_edge(position, recording.input_edge, period);
     noisy.noise = position;
   } else {
     noisy.noise = noise_of_input(recording, noise.acceleration, gaussian);
@@ -52,10 +62,7 @@ NoisyInput noisy_input(const PreparedRecording& recording, int realisation) {
     const double first = position.front(), rise = n > 1 ? position[1] - first : 0.0;
     for (std::size_t k = 0; k < n; ++k) position[k] -= first + rise * static_cast<double>(k);
   }
-  firmware::FootPointMotion motion = firmware::through_samples(position, 1.0 / period);
-  if (recording.acceleration_known > 0.0) {
-    smooth_acceleration(motion, thresholds::acceleration_edge * recording.acceleration_known, period);
-  }
+  const firmware::FootPointMotion motion = firmware::through_samples(position, 1.0 / period);
   for (std::size_t k = 0; k < n; ++k) {
     noisy.input.motion[k].position += motion[k].position;
     noisy.input.motion[k].velocity += motion[k].velocity;

@@ -4,9 +4,6 @@
 #include <vector>
 
 #include "host_sim/identification/predict/recording_faults.hpp"
-#include "host_sim/identification/prepare/driving_input.hpp"
-#include "host_sim/identification/prepare/input_fusion.hpp"
-#include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
 
@@ -20,14 +17,10 @@ using Path = model::SensorPath<double>;
 /// (0): motion is linear in the samples, so what the hold took away is added to it.
 void fill_hold(firmware::FootPointMotion& motion, const PreparedRecording& recording, Channel channel,
                const HoldClock& clock) {
-  const double period = recording.input.period;
   const std::vector<double>& held = recording.recording[channel];
   std::vector<double> missing = before_hold(held, *recording.renewals[index(channel)], clock);
   for (std::size_t k = 0; k < missing.size(); ++k) missing[k] -= held[k];
-  auto added = motion_of(channel, missing, period);
-  if (recording.acceleration_known > 0.0) {
-    smooth_acceleration(added, thresholds::acceleration_edge * recording.acceleration_known, period);
-  }
+  const auto added = recording.motion_of_input(missing);
   for (std::size_t k = 0; k < motion.size(); ++k) {
     for (double Motion::*part : {&Motion::position, &Motion::velocity, &Motion::acceleration}) {
       motion[k].*part += added[k].*part;

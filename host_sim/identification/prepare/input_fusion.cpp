@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host_sim/identification/common/frequency_bands.hpp"
+#include "host_sim/identification/prepare/smoothed_input.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 #include "host_sim/signal/spectrum.hpp"
 
@@ -113,49 +114,13 @@ bool disagree(const std::vector<double>& displacement, const std::vector<double>
   return false;
 }
 
-double known_up_to(const std::vector<double>& displacement, double noise, double period, std::size_t step) {
-  const PowerSpectrum spectrum = welch(displacement, 1.0 / period, static_cast<std::size_t>(1.0 / period));
-  const double floor = 2.0 * noise * noise * period;
-  double known = thresholds::lowest_known_frequency;
-  const double highest = std::min(thresholds::highest_known_frequency, highest_recorded(period, step));
-  for (std::size_t k = 0; k < spectrum.frequency.size() && spectrum.frequency[k] <= highest; ++k) {
-    if (spectrum.density[k] > thresholds::power_above_noise * floor) known = std::max(known, spectrum.frequency[k]);
-  }
-  return known;
-}
-
-void smooth_acceleration(firmware::FootPointMotion& motion, double highest, double period) {
-  const auto reach = static_cast<std::ptrdiff_t>(thresholds::acceleration_reach / period);
-  std::vector<double> weights;
-  double sum = 0.0;
-  for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
-    const double x = static_cast<double>(i), turn = 2.0 * std::numbers::pi * highest * period * x;
-    const double hann = 0.5 + 0.5 * std::cos(std::numbers::pi * x / static_cast<double>(reach + 1));
-    weights.push_back(hann * (i == 0 ? 1.0 : std::sin(turn) / turn));
-    sum += weights.back();
-  }
-  const auto n = static_cast<std::ptrdiff_t>(motion.size());
-  std::vector<double> smooth(motion.size());
-  for (std::ptrdiff_t k = 0; k < n; ++k) {
-    double value = 0.0;
-    for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
-      value += weights[static_cast<std::size_t>(i + reach)] *
-               motion[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k + i, 0, n - 1))].acceleration;
-    }
-    smooth[static_cast<std::size_t>(k)] = value / sum;
-  }
-  for (std::size_t k = 0; k < motion.size(); ++k) motion[k].acceleration = smooth[k];
-}
-
 double variance_above(double highest, const std::vector<double>& acceleration, Window window, double noise,
                       double period) {
   if (window.size() == 0) return 0.0;
-  firmware::FootPointMotion motion(acceleration.size());
-  for (std::size_t k = 0; k < motion.size(); ++k) motion[k].acceleration = acceleration[k];
-  smooth_acceleration(motion, highest, period);
+  const std::vector<double> slow = smoothed(acceleration, highest, period);
   double sum = 0.0;
   for (std::size_t k = window.from; k < window.to; ++k) {
-    sum += std::pow(acceleration[k] - motion[k].acceleration, 2);
+    sum += std::pow(acceleration[k] - slow[k], 2);
   }
   const double share_above = std::max(1.0 - 2.0 * highest * period, 0.0);  // of white noise
   return std::max(sum / static_cast<double>(window.size()) - noise * noise * share_above, 0.0);

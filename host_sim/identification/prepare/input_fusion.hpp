@@ -36,15 +36,7 @@ namespace host_sim::identification {
 [[nodiscard]] bool disagree(const std::vector<double>& displacement, const std::vector<double>& acceleration,
                             double displacement_noise, double acceleration_noise, double period, std::size_t step = 1);
 
-/// The highest frequency at which a displacement is above its white noise [Hz], 10 … 90 and 0.45 of the recorded rate.
-[[nodiscard]] double known_up_to(const std::vector<double>& displacement, double noise, double period,
-                                 std::size_t step = 1);
-
-/// z̈ of a motion through samples, up to `highest` [Hz]: above, the noise of a displacement grows with f². A symmetric
-/// filter of ± acceleration_reach; at the ends the last value goes on.
-void smooth_acceleration(firmware::FootPointMotion& motion, double highest, double period);
-
-/// The variance that the filter takes away from a measured acceleration over a window, less that of the noise.
+/// The variance that smoothed() takes away from a measured acceleration over a window, less that of the noise.
 [[nodiscard]] double variance_above(double highest, const std::vector<double>& acceleration, Window window,
                                     double noise, double period);
 

@@ -344,13 +344,16 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
 
 std::optional<NoiseColour> expected_colour(const ChannelNoises& noises) {
   std::vector<NoiseColour> colours;
-  std::size_t known = 0;
+  std::size_t known = 0, shown = 0;
   for (std::size_t c = 0; c < noises.size(); ++c) {
     if (model::unit(model::channel_at(c)) != "m" || !(noises[c].level > 0.0) || !noises[c].is_known()) continue;
     ++known;
-    if (!noises[c].colour.is_white()) colours.push_back(noises[c].colour);
+    if (noises[c].colour.is_white()) continue;
+    colours.push_back(noises[c].colour);
+    if (noises[c].shows_a_filter()) ++shown;
   }
   if (colours.empty() || 2 * colours.size() < known) return std::nullopt;
+  if (shown == 0 && colours.size() == 1) return std::nullopt;  // a guess, and nobody shares it
   const auto middle = colours.begin() + static_cast<std::ptrdiff_t>(colours.size() / 2);
   std::nth_element(colours.begin(), middle, colours.end(),
                    [](const NoiseColour& a, const NoiseColour& b) { return a.corner < b.corner; });

@@ -85,7 +85,8 @@ struct NoiseSpectrumFit {
                                                                  const std::optional<NoiseColour>& expected = {},
                                                                  bool is_foot_point = false);
 
-/// The colour that positions, which have no tails, agree on: the middle corner. nullopt: they are white.
+/// The colour that positions, which have no tails, agree on: the middle corner. nullopt: they are white, or one alone
+/// has a corner that is a guess.
 [[nodiscard]] std::optional<NoiseColour> expected_colour(const ChannelNoises& noises);
 
 }  // namespace host_sim::identification

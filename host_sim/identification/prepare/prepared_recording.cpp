@@ -8,6 +8,7 @@
 #include "host_sim/comparison/start_state.hpp"
 #include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/input_fusion.hpp"
+#include "host_sim/identification/prepare/smoothed_input.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -47,14 +48,24 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
   noise.position_colour = noise.acceleration_colour = sampled.channel_noise[index(input)].colour;
   noise.sample_period = recording.sample_period * static_cast<double>(sampled.step);
   prepared.mean_unknown = integrated;
-  const auto sensors = foot_sensors(description, sampled);
-  if (!sensors) return;
   const double h = recording.sample_period;
+  const auto sensors = foot_sensors(description, sampled);
+  if (!sensors) {
+    const auto& renewals = sampled.renewals[index(input)];
+    const bool held = renewals && renewals->regular;
+    if (integrated || held || !(noise.position > 0.0)) return;
+    const std::vector<double>& samples = recording[input];
+    prepared.input_edge =
+        edge_of_motion(samples, {noise.position, noise.position_colour}, h, prepared.step).value_or(0.0);
+    if (prepared.input_edge > 0.0) prepared.input.motion = prepared.motion_of_input(samples);
+    return;
+  }
   prepared.inputs_disagree = disagree;
   if (disagree) {
-    prepared.input.motion = firmware::through_samples(recording[Channel::z_r], 1.0 / h);
-    prepared.acceleration_known = known_up_to(recording[Channel::z_r], sensors->position_noise, h, prepared.step);
-    smooth_acceleration(prepared.input.motion, thresholds::acceleration_edge * prepared.acceleration_known, h);
+    prepared.acceleration_known =
+        known_up_to(recording[Channel::z_r], {noise.position, noise.position_colour}, h, prepared.step);
+    prepared.input_edge = smoothing_edge(prepared.acceleration_known);
+    prepared.input.motion = prepared.motion_of_input(recording[Channel::z_r]);
     return;
   }
   prepared.input.motion =
@@ -106,9 +117,14 @@ std::optional<Channel> PreparedRecording::input_sensor() const {
   return input.channel;
 }
 
+firmware::FootPointMotion PreparedRecording::motion_of_input(const std::vector<double>& samples) const {
+  if (!(input_edge > 0.0)) return motion_of(input.channel, samples, input.period);
+  return motion_of(input.channel, smoothed(samples, input_edge, input.period), input.period);
+}
+
 Window PreparedRecording::comparable(Channel channel, Window window) const {
   if (channel != Channel::zdd_r || !(acceleration_known > 0.0)) return window;
-  const auto margin = static_cast<std::size_t>(thresholds::acceleration_reach / input.period);
+  const auto margin = static_cast<std::size_t>(thresholds::smoothing_reach / input.period);
   window.from = std::max(window.from, margin);
   window.to = std::max(window.from, std::min(window.to, size() - std::min(size(), margin)));
   return window;

@@ -62,9 +62,12 @@ struct PreparedRecording {
   bool inputs_fused = false;  ///< they agree: the foot point moves on the fusion of both
   /// Where z_r alone gives z̈_r: the frequency [Hz] up to which z_r is above its noise. 0: not needed.
   double acceleration_known = 0.0;
+  double input_edge = 0.0;  ///< [Hz] the input is smoothed above (smoothed_input.hpp); 0: it is as recorded
   /// Model steps per sample where friction, free play or stops act (thresholds::step_with_corners).
   int substeps = 1;
 
+  /// The motion that samples of the driving channel say, smoothed as the input is.
+  [[nodiscard]] firmware::FootPointMotion motion_of_input(const std::vector<double>& samples) const;
   /// The part of a window where a channel can be compared: not z̈_r at the ends of a recording, where its filter lacks
   /// samples.
   [[nodiscard]] Window comparable(model::Channel channel, Window window) const;

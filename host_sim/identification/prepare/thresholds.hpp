@@ -197,18 +197,23 @@ inline constexpr double input_disagreement = 6.0;
 /// [1] and by what share of the noise, since the declared noise is itself known to some per cent only. Half, twice: the
 /// same names.
 inline constexpr double input_disagreement_share = 0.1;
-/// [1] z_r says something of its motion up to the highest frequency whose power is so many times that of its noise.
+/// [1] A position says something of its motion up to the highest frequency whose power is so many times that of its
+/// noise.
 /// Derivation: a Welch estimate of 20 s scatters by 0.2, so 3 is not reached by noise. Half: noise passes for motion.
 /// Twice: the same names.
 inline constexpr double power_above_noise = 3.0;
 /// [Hz] the bounds of that frequency: below, no rig is described by its foot point; above, nothing is whitened.
 inline constexpr double lowest_known_frequency = 10.0, highest_known_frequency = 90.0;
-/// [1] z̈_r from z_r alone is cut off at so many times that frequency, so that the filter's edge lies where the noise
-/// covers it. Half: the edge lies in the signal. Twice: twice the frequency brings 4 times the noise of z̈_r.
-inline constexpr double acceleration_edge = 1.5;
-/// [s] length of that filter to either side of a sample: an edge of ± 10 Hz. Half: ± 20 Hz. Twice: twice as much of the
-/// recording's ends is not compared.
-inline constexpr double acceleration_reach = 0.1;
+/// [s] half length of the filter of smoothed_input.hpp, Kaiser's β of 100 dB, and [Hz] half the width of its edge,
+/// 92/(14.4 · 2 reach). Half the length: an edge of ± 32 Hz. Twice: ends twice as long depend on how the signal was
+/// continued.
+inline constexpr double smoothing_reach = 0.1;
+inline constexpr double smoothing_beta = 0.1102 * (100.0 - 8.7);
+inline constexpr double smoothing_transition = 92.0 / (14.4 * 2.0 * smoothing_reach);
+/// [standard deviations] of the noise: what is taken away from an input, at most. Derivation: 600 000 normal values
+/// hold one beyond 6 with a chance of 1e-3. Half: no recording of 5 s passes. Twice: a step of the road passes that is
+/// 24 times its noise, of which half is overshoot.
+inline constexpr double smoothed_noise = 6.0;
 
 // Units and signs -----------------------------------------------------------------------------------------------------
 

@@ -42,10 +42,10 @@ Explained explained(const IdentificationProblem& problem, const Hypothesis& hypo
   return {left.squaredNorm(), static_cast<double>(left.size()), held_out_chi_squared(problem, hypothesis)};
 }
 
-bool explains_nearly_all(const Explained& with, const Explained& without) {
+bool leaves_at_most(double share, const Explained& with, const Explained& without) {
   const double left = std::max(with.fitted - with.residuals, 0.0);
   const double all = std::max(without.fitted - without.residuals, 0.0);
-  return left < thresholds::nearly_all * all &&
+  return left < share * all &&
          with.held_out * without.fitted <= thresholds::held_out_like_fitted * with.fitted * without.held_out;
 }
 

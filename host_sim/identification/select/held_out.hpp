@@ -22,9 +22,8 @@ struct Explained {
 };
 [[nodiscard]] Explained explained(const IdentificationProblem& problem, const Hypothesis& hypothesis);
 
-/// Whether a model leaves at most a share (thresholds::nearly_all) of what another one leaves beyond noise, and
-/// explains the held-out windows as well as the fitted ones (thresholds::held_out_like_fitted). What a step or a table
-/// gets wrong about a strong law is a rest, and still the law.
-[[nodiscard]] bool explains_nearly_all(const Explained& with, const Explained& without);
+/// Whether a model leaves at most a share of what another one leaves beyond noise, and explains the held-out windows as
+/// well as the fitted ones (thresholds::held_out_like_fitted).
+[[nodiscard]] bool leaves_at_most(double share, const Explained& with, const Explained& without);
 
 }  // namespace host_sim::identification

@@ -57,21 +57,31 @@ bool may_be_one_law(const SearchResult& found) {
   });
 }
 
+/// Whether a model has laws that could imitate others, each of one parameter.
+bool bends_into_nothing(const SearchResult& found) {
+  const auto& effects = found.best.effects;
+  const auto imitates = [](const firmware::PlacedEffect& e) { return e.entry->imitates; };
+  return std::any_of(effects.begin(), effects.end(), imitates) &&
+         std::all_of(effects.begin(), effects.end(),
+                     [&](const firmware::PlacedEffect& e) { return !imitates(e) || e.entry->parameters.size() == 1; });
+}
+
 /// Whether laws that could imitate others explain what the rest of the catalogue leaves, or the same with fewer
 /// effects.
 bool takes_its_place(const IdentificationProblem& problem, const SearchResult& imitating, const SearchResult& found,
                      bool rest) {
   const Hypothesis& hypothesis = imitating.best.fit.hypothesis;
-  if (!std::isfinite(imitating.best.fit.chi_squared) || !stays_finite(problem, hypothesis) || changes(imitating)) {
-    return false;
-  }
-  if (rest && explains_nearly_all(explained(problem, hypothesis), explained(problem, found.best.fit.hypothesis))) {
-    return true;
-  }
+  if (!std::isfinite(imitating.best.fit.chi_squared) || !stays_finite(problem, hypothesis)) return false;
+  const auto leaves = [&](double share) {
+    return leaves_at_most(share, explained(problem, hypothesis), explained(problem, found.best.fit.hypothesis));
+  };
   const SelectionCriterion criterion;
-  const bool simpler =
-      imitating.best.effects.size() < found.best.effects.size() && criterion.prefers(imitating.best, found.best);
-  return (rest || simpler) && is_whole(problem, hypothesis);
+  const bool better = criterion.prefers(imitating.best, found.best);
+  const bool fewer = imitating.best.effects.size() < found.best.effects.size();
+  if (rest && fewer && better && bends_into_nothing(imitating) && leaves(1.0)) return true;
+  if (changes(imitating)) return false;
+  if (rest && leaves(thresholds::nearly_all)) return true;
+  return (rest || (fewer && better)) && is_whole(problem, hypothesis);
 }
 
 }  // namespace

@@ -17,9 +17,11 @@ namespace host_sim::identification {
 ///   3  where it is not the whole: the search under model error
 ///   4  parameters of the description compete with the effects (suspect_parameters.hpp)
 ///   5  where more than noise is left, or two effects may be one such law: steps 1, 2 and 4 with the laws that could
-///      imitate others (EffectCard::imitates). Their result is taken where it leaves nothing but noise, or nearly
-///      nothing (held_out.hpp); in the place of two effects that leave nothing but noise, where it costs less by (1) of
-///      SelectionCriterion
+///      imitate others (EffectCard::imitates). Their result is taken
+///      - where it leaves nothing but noise, or nearly nothing (thresholds::nearly_all)
+///      - in the place of two effects that leave nothing but noise, where it costs less by (1) of SelectionCriterion
+///      - where more than noise is left with it, too: if it has fewer effects, costs less, and each such law in it has
+///        one parameter, which no value bends into another law
 [[nodiscard]] SearchResult select_model(IdentificationProblem& problem, const SearchSpace& space,
                                         const ProgressCallback& progress);
 

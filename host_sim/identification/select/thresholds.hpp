@@ -25,7 +25,8 @@ inline constexpr double tie = 6.0;
 /// [1] Of what simpler effects leave beyond noise, the most that a law with a shape of its own may leave, and how much
 /// less of χ² than in the fitted windows it may explain in the held-out ones. Derivation: a table of 33 points follows
 /// a power of 3 within some per cent of the force at its ends, some 1e-3 of the power; an effect that is missing beside
-/// it leaves more than a fiftieth where it can be named at all.
+/// it leaves more than a fiftieth where it can be named at all: what a step or a table gets wrong about a strong law is
+/// a rest, and still the law.
 inline constexpr double nearly_all = 0.02, held_out_like_fitted = 2.0;
 /// [1] A value this near to a bound of its card stands at it: a fit stops there, up to rounding. Half and twice: no
 /// difference.

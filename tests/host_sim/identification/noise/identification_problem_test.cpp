@@ -29,7 +29,7 @@ std::vector<PreparedRecording> spring_recordings() {
 }
 
 // Point. Through a spring of k noise σ_x of the deflection becomes noise k σ_x of the force at every frequency: N = k²
-// σ_x², and the variance is the same.
+// σ_x², and the variance is the part of it below the edge above which the deflection is smoothed, with a thousandth.
 TEST(InputNoiseCovariance, IsTheSquareOfAStiffnessTimesTheNoise) {
   const auto recordings = spring_recordings();
   const Hypothesis given = described_hypothesis(spring(), recordings);
@@ -38,7 +38,10 @@ TEST(InputNoiseCovariance, IsTheSquareOfAStiffnessTimesTheNoise) {
   const double expected = std::pow(30000.0 * sample::deflection_noise, 2);
   ASSERT_EQ(noise.spectrum.size(), 91U);
   for (const auto& matrix : noise.spectrum) EXPECT_NEAR(matrix(0, 0).real() / expected, 1.0, 1e-6);
-  EXPECT_NEAR(noise.variance[index(Channel::F)] / expected, 1.0, 0.05);  // 18 000 samples: √(2/18 000) = 0.01
+  const double share = 2.0 * recordings[0].input_edge * recordings[0].input.period;
+  ASSERT_GT(share, 0.0);
+  // 18 000 samples, of which the share is independent: √(2/(18 000 · 0.05)) = 0.05, of three realisations.
+  EXPECT_NEAR(noise.variance[index(Channel::F)] / (expected * share), 1.0, 0.1);
 }
 
 // Law. With the noise of its input known, a recording of the described rig leaves χ² = n; without it, (k σ_x)² more.

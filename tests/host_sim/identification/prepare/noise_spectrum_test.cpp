@@ -183,6 +183,15 @@ TEST(ExpectedColour, IsWhatMostPositionsHave) {
   EXPECT_EQ(identification::expected_colour(noises)->corner, 200.0);
   noises[index(model::Channel::z_r)] = white;
   EXPECT_FALSE(identification::expected_colour(noises));
+
+  // One position alone: its corner counts if it is seen, and not as a guess under a tail of motion.
+  identification::ChannelNoises alone;
+  ChannelNoise& only = alone[index(model::Channel::x_act)] = filtered;
+  EXPECT_TRUE(identification::expected_colour(alone));
+  only.corner_half_width = only.colour.corner;
+  EXPECT_FALSE(identification::expected_colour(alone));
+  alone[index(model::Channel::z_b)] = only;
+  EXPECT_TRUE(identification::expected_colour(alone)) << "two guesses that agree";
 }
 
 }  // namespace
