@@ -339,6 +339,11 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
   fit.tail = best.level.tail;
   const bool is_expected = expected && best.colour.corner == expected->corner;
   if (fit.tail > 0.0 && !is_expected) fit.noise.corner_half_width = best.colour.corner;
+  // Below the lowest corner only the product of level and corner is seen.
+  const double lowest_corner = thresholds::lowest_corner_share * levels.front().frequency;
+  if (!is_expected && best.colour.corner < 1.01 * lowest_corner) {
+    fit.noise.corner_half_width = thresholds::unseen_corner * best.colour.corner;
+  }
   return fit;
 }
 
@@ -350,10 +355,10 @@ std::optional<NoiseColour> expected_colour(const ChannelNoises& noises) {
     ++known;
     if (noises[c].colour.is_white()) continue;
     colours.push_back(noises[c].colour);
-    if (noises[c].shows_a_filter()) ++shown;
+    if (noises[c].corner_half_width < thresholds::unseen_corner * noises[c].colour.corner) ++shown;
   }
   if (colours.empty() || 2 * colours.size() < known) return std::nullopt;
-  if (shown == 0 && colours.size() == 1) return std::nullopt;  // a guess, and nobody shares it
+  if (shown == 0 && colours.size() == 1) return std::nullopt;  // nobody sees it
   const auto middle = colours.begin() + static_cast<std::ptrdiff_t>(colours.size() / 2);
   std::nth_element(colours.begin(), middle, colours.end(),
                    [](const NoiseColour& a, const NoiseColour& b) { return a.corner < b.corner; });

@@ -100,6 +100,8 @@ inline constexpr double noise_spectrum_bands = 50.0;
 inline constexpr double least_filtered_power = 1e-4;
 /// [1] Lowest corner, relative to the beginning: below, only the product of level and corner is seen.
 inline constexpr double lowest_corner_share = 0.4;
+/// [1] Half width of such a corner, relative to itself: it has no lower end.
+inline constexpr double unseen_corner = 2.0;
 /// Orders of low-passes that recorders and amplifiers have.
 inline constexpr int highest_filter_order = 4;
 /// [1] Share of the lowest power above the motion that is noise at least, where tails hide it. Half and twice: the

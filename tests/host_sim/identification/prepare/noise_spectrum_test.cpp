@@ -184,14 +184,14 @@ TEST(ExpectedColour, IsWhatMostPositionsHave) {
   noises[index(model::Channel::z_r)] = white;
   EXPECT_FALSE(identification::expected_colour(noises));
 
-  // One position alone: its corner counts if it is seen, and not as a guess under a tail of motion.
+  // One position alone: its corner counts, unless it lies below all that are seen.
   identification::ChannelNoises alone;
   ChannelNoise& only = alone[index(model::Channel::x_act)] = filtered;
   EXPECT_TRUE(identification::expected_colour(alone));
-  only.corner_half_width = only.colour.corner;
+  only.corner_half_width = 2.0 * only.colour.corner;
   EXPECT_FALSE(identification::expected_colour(alone));
   alone[index(model::Channel::z_b)] = only;
-  EXPECT_TRUE(identification::expected_colour(alone)) << "two guesses that agree";
+  EXPECT_TRUE(identification::expected_colour(alone)) << "two that agree";
 }
 
 }  // namespace
