@@ -27,8 +27,7 @@ std::vector<double> noise_of_input(const PreparedRecording& recording, double rm
   return noise;
 }
 
-/// What is left of the noise that was smoothed away: enough to tell what it would do to the channels, (1), and too
-/// little to shift events.
+/// Reduces noise above the smoothing edge to 3 %. That still shows its gain to the channels, (1), and shifts no events.
 void weaken_above_edge(std::vector<double>& noise, double edge, double period) {
   constexpr double left = 0.03;
   const std::vector<double> slow = smoothed(noise, edge, period);

@@ -86,7 +86,7 @@ struct NoiseSpectrumFit {
                                                                  bool is_foot_point = false);
 
 /// The colour that positions, which have no tails, agree on: the middle corner. nullopt: they are white, or one alone
-/// has a corner that is a guess.
+/// has a corner that lies below all that are seen.
 [[nodiscard]] std::optional<NoiseColour> expected_colour(const ChannelNoises& noises);
 
 }  // namespace host_sim::identification

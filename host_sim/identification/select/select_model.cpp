@@ -57,7 +57,7 @@ bool may_be_one_law(const SearchResult& found) {
   });
 }
 
-/// Whether a model has laws that could imitate others, each of one parameter.
+/// true: at least one effect could imitate others, and each that could has one parameter.
 bool bends_into_nothing(const SearchResult& found) {
   const auto& effects = found.best.effects;
   const auto imitates = [](const firmware::PlacedEffect& e) { return e.entry->imitates; };
