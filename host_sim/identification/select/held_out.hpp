@@ -22,8 +22,8 @@ struct Explained {
 };
 [[nodiscard]] Explained explained(const IdentificationProblem& problem, const Hypothesis& hypothesis);
 
-/// true: `with` leaves less than a share of what `without` leaves beyond noise, and explains the held-out windows nearly
-/// as well as the fitted ones (thresholds::held_out_like_fitted).
+/// true: `with` leaves less than a share of what `without` leaves beyond noise, and explains the held-out windows
+/// nearly as well as the fitted ones (thresholds::held_out_like_fitted).
 [[nodiscard]] bool leaves_at_most(double share, const Explained& with, const Explained& without);
 
 }  // namespace host_sim::identification
