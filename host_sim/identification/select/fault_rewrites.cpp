@@ -1,6 +1,7 @@
 #include "host_sim/identification/select/fault_rewrites.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -118,6 +119,49 @@ std::optional<CandidateModel> in_group(const ModelFitter& fitter, const Candidat
     if (fitter.criterion().prefers(other, best ? *best : whole)) best = std::move(other);
   }
   return best;
+}
+
+std::optional<CandidateModel> in_one_fault(const ModelFitter& fitter, const CandidateModel& whole, std::size_t effect) {
+  const firmware::PlacedEffect& own = whole.effects[effect];
+  const bool lags = own.entry->name == "sensor_lag";
+  if (!lags && own.entry->name != "sensor_delay") return std::nullopt;
+  Hypothesis start = whole.fit.hypothesis;
+  std::vector<firmware::PlacedEffect> effects;
+  std::vector<Channel> late;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < whole.effects.size(); ++i) {
+    const firmware::PlacedEffect& other = whole.effects[i];
+    const double ratio = other.entry == own.entry ? other.values.front() / own.values.front() : 0.0;
+    if (!(std::abs(ratio - 1.0) < thresholds::alike_filters)) {
+      effects.push_back(other);
+      continue;
+    }
+    if (i < effect) return std::nullopt;
+    late.push_back(*other.channel);
+    sum += other.values.front();
+    firmware::remove_effect(start.rig, *other.entry, other.channel);
+  }
+  if (late.size() < 2 || start.faults.size() >= thresholds::most_faults) return std::nullopt;
+  const auto is_late = [&](Channel channel) { return std::find(late.begin(), late.end(), channel) != late.end(); };
+  const bool of_input = is_late(fitter.problem().samples().front().input.channel);
+  PlacedFault fault;
+  fault.kind = lags ? FaultKind::common_filter : FaultKind::clock;
+  fault.inverse = lags && of_input;
+  for (const Channel channel : fitter.problem().channels()) {
+    if (is_late(channel) != of_input) fault.channels.push_back(channel);
+  }
+  if (fault.channels.empty()) return std::nullopt;
+  const double mean = sum / static_cast<double>(late.size());
+  if (lags) {
+    fault.values = {1.0 / (2.0 * std::numbers::pi * mean)};
+    fault.fitted = {true};
+  } else {
+    fault.values = {of_input ? -mean : mean, 0.0};
+    fault.fitted = {true, false};
+  }
+  start.faults.push_back(std::move(fault));
+  CandidateModel one = fitter.refitted(start, std::move(effects), 8);
+  return fitter.criterion().prefers(one, whole) ? std::optional(std::move(one)) : std::nullopt;
 }
 
 std::optional<CandidateModel> by_sensors(const ModelFitter& fitter, const CandidateModel& whole, std::size_t fault) {

@@ -30,6 +30,11 @@ bool simplify_clock(const ModelFitter& fitter, CandidateModel& model, std::size_
 [[nodiscard]] std::optional<CandidateModel> in_group(const ModelFitter& fitter, const CandidateModel& whole,
                                                      std::size_t effect);
 
+/// One filter of first order in the place of lags of several sensors that are alike, or one late clock in the place of
+/// their delays. `effect`: the first of them. nullopt: there are no others, or each of its own is better.
+[[nodiscard]] std::optional<CandidateModel> in_one_fault(const ModelFitter& fitter, const CandidateModel& whole,
+                                                         std::size_t effect);
+
 /// With an effect of a sensor in the place of a clock or filter of one channel, or of the input: a delay, or a lag for
 /// a filter of first order. For such a filter of several channels a lag of each, without clocks of these alone.
 /// nullopt: the fault is none of these.

@@ -371,6 +371,10 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     best = std::move(*shared);
     return true;
   }
+  if (auto one = in_one_fault(fitter_, best, effect)) {
+    best = std::move(*one);
+    return true;
+  }
   CandidateModel reduced = without(effect, found);
   if (!criterion_.prefers(best, reduced)) {
     best = std::move(reduced);

@@ -137,9 +137,10 @@ TEST(RecordingFaults, ACommonFilterOfAllAccelerometers) {
 /// A car whose recording was changed, as what models are fitted to.
 struct ChangedCar {
   template <class Change>
-  explicit ChangedCar(const Change& change) {
+  explicit ChangedCar(const Change& change, std::vector<std::string> missing = {}) {
     using namespace host_sim::identification;
-    const truth::Truth truth = sample::quarter_car(6);
+    truth::Truth truth = sample::quarter_car(6);
+    truth.rough.missing = std::move(missing);
     const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
     PreparedData data = prepare(description, {{sample::changed_recording(truth, change), Use::shared}});
     given = described_hypothesis(description, data.recordings);
@@ -187,6 +188,38 @@ TEST(RecordingFaults, ADelayThatIsTheFiltersJoinsIt) {
     ASSERT_EQ(joined->faults().size(), 1U);
     EXPECT_EQ(sorted(joined->faults()[0].channels), sorted({Channel::zdd_w, Channel::zdd_b}));
     EXPECT_NEAR(joined->faults()[0].values[0], 150.0, 12.0) << "eight per cent";
+  }
+}
+
+// Two channels are late, each of which was called a delay of its sensor: they are one late clock where they are late by
+// the same, also where one of them drives the rig, so that all others are early; else two delays.
+TEST(RecordingFaults, DelaysThatAreAlikeAreOneClock) {
+  using namespace host_sim::identification;
+  for (const auto& [first, other_late] : {std::pair{"zdd_w", 3e-3}, {"zdd_w", 1.5e-3}, {"z_r", 3e-3}}) {
+    const Channel channel = *model::find_channel(first);
+    const auto put_late = [name = std::string(first), other = other_late](Columns& columns) {
+      sample::put_on_clock(columns, {name}, 3e-3, 0.0);
+      sample::put_on_clock(columns, {"dz_b"}, other, 0.0);
+    };
+    const bool drives = channel == Channel::z_r;
+    const ChangedCar car(put_late, drives ? std::vector<std::string>{"zdd_r"} : std::vector<std::string>{});
+    Hypothesis start = car.given;
+    const std::vector<firmware::PlacedEffect> late{
+        {firmware::find_effect("sensor_delay"), channel, {3e-3}},
+        {firmware::find_effect("sensor_delay"), Channel::dz_b, {other_late}}};
+    for (const auto& effect : late) firmware::put_effect(start.rig, effect);
+    const CandidateModel split = car.fitter->refitted(start, late);
+    const auto one = in_one_fault(*car.fitter, split, 0);
+    ASSERT_EQ(one.has_value(), other_late == 3e-3);
+    EXPECT_FALSE(in_one_fault(*car.fitter, split, 1)) << "the first of them";
+    if (!one) continue;
+    EXPECT_TRUE(one->effects.empty());
+    ASSERT_EQ(one->faults().size(), 1U);
+    const PlacedFault& clock = one->faults()[0];
+    EXPECT_EQ(clock.kind, FaultKind::clock);
+    EXPECT_TRUE(clock.acts_on(Channel::dz_b) != drives);
+    EXPECT_EQ(clock.channels.size(), drives ? 4U : 2U);
+    EXPECT_NEAR(clock.values[0], drives ? -3e-3 : 3e-3, 5e-5);
   }
 }
 
@@ -415,26 +448,10 @@ TEST(RecordingFaults, ASaturatedForceIsSeenBehindAFilter) {
 }
 
 // The input and one channel are behind a filter of first order, all others are not, and one of these is cut off behind
-// where the input's filter is undone. The noise says second order, so it is called a lag of each of the two, which is
-// the same to every channel: both lags are the filter's, and the limit is right. (One filter would be the better name.)
+// where the input's filter is undone. The noise of the input says second order, so each of the two is called a lag
+// first: lags that are alike are one filter.
 TEST(RecordingFaults, AFilterOfTheInputStandsBeforeALimit) {
-  const truth::Truth truth = truth::draw_rough("noise_coloured", 2026121305);
-  const double lag = 1.0 / (2.0 * std::numbers::pi * truth.rough.recorder.at("z_r").corner);
-  const Diagnosis found = sample::diagnosis_of_all(truth);
-  const std::string said = host_sim::identification::sentence(found);
-  EXPECT_EQ(found.verdict, Verdict::named) << said;
-  std::vector<Channel> late;
-  for (const auto& named : found.effects) {
-    if (named.effect.entry->name != "sensor_lag") {
-      EXPECT_EQ(named.effect.entry->name, "sensor_saturation") << said;
-      EXPECT_EQ(named.effect.channel, Channel::zdd_w) << said;
-      continue;
-    }
-    late.push_back(*named.effect.channel);
-    EXPECT_NEAR(named.parameters[0].value / lag, 1.0, 0.05) << said;
-  }
-  if (const RecordingFault* const filter = fault_of(found, "common_filter")) late = filter->channels;
-  EXPECT_EQ(sorted(late), sorted({Channel::z_r, Channel::F_w})) << said;
+  expect_behind_filter(2026121305, {"sensor_saturation"}, {Channel::z_r, Channel::F_w});
 }
 
 /// Diagnoses a rough recording, of which nothing but these effects may be named.
