@@ -41,6 +41,8 @@ enum class ModelVariant : unsigned char {
   virtual_car,  ///< the virtual car alone, without machine, component, sensors and delay line: the controller
 };
 
+inline constexpr std::size_t usual_delay_capacity = 512;  ///< [samples] of the machine's delay line
+
 /// Stands for a part that a variant of the model does not have.
 template <class Part>
 struct Without {};
@@ -88,8 +90,8 @@ template <class S, LawCapacity laws>
 ///
 /// Memory: all inside; DelayCapacity [samples] bounds the delay of the machine. After every 64 steps values that have
 /// decayed below 1e-100 become zero: a rig at rest never computes with denormal numbers.
-template <class S = double, std::size_t DelayCapacity = 512, ModelVariant variant = ModelVariant::every_part,
-          LawCapacity capacity = law_capacity<S>>
+template <class S = double, std::size_t DelayCapacity = usual_delay_capacity,
+          ModelVariant variant = ModelVariant::every_part, LawCapacity capacity = law_capacity<S>>
 class RigModel {
  public:
   using Line = DelayLine<Stroke<S>, DelayCapacity, S>;

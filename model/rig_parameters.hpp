@@ -48,6 +48,24 @@ struct RigParameters {
   }
 };
 
+/// A rig that has neither laws nor extensions, for a model without room for them.
+template <class S, LawCapacity capacity>
+[[nodiscard]] constexpr RigParameters<S, no_laws> without_laws(const RigParameters<S, capacity>& rig) {
+  RigParameters<S, no_laws> bare;
+  bare.kind = rig.kind;
+  bare.body.mass = rig.body.mass;
+  bare.wheel.mass = rig.wheel.mass;
+  bare.tyre.stiffness = rig.tyre.stiffness;
+  bare.tyre.damping = rig.tyre.damping;
+  bare.suspension.stiffness = rig.suspension.stiffness;
+  bare.suspension.damping = rig.suspension.damping;
+  bare.machine.virtual_damping = rig.machine.virtual_damping;
+  bare.has_fdva = rig.has_fdva;
+  bare.fdva = rig.fdva;
+  bare.effects = rig.effects;
+  return bare;
+}
+
 /// visit(number) for every number of a rig but those of sensor effects, laws and extensions, of effects that are not
 /// active, too.
 template <class Rig, class Visit>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
@@ -121,16 +122,22 @@ InitialState resting(const Rig& rig, const SimulationInput& input) {
   return start;
 }
 
-Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
-                  int substeps, const RigVariation& variation) {
-  return simulate(rig, input, start, samples, substeps, response_channels(rig.kind, input), variation);
-}
+namespace {
 
-Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
-                  int substeps, const std::vector<Channel>& channels, const RigVariation& variation) {
+/// simulate() with a model that has room for what the rig has.
+template <class Model>
+Response simulated(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
+                   int substeps, const std::vector<Channel>& channels, const RigVariation& variation) {
   const bool bench = rig.kind == RigKind::component_bench;
-  std::optional<model::RigModel<>> model;
-  const auto become = [&](const Rig& present) { model.emplace(answering(present, input), input.period / substeps); };
+  std::optional<Model> model;
+  const auto become = [&](const Rig& present) {
+    const Rig answers = answering(present, input);
+    if constexpr (std::is_same_v<typename Model::Rig, Rig>) {
+      model.emplace(answers, input.period / substeps);
+    } else {
+      model.emplace(model::without_laws(answers), input.period / substeps);
+    }
+  };
   become(variation.every > 0 ? variation.at(0) : rig);
   const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
   Response response;
@@ -165,6 +172,22 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
     }
     model->step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
   }
+}
+
+}  // namespace
+
+Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
+                  int substeps, const RigVariation& variation) {
+  return simulate(rig, input, start, samples, substeps, response_channels(rig.kind, input), variation);
+}
+
+Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
+                  int substeps, const std::vector<Channel>& channels, const RigVariation& variation) {
+  using Plain = model::RigModel<double, model::usual_delay_capacity, model::ModelVariant::every_part, model::no_laws>;
+  if (rig.laws.any() || rig.has_extensions()) {
+    return simulated<model::RigModel<>>(rig, input, start, samples, substeps, channels, variation);
+  }
+  return simulated<Plain>(rig, input, start, samples, substeps, channels, variation);
 }
 
 }  // namespace host_sim

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "host_sim/signal/kaiser.hpp"
+
 namespace host_sim {
 namespace {
 
-/// [samples] The filter's half length and its Kaiser β of 100 dB: the transition around half the sample rate is
-/// 92/(14.4 · 2 reach) = 0.1 of the sample rate wide, so it begins at 0.45.
+/// [samples] The filter's half length: the transition around half the sample rate is 92/(14.4 · 2 reach) = 0.1 of the
+/// sample rate wide, so it begins at 0.45.
 constexpr std::size_t interpolation_reach = 32;
-constexpr double interpolation_beta = 0.1102 * (100.0 - 8.7);
 
 }  // namespace
 
@@ -21,12 +22,9 @@ Interpolation::Interpolation(std::size_t factor) : factor_(factor) {
     double sum = 0.0;
     const std::size_t first = weights_.size();
     for (std::ptrdiff_t j = 1 - reach; j <= reach; ++j) {
-      const double x = r - static_cast<double>(j), place = x / static_cast<double>(reach);
-      const double window = std::abs(place) < 1.0
-                                ? std::cyl_bessel_i(0.0, interpolation_beta * std::sqrt(1.0 - place * place)) /
-                                      std::cyl_bessel_i(0.0, interpolation_beta)
-                                : 0.0;
-      weights_.push_back(window * std::sin(std::numbers::pi * x) / (std::numbers::pi * x));
+      const double x = r - static_cast<double>(j);
+      weights_.push_back(kaiser_window(x / static_cast<double>(reach)) * std::sin(std::numbers::pi * x) /
+                         (std::numbers::pi * x));
       sum += weights_.back();
     }
     for (std::size_t i = first; i < weights_.size(); ++i) weights_[i] /= sum;

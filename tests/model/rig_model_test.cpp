@@ -90,7 +90,7 @@ TEST(RigModel, SplitsIntoCarAndMachineWithoutChangingABit) {
 // Memory. What a controller carries is small: a delay line alone has 8 KiB, a rig's matrices 33. Room for laws from
 // tables is 40 KiB (8 curves of 33 points, a surface, 8 branches, as tables and as polynomials); a board that has no
 // laws leaves it out.
-using BareCar = model::RigModel<double, 512, model::ModelVariant::virtual_car, model::no_laws>;
+using BareCar = model::RigModel<double, model::usual_delay_capacity, model::ModelVariant::virtual_car, model::no_laws>;
 static_assert(sizeof(BareCar) + sizeof(BareCar::State) < 4096);
 static_assert(sizeof(model::VirtualCar<>) + sizeof(model::VirtualCar<>::State) < 4096 + 40 * 1024);
 static_assert(sizeof(Rig) + sizeof(Rig::State) > 40960);

@@ -4,26 +4,21 @@
 #include <cmath>
 #include <numbers>
 
+#include "host_sim/signal/kaiser.hpp"
 #include "host_sim/signal/wide.hpp"
 
 namespace host_sim::identification {
 namespace {
 
-/// Kaiser's rules for 100 dB: β, and the length for a transition of a given width [of the sample rate].
-constexpr double attenuation = 100.0;
-constexpr double beta = 0.1102 * (attenuation - 8.7);
-
 std::vector<double> half_band(double highest) {
   const double width = 0.5 - 2.0 * highest;
-  auto half = static_cast<std::size_t>(std::ceil((attenuation - 7.95) / (14.36 * width) / 2.0));
+  auto half = static_cast<std::size_t>(std::ceil(kaiser_length(width)));
   half += half % 2 == 0 ? 1 : 0;  // the outermost factor at an odd place: those at even ones are zero
   std::vector<double> factors;
   double sum = 0.0;
   for (std::size_t j = 1; j <= half; j += 2) {
-    const double x = static_cast<double>(j), place = x / static_cast<double>(half + 1);
-    const double window = std::cyl_bessel_i(0.0, beta * std::sqrt(1.0 - place * place)) / std::cyl_bessel_i(0.0, beta);
-    const double sign = j % 4 == 1 ? 1.0 : -1.0;
-    factors.push_back(window * sign / (std::numbers::pi * x));
+    const double x = static_cast<double>(j), sign = j % 4 == 1 ? 1.0 : -1.0;
+    factors.push_back(kaiser_window(x / static_cast<double>(half + 1)) * sign / (std::numbers::pi * x));
     sum += 2.0 * factors.back();
   }
   for (double& h : factors) h *= 0.5 / sum;  // a constant stays what it is

@@ -10,6 +10,7 @@
 
 #include "host_sim/identification/common/butterworth.hpp"
 #include "host_sim/identification/predict/sample_polynomial.hpp"
+#include "host_sim/signal/weighted_sums.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -46,31 +47,42 @@ class AnalogueSection {
         steps_(2 + static_cast<int>(omega_ * period / 0.05)),
         step_(period / steps_) {
     for (std::size_t s = 0; s < 2; ++s) {
-      State unit{};
-      unit[s] = 1.0;
-      const State y = over_one_period(unit, [](double) { return 0.0; });
+      State y{};
+      y[s] = 1.0;
+      for (int i = 0; i < steps_; ++i) y = advanced(y, 0.0, 0.0, 0.0);
       for (std::size_t r = 0; r < 2; ++r) turn_[r][s] = y[r];
     }
     for (std::size_t place = 0; place < drive_.size(); ++place) {
-      for (std::size_t i = 0; i < polynomial_points; ++i) {
-        const State y = over_one_period({}, [&](double x) { return weights_at(static_cast<double>(place) + x)[i]; });
-        for (std::size_t r = 0; r < 2; ++r) drive_[place][r][i] = y[r];
+      std::array<State, polynomial_points> of_sample{};
+      const auto unit_samples = [&](double share) { return weights_at(static_cast<double>(place) + share); };
+      SampleWeights from = unit_samples(0.0);
+      for (int i = 0; i < steps_; ++i) {
+        const SampleWeights middle = unit_samples((i + 0.5) / steps_), to = unit_samples((i + 1.0) / steps_);
+        for (std::size_t s = 0; s < of_sample.size(); ++s) {
+          of_sample[s] = advanced(of_sample[s], from[s], middle[s], to[s]);
+        }
+        from = to;
+      }
+      for (std::size_t r = 0; r < 2; ++r) {
+        for (std::size_t s = 0; s < of_sample.size(); ++s) drive_[place][r][s] = of_sample[s][r];
       }
     }
   }
 
   [[nodiscard]] std::vector<double> filtered(const std::vector<double>& values) const {
-    const auto count = static_cast<std::ptrdiff_t>(values.size());
+    const std::vector<double> of_value = driven(0, values);
+    const std::vector<double> of_slope = section_.second_order ? driven(1, values) : std::vector<double>{};
     std::vector<double> result(values.size());
     State y{values.front(), 0.0};
     result.front() = y[0];
-    for (std::ptrdiff_t n = 1; n < count; ++n) {
-      const std::ptrdiff_t first = first_around(n - 1, count);
-      const auto& drive = drive_[static_cast<std::size_t>(n - 1 - first)];
-      const double* const u = values.data() + first;
-      y = {turn_[0][0] * y[0] + turn_[0][1] * y[1] + weighted(drive[0], u),
-           turn_[1][0] * y[0] + turn_[1][1] * y[1] + weighted(drive[1], u)};
-      result[static_cast<std::size_t>(n)] = y[0];
+    for (std::size_t n = 1; n < result.size(); ++n) {
+      if (section_.second_order) {
+        y = {turn_[0][0] * y[0] + turn_[0][1] * y[1] + of_value[n],
+             turn_[1][0] * y[0] + turn_[1][1] * y[1] + of_slope[n]};
+      } else {
+        y[0] = turn_[0][0] * y[0] + of_value[n];
+      }
+      result[n] = y[0];
     }
     return result;
   }
@@ -78,24 +90,33 @@ class AnalogueSection {
  private:
   using State = std::array<double, 2>;
 
+  /// B (u[first] … u[first + 5]) of one state at each n > 0.
+  [[nodiscard]] std::vector<double> driven(std::size_t state, const std::vector<double>& values) const {
+    const auto count = static_cast<std::ptrdiff_t>(values.size());
+    constexpr std::ptrdiff_t middle = 2;  // of six samples, but for the ends
+    std::vector<double> sums(values.size());
+    for (std::ptrdiff_t n = 1; n < count; ++n) {
+      if (n == 1 + middle) n = count - middle;
+      const std::ptrdiff_t first = first_around(n - 1, count);
+      const auto place = static_cast<std::size_t>(n - 1 - first);
+      sums[static_cast<std::size_t>(n)] = weighted(drive_[place][state], values.data() + first);
+    }
+    add_weighted_sums(drive_[middle][state].data(), polynomial_points, values.data(), sums.data() + 1 + middle,
+                      static_cast<std::size_t>(count - polynomial_points + 1));
+    return sums;
+  }
   [[nodiscard]] State rate(const State& y, double u) const {
     if (!section_.second_order) return {omega_ * (u - y[0]), 0.0};
     return {y[1], omega_ * omega_ * (u - y[0]) - section_.damping * omega_ * y[1]};
   }
-  /// `input`: of the share of the period that has passed.
-  template <class Input>
-  [[nodiscard]] State over_one_period(State y, const Input& input) const {
-    const auto moved = [](const State& from, const State& k, double h) -> State {
-      return {from[0] + h * k[0], from[1] + h * k[1]};
-    };
-    for (int i = 0; i < steps_; ++i) {
-      const double from = static_cast<double>(i) / steps_, to = static_cast<double>(i + 1) / steps_;
-      const double middle = input(0.5 * (from + to));
-      const State k1 = rate(y, input(from)), k2 = rate(moved(y, k1, 0.5 * step_), middle);
-      const State k3 = rate(moved(y, k2, 0.5 * step_), middle), k4 = rate(moved(y, k3, step_), input(to));
-      for (std::size_t c = 0; c < 2; ++c) y[c] += step_ / 6.0 * (k1[c] + 2.0 * k2[c] + 2.0 * k3[c] + k4[c]);
-    }
-    return y;
+  /// One step of the method, with the input at its beginning, middle and end.
+  [[nodiscard]] State advanced(const State& y, double from, double middle, double to) const {
+    const auto moved = [&y](const State& k, double h) -> State { return {y[0] + h * k[0], y[1] + h * k[1]}; };
+    const State k1 = rate(y, from), k2 = rate(moved(k1, 0.5 * step_), middle);
+    const State k3 = rate(moved(k2, 0.5 * step_), middle), k4 = rate(moved(k3, step_), to);
+    State next = y;
+    for (std::size_t c = 0; c < 2; ++c) next[c] += step_ / 6.0 * (k1[c] + 2.0 * k2[c] + 2.0 * k3[c] + k4[c]);
+    return next;
   }
 
   Section section_;
@@ -110,12 +131,17 @@ class AnalogueSection {
 std::vector<double> digitally(const Section& section, double k, std::vector<double> values) {
   using Taps = std::array<double, 3>;  // newest first
   const double square = k * k, damped = section.damping * k;
-  const Taps in = section.second_order ? Taps{square, 2.0 * square, square} : Taps{k, k, 0.0};
-  const Taps out = section.second_order ? Taps{1.0 + damped + square, 2.0 * (square - 1.0), 1.0 - damped + square}
-                                        : Taps{1.0 + k, k - 1.0, 0.0};
+  Taps in = section.second_order ? Taps{square, 2.0 * square, square} : Taps{k, k, 0.0};
+  Taps out = section.second_order ? Taps{1.0 + damped + square, 2.0 * (square - 1.0), 1.0 - damped + square}
+                                  : Taps{1.0 + k, k - 1.0, 0.0};
+  const double divisor = out[0];  // a division in the loop would be what it waits for
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    in[i] /= divisor;
+    out[i] /= divisor;
+  }
   double u1 = values.front(), u2 = u1, y1 = u1, y2 = u1;
   for (double& value : values) {
-    const double next = (in[0] * value + in[1] * u1 + in[2] * u2 - out[1] * y1 - out[2] * y2) / out[0];
+    const double next = (in[0] * value + in[1] * u1 + in[2] * u2 - out[2] * y2) - out[1] * y1;
     u2 = std::exchange(u1, value);
     y2 = std::exchange(y1, next);
     value = next;

@@ -7,6 +7,8 @@
 
 #include "host_sim/identification/predict/low_pass.hpp"
 #include "host_sim/identification/predict/sample_polynomial.hpp"
+#include "host_sim/signal/weighted_sums.hpp"
+#include "host_sim/signal/wide.hpp"
 
 namespace host_sim::identification {
 
@@ -25,18 +27,53 @@ bool drifts(const std::vector<PlacedFault>& faults) {
                      [](const PlacedFault& fault) { return fault.kind == FaultKind::drift; });
 }
 
+namespace {
+
+/// moved[k] on the polynomial through samples[k] … samples[k + 5] at x + rate · k; moved holds zeros before.
+RIGTWIN_WIDE void put_between(const double* samples, double x, double rate, double* moved, std::size_t count) {
+  constexpr std::size_t piece = 64;
+  std::array<double, piece> places;
+  for (std::size_t first = 0; first < count; first += piece) {
+    for (std::size_t j = 0; j < piece; ++j) places[j] = x + rate * static_cast<double>(first + j);
+    const auto weights = weights_at_each(places);
+    const std::size_t present = count - first < piece ? count - first : piece;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const double* const sample = samples + first + i;
+      for (std::size_t j = 0; j < present; ++j) moved[first + j] += weights[i][j] * sample[j];
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<double> shifted(const std::vector<double>& values, double offset, double rate, double period) {
   std::vector<double> moved(values.size());
   const auto count = static_cast<std::ptrdiff_t>(values.size());
-  const double late = -offset / period, whole = std::floor(late);
-  const auto back = static_cast<std::ptrdiff_t>(std::clamp(whole, -1e9, 1e9));
-  const SampleWeights between = weights_at(late - whole + 2.0);  // the same between all samples, but for the ends
-  for (std::ptrdiff_t k = 0; k < count; ++k) {
-    const std::ptrdiff_t first = k + back - 2;
-    const bool inside = rate == 0.0 && first >= 0 && first <= count - polynomial_points;
-    const double at = static_cast<double>(k);
-    moved[static_cast<std::size_t>(k)] =
-        inside ? weighted(between, values.data() + first) : value_between(values, at + late + rate * at);
+  const double late = -offset / period;
+  const auto place = [&](std::ptrdiff_t k) { return static_cast<double>(k) * (1.0 + rate) + late; };
+  std::ptrdiff_t k = 0;
+  while (k < count) {
+    const double whole = std::floor(place(k));
+    const bool inside = whole >= 2.0 && whole <= static_cast<double>(count - 4);
+    if (!inside) {
+      moved[static_cast<std::size_t>(k)] = value_between(values, place(k));
+      ++k;
+      continue;
+    }
+    // As far as the same six samples stand around each place, but for k.
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(whole) - 2;
+    const double x = place(k) - static_cast<double>(first), room = rate > 0.0 ? 3.0 - x : x - 2.0;
+    std::ptrdiff_t end = count - polynomial_points + 1 - first + k;
+    if (rate != 0.0) end = std::min(end, k + 1 + static_cast<std::ptrdiff_t>(std::min(room / std::abs(rate), 1e9)));
+    end = std::min(end, count);
+    const auto run = static_cast<std::size_t>(end - k);
+    double* const to = moved.data() + k;
+    if (rate == 0.0) {
+      add_weighted_sums(weights_at(x).data(), polynomial_points, values.data() + first, to, run);
+    } else {
+      put_between(values.data() + first, x, rate, to, run);
+    }
+    k = end;
   }
   return moved;
 }

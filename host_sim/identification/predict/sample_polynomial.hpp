@@ -12,19 +12,31 @@ namespace host_sim::identification {
 inline constexpr std::ptrdiff_t polynomial_points = 6;
 using SampleWeights = std::array<double, polynomial_points>;
 
-/// Lagrange's weights of the samples 0 … 5 for the place x between them.
-[[nodiscard]] inline SampleWeights weights_at(double x) {
+/// Lagrange's weights of the samples 0 … 5 for N places between them, by sample and place.
+template <std::size_t N>
+[[nodiscard]] inline std::array<std::array<double, N>, polynomial_points> weights_at_each(
+    const std::array<double, N>& places) {
   constexpr SampleWeights shares{-1.0 / 120.0, 1.0 / 24.0, -1.0 / 12.0, 1.0 / 12.0, -1.0 / 24.0, 1.0 / 120.0};
+  std::array<std::array<double, N>, polynomial_points> weights;
+  std::array<double, N> before, behind;
+  before.fill(1.0);
+  behind.fill(1.0);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    for (std::size_t j = 0; j < N; ++j) weights[i][j] = shares[i] * before[j];
+    for (std::size_t j = 0; j < N; ++j) before[j] *= places[j] - static_cast<double>(i);
+  }
+  for (std::size_t i = shares.size(); i-- > 0;) {
+    for (std::size_t j = 0; j < N; ++j) weights[i][j] *= behind[j];
+    for (std::size_t j = 0; j < N; ++j) behind[j] *= places[j] - static_cast<double>(i);
+  }
+  return weights;
+}
+
+/// The same for one place x.
+[[nodiscard]] inline SampleWeights weights_at(double x) {
+  const auto each = weights_at_each<1>({x});
   SampleWeights weights{};
-  double before = 1.0, behind = 1.0;
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    weights[i] = shares[i] * before;
-    before *= x - static_cast<double>(i);
-  }
-  for (std::size_t i = weights.size(); i-- > 0;) {
-    weights[i] *= behind;
-    behind *= x - static_cast<double>(i);
-  }
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = each[i].front();
   return weights;
 }
 

@@ -6,8 +6,10 @@
 #include <numbers>
 
 #include "host_sim/identification/prepare/thresholds.hpp"
+#include "host_sim/signal/kaiser.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/signal/summary.hpp"
+#include "host_sim/signal/weighted_sums.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -17,10 +19,9 @@ std::vector<double> low_pass_weights(double edge, double period, std::size_t n) 
   std::vector<double> weights;
   double sum = 0.0;
   for (std::size_t i = 1; i < 2 * n; ++i) {
-    const double j = static_cast<double>(i) - static_cast<double>(n), place = j / static_cast<double>(n);
+    const double j = static_cast<double>(i) - static_cast<double>(n);
     const double turn = 2.0 * std::numbers::pi * edge * period * j;
-    const double window = std::cyl_bessel_i(0.0, thresholds::smoothing_beta * std::sqrt(1.0 - place * place));
-    weights.push_back(window * (j == 0.0 ? 1.0 : std::sin(turn) / turn));
+    weights.push_back(kaiser_window(j / static_cast<double>(n)) * (j == 0.0 ? 1.0 : std::sin(turn) / turn));
     sum += weights.back();
   }
   for (double& w : weights) w /= sum;
@@ -61,10 +62,8 @@ std::vector<double> smoothed(const std::vector<double>& signal, double edge, dou
   longer.insert(longer.end(), signal.begin(), signal.end());
   longer.insert(longer.end(), behind.begin(), behind.end());
   const std::vector<double> weights = low_pass_weights(edge, period, n);
-  using Values = Eigen::Map<const Eigen::VectorXd>;
-  const Values g(weights.data(), static_cast<Eigen::Index>(weights.size()));
-  std::vector<double> result(size);
-  for (std::size_t k = 0; k < size; ++k) result[k] = g.dot(Values(longer.data() + k, g.size()));
+  std::vector<double> result(size, 0.0);
+  add_weighted_sums(weights.data(), weights.size(), longer.data(), result.data(), size);
   return result;
 }
 

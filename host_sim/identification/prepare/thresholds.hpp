@@ -206,11 +206,10 @@ inline constexpr double input_disagreement_share = 0.1;
 inline constexpr double power_above_noise = 3.0;
 /// [Hz] the bounds of that frequency: below, no rig is described by its foot point; above, nothing is whitened.
 inline constexpr double lowest_known_frequency = 10.0, highest_known_frequency = 90.0;
-/// [s] half length of the filter of smoothed_input.hpp, Kaiser's β of 100 dB, and [Hz] half the width of its edge,
+/// [s] half length of the filter of smoothed_input.hpp, and [Hz] half the width of its edge (signal/kaiser.hpp),
 /// 92/(14.4 · 2 reach). Half the length: an edge of ± 32 Hz. Twice: ends twice as long depend on how the signal was
 /// continued.
 inline constexpr double smoothing_reach = 0.1;
-inline constexpr double smoothing_beta = 0.1102 * (100.0 - 8.7);
 inline constexpr double smoothing_transition = 92.0 / (14.4 * 2.0 * smoothing_reach);
 /// [standard deviations] of the noise: what is taken away from an input, at most. Derivation: 600 000 normal values
 /// hold one beyond 6 with a chance of 1e-3. Half: no recording of 5 s passes. Twice: a step of the road passes that is
