@@ -226,12 +226,13 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.relations = std::move(relations);
   result.simulations = found.simulations;
   result.candidates = found.candidates;
-  result.remarks = found.remarks;
+  result.remarks = noise_remarks(problem);
+  result.remarks.insert(result.remarks.end(), found.remarks.begin(), found.remarks.end());
   result.residual_power = residual_power(problem, space, found);
   const UnexplainedResidual left = unexplained_residual(problem, after);
   result.unexplained = left.significant;
   result.residual = left.words;
-  const Rest rest = find_rest(problem, after);
+  const Rest rest = find_rest(problem, found.best.fit);
   if (rest.found()) {
     result.unexplained = true;
     if (!left.significant) result.residual = rest.words();

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
+#include <string>
 
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/noise/recorder_filter.hpp"
@@ -62,6 +64,22 @@ std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem) {
         {"noise_colour", std::move(filter.channels), {{"corner_hz", corner}}, thresholds::highest_confidence});
   }
   return faults;
+}
+
+std::vector<std::string> noise_remarks(const IdentificationProblem& problem) {
+  std::vector<std::string> remarks;
+  for (const ProblemRecording& r : problem.recordings()) {
+    for (const Channel channel : problem.channels()) {
+      const auto c = index(channel);
+      if (r.samples->declared_noise[c]) continue;
+      char text[160];
+      std::snprintf(text, sizeof text, "noise of %s not given, estimated as %.3g %s rms",
+                    std::string(model::name(channel)).c_str(), r.noise[c].rms(r.samples->compared_period()),
+                    std::string(model::unit(channel)).c_str());
+      remarks.push_back(r.samples->recording.source + ": " + text);
+    }
+  }
+  return remarks;
 }
 
 }  // namespace host_sim::identification

@@ -1,6 +1,7 @@
 // Noise that is not what the rig description says.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "host_sim/identification/assess/diagnosis_result.hpp"
@@ -10,8 +11,11 @@ namespace host_sim::identification {
 
 /// Faults of the recording that its noise shows:
 ///
-///   noise_level   factor      a channel's rms ÷ what was declared; the mean over the recordings, weighted by their
-///   errors noise_colour  corner_hz   channels behind a low-pass; one entry for those of one order whose corners agree
+///   noise_level   factor      rms of a channel ÷ what was declared; mean of the recordings, weighted by their errors
+///   noise_colour  corner_hz   channels behind a low-pass; one entry for those of one order whose corners agree
 [[nodiscard]] std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem);
+
+/// What was taken for the noise of channels that the rig description says nothing of, a sentence each.
+[[nodiscard]] std::vector<std::string> noise_remarks(const IdentificationProblem& problem);
 
 }  // namespace host_sim::identification

@@ -21,6 +21,7 @@ void add(Power& sum, const Power& power) {
 /// A part of a recording that is whitened by itself.
 struct Part {
   std::size_t recording;
+  bool held_out;
   Window window;
 };
 
@@ -28,14 +29,15 @@ std::vector<Part> parts_of(const IdentificationProblem& problem, double seconds)
   std::vector<Part> parts;
   for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
     const ProblemRecording& r = problem.recordings()[i];
-    for (const Window& window : {r.fitted, r.held_out}) {
+    for (const Window* each : {&r.fitted, &r.held_out}) {
+      const Window& window = *each;
       const auto samples = static_cast<double>(window.size());
       if (window.size() == 0) continue;
       const auto count =
           static_cast<std::size_t>(std::max(1.0, std::round(samples * r.samples->input.period / seconds)));
       for (std::size_t p = 0; p < count; ++p) {
         const auto edge = [&](std::size_t k) { return window.from + window.size() * k / count; };
-        parts.push_back({i, {edge(p), edge(p + 1)}});
+        parts.push_back({i, &window == &r.held_out, {edge(p), edge(p + 1)}});
       }
     }
   }
@@ -51,6 +53,7 @@ StretchPower power_of(const IdentificationProblem& problem, const Response& resp
   std::vector<double> independent(whitening.count());
   whitening.whiten(simulated, independent.data());
   StretchPower stretch{part.recording,
+                       part.held_out,
                        r.samples->recording.time[whitening.window().from],
                        r.samples->recording.time[whitening.window().to - 1],
                        std::vector<BandPowers>(channels),
@@ -188,15 +191,17 @@ std::vector<StretchPower> stretch_powers(const IdentificationProblem& problem, c
   return stretches;
 }
 
-Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
-  const std::vector<Response> responses = read_all(problem, hypothesis);
+namespace {
+
+/// The tests of all windows, or of those that are fitted.
+Rest surest_test(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                 const std::vector<StretchPower>& windows, const std::vector<StretchPower>& stretches, bool held_out) {
   Tests tests(problem, has_corners(hypothesis.rig));
-  const double seconds = tested_seconds(problem);
-  // The whole record: its windows as they are, since a longer window loses less at its ends.
   std::vector<BandPowers> whole(problem.channels().size());
   BandPowers together{};
   double spread = 0.0, count = 0.0;
-  for (const StretchPower& window : stretch_powers(problem, responses, seconds)) {
+  for (const StretchPower& window : windows) {
+    if (window.held_out && !held_out) continue;
     for (std::size_t b = 0; b < noise_bands; ++b) add(together[b], window.together[b]);
     for (std::size_t c = 0; c < whole.size(); ++c) {
       for (std::size_t b = 0; b < noise_bands; ++b) add(whole[c][b], window.powers[c][b]);
@@ -206,11 +211,33 @@ Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesi
   }
   if (!(count > 0.0)) return {};
   tests.add(whole, together, spread / count, nullptr);
-  const double each = std::max(seconds / thresholds::stretches, thresholds::shortest_stretch);
-  for (const StretchPower& stretch : stretch_powers(problem, responses, each)) {
-    tests.add(stretch.powers, stretch.together, stretch.spread, &stretch);
+  for (const StretchPower& stretch : stretches) {
+    if (!stretch.held_out || held_out) tests.add(stretch.powers, stretch.together, stretch.spread, &stretch);
   }
   return tests.surest();
+}
+
+}  // namespace
+
+Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  const std::vector<Response> responses = read_all(problem, hypothesis);
+  const double seconds = tested_seconds(problem);
+  // The whole record: its windows as they are, since a longer window loses less at its ends.
+  const auto windows = stretch_powers(problem, responses, seconds);
+  const double each = std::max(seconds / thresholds::stretches, thresholds::shortest_stretch);
+  const auto stretches = stretch_powers(problem, responses, each);
+  Rest rest = surest_test(problem, hypothesis, windows, stretches, true);
+  rest.is_fitted = rest.found() && surest_test(problem, hypothesis, windows, stretches, false).found();
+  return rest;
+}
+
+Rest find_rest(const IdentificationProblem& problem, const Fit& fitted) {
+  Rest rest = find_rest(problem, fitted.hypothesis);
+  if (!rest.found() || rest.is_fitted) return rest;
+  constexpr int most_steps = 6;
+  const IdentificationProblem whole = problem.with_all_fitted();
+  const Fit again = fit(whole, fitted.hypothesis, fitted.parameters, most_steps);
+  return std::isfinite(again.chi_squared) ? find_rest(whole, again.hypothesis) : rest;
 }
 
 std::string Rest::words() const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_sim/identification/common/frequency_bands.hpp"
+#include "host_sim/identification/estimate/fit.hpp"
 #include "host_sim/identification/estimate/prediction.hpp"
 
 namespace host_sim::identification {
@@ -17,6 +18,7 @@ namespace host_sim::identification {
 ///   (1)  variance of Σ r² over n residuals of noise = 2n · spread,   spread = N Σw⁴/(Σw²)²,   w: taper of N samples
 struct StretchPower {
   std::size_t recording;
+  bool held_out;
   double from, to;                                     ///< [s], as in the recording
   std::vector<std::array<Power, noise_bands>> powers;  ///< of each channel by itself
   std::array<Power, noise_bands> together;             ///< of all: freed from what noise of the input they share
@@ -54,10 +56,15 @@ struct Rest {
   bool all_time = true;
   std::size_t recording = 0;
   double from = 0.0, to = 0.0;  ///< [s]
+  bool is_fitted = false;       ///< what is fitted leaves a rest by itself
 
   [[nodiscard]] bool found() const { return z > threshold; }
   [[nodiscard]] std::string words() const;  ///< channel, band, stretch, power
 };
 [[nodiscard]] Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+
+/// The same of a fit. What only held-out windows leave may be what the fitted ones did not say of the parameters: a
+/// sine that excites a resonance for the first time. So such a rest must be there after a fit to both, too.
+[[nodiscard]] Rest find_rest(const IdentificationProblem& problem, const Fit& fitted);
 
 }  // namespace host_sim::identification

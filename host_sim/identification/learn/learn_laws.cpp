@@ -471,7 +471,7 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
     return true;
   const Explained now{law.model.fit.chi_squared, static_cast<double>(law.model.fit.residual.size()), after};
   return leaves_at_most(thresholds::nearly_all, now, {chi_squared_without_, now.residuals, before}) ||
-         is_whole(problem_, with);
+         is_whole(problem_, law.model.fit);
 }
 
 /// Puts an effect of the catalogue in the place of a law of the same shape, if it explains as much: the search does not

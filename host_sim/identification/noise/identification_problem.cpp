@@ -118,6 +118,17 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
   return changed;
 }
 
+IdentificationProblem IdentificationProblem::with_all_fitted() const {
+  IdentificationProblem whole = *this;
+  for (ProblemRecording& r : whole.recordings_) {
+    if (r.held_out.size() == 0) continue;
+    r.fitted = {r.fitted.size() > 0 ? r.fitted.from : r.held_out.from, r.held_out.to};
+    r.held_out = {};
+  }
+  whole.whiten();
+  return whole;
+}
+
 IdentificationProblem IdentificationProblem::truncated(double share) const {
   IdentificationProblem part;
   part.samples_ = samples_;

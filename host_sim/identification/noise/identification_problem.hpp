@@ -58,6 +58,9 @@ class IdentificationProblem {
   /// Whitening of any window of a recording, with the weights of the problem.
   [[nodiscard]] Whitening whitening(std::size_t recording, Window window) const;
 
+  /// What is held out is fitted, too.
+  [[nodiscard]] IdentificationProblem with_all_fitted() const;
+
   /// The first `share` of each fitted window, nothing held out.
   [[nodiscard]] IdentificationProblem truncated(double share) const;
   /// The same with half of the steps where there are corners.

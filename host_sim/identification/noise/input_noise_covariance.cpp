@@ -164,12 +164,18 @@ InputNoiseCovariance input_noise_covariance(const PreparedRecording& recording, 
     Spectra outputs;
     for (const model::Channel channel : recording.channels) {
       const auto c = index(channel);
-      const auto difference = [&](std::size_t k) { return disturbed[c][k] - clean[c][k]; };
+      std::vector<double> changed(disturbed[c].size());
+      for (std::size_t k = 0; k < changed.size(); ++k) changed[k] = disturbed[c][k] - clean[c][k];
+      const auto difference = [&](std::size_t k) { return changed[k]; };
+      outputs.push_back(spectrum_of(difference));
+      // The input's own acceleration would hold what is left of the noise above the edge, ω² as much of it.
+      if (channel == model::Channel::zdd_r && recording.input_edge > 0.0) {
+        changed = smoothed(changed, recording.input_edge, recording.input.period);
+      }
       const Window compared = recording.comparable(channel, window);
       for (std::size_t k = compared.from; k < compared.to; ++k) {
         result.variance[c] += std::pow(difference(k), 2) / static_cast<double>(realisations * compared.size());
       }
-      outputs.push_back(spectrum_of(difference));
     }
     Eigen::VectorXcd difference(m);
     for (std::size_t k = 0; k < input.size(); ++k) {

@@ -40,8 +40,7 @@ std::vector<std::string> leave_out_the_middle(std::vector<Record>& records) {
 }
 
 /// What a reader of the verdict must know of a recording.
-void add_remarks(const PreparedRecording& r, const firmware::RigDescription& description,
-                 std::vector<std::string>& remarks) {
+void add_remarks(const PreparedRecording& r, std::vector<std::string>& remarks) {
   const std::string& source = r.recording.source;
   for (const Channel channel : r.channels) {
     const auto c = index(channel);
@@ -52,11 +51,6 @@ void add_remarks(const PreparedRecording& r, const firmware::RigDescription& des
       remarks.push_back(source + ": " + std::to_string(count) + " clipped samples of " +
                         std::string(model::name(channel)) + " are left out");
     }
-    if (description.noise[c]) continue;
-    char text[160];
-    std::snprintf(text, sizeof text, "%s: noise of %s not given, estimated as %.3g %s rms", source.c_str(),
-                  std::string(model::name(channel)).c_str(), r.noise[c], std::string(model::unit(channel)).c_str());
-    remarks.emplace_back(text);
   }
   if (const std::string road = road_remark(r.input); !road.empty()) remarks.push_back(source + ": " + road);
   if (r.inputs_disagree) {
@@ -106,7 +100,7 @@ PreparedData prepare(const firmware::RigDescription& description, std::vector<Re
                                     [&](const SampledRecording& one) { return inputs_disagree(description, one); });
   for (std::size_t i = 0; i < all.size(); ++i) {
     data.recordings.push_back(prepare_recording(description, std::move(all[i]), records[i].use, disagree));
-    add_remarks(data.recordings.back(), description, data.remarks);
+    add_remarks(data.recordings.back(), data.remarks);
   }
   check_channels(data.recordings);
   if (std::all_of(data.recordings.begin(), data.recordings.end(), [](const auto& r) { return r.fitted.size() == 0; })) {

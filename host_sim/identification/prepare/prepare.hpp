@@ -26,7 +26,7 @@ struct UsedSeconds {
 
 struct PreparedData {
   std::vector<PreparedRecording> recordings;  ///< all with the same channels
-  std::vector<std::string> remarks;           ///< what was left out, shortened or estimated
+  std::vector<std::string> remarks;           ///< what was left out or shortened
 };
 
 /// In this order:

@@ -92,9 +92,7 @@ double residuals_in(const IdentificationProblem& problem, std::size_t recording,
          static_cast<double>(window.size());
 }
 
-bool leaves_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
-  return find_rest(problem, hypothesis).found();
-}
+bool leaves_rest(const IdentificationProblem& problem, const Fit& fit) { return find_rest(problem, fit).found(); }
 
 /// Σ r² − n over the whole record.
 double power_beyond_noise(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
@@ -251,7 +249,7 @@ LeftOut leave_out_all(const firmware::RigDescription& description, Identificatio
   LeftOut out;
   out.model = model;
   while (out.stretches.size() < thresholds::most_events &&
-         (out.stretches.empty() || leaves_rest(problem, out.model.fit.hypothesis)) &&
+         (out.stretches.empty() || leaves_rest(problem, out.model.fit)) &&
          leave_out_loudest(description, problem, out.model.fit.hypothesis, out)) {
     out.model = ModelFitter::refitted_in(problem, space, criterion, out.model);
   }
@@ -260,7 +258,7 @@ LeftOut leave_out_all(const firmware::RigDescription& description, Identificatio
 
 /// Leaves out the slow motion behind the events too, a piece at a time, until the model leaves nothing but noise.
 void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& space, LeftOut& out) {
-  while (leaves_rest(problem, out.model.fit.hypothesis) && leave_out_tails(problem, out)) {
+  while (leaves_rest(problem, out.model.fit) && leave_out_tails(problem, out)) {
     out.model = ModelFitter::refitted_in(problem, space, SelectionCriterion(), out.model);
   }
 }
@@ -273,7 +271,7 @@ bool select_without(const firmware::RigDescription& description, IdentificationP
   SearchResult again = select_in_noise(without, space, progress);
   found.simulations += again.simulations;
   found.candidates += again.candidates;
-  if (leaves_rest(without, again.best.fit.hypothesis)) return false;
+  if (leaves_rest(without, again.best.fit)) return false;
   const SelectionCriterion criterion;
   const double gain = found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) -
                       residuals_in(problem, out.stretches) - out.price;
@@ -293,7 +291,7 @@ bool select_without(const firmware::RigDescription& description, IdentificationP
 
 void leave_out_events(const firmware::RigDescription& description, IdentificationProblem& problem,
                       const SearchSpace& space, const ProgressCallback& progress, SearchResult& found) {
-  if (!leaves_rest(problem, found.best.fit.hypothesis)) return;
+  if (!leaves_rest(problem, found.best.fit)) return;
   // No effect explains a push: however bent, the best model leaves it, and it is most of what that leaves.
   IdentificationProblem beside_effects = problem;
   LeftOut of_best = leave_out_all(description, beside_effects, space, found.best);
@@ -301,7 +299,7 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
   leave_out_what_lasts(beside_effects, space, of_best);
   const double left = power_beyond_noise(beside_effects, of_best.model.fit.hypothesis);
   if (left > thresholds::left_beside_events * power_beyond_noise(problem, found.best.fit.hypothesis)) return;
-  if (!leaves_rest(beside_effects, of_best.model.fit.hypothesis) &&
+  if (!leaves_rest(beside_effects, of_best.model.fit) &&
       select_without(description, problem, std::move(beside_effects), of_best, space, progress, found)) {
     return;
   }

@@ -15,14 +15,30 @@ using model::Channel;
 
 namespace {
 
-void put_behind(PlacedFault& fault, Channel channel) {
+/// All channels of a problem but these.
+std::vector<Channel> all_but(const IdentificationProblem& problem, const std::vector<Channel>& channels) {
+  std::vector<Channel> others;
+  for (const Channel channel : problem.channels()) {
+    if (std::find(channels.begin(), channels.end(), channel) == channels.end()) others.push_back(channel);
+  }
+  return others;
+}
+
+/// One channel more behind a clock or filter. With the input itself, all that are not behind it seem to be early.
+void put_behind(PlacedFault& fault, Channel channel, const IdentificationProblem& problem) {
   if (fault.is_of(channel)) return;
+  fault.seen = false;
   if (fault.inverse) {
     std::erase(fault.channels, channel);
-  } else {
+  } else if (channel != problem.samples().front().input.channel) {
     fault.channels.push_back(channel);
+  } else {
+    fault.channels = all_but(problem, fault.channels);
+    fault.inverse = fault.kind == FaultKind::common_filter;
+    if (fault.kind == FaultKind::clock) {
+      for (double& value : fault.values) value = -value;
+    }
   }
-  fault.seen = false;
 }
 
 bool same_channels(const PlacedFault& a, const PlacedFault& b) {
@@ -85,7 +101,7 @@ std::optional<CandidateModel> in_filter(const ModelFitter& fitter, const Candida
       if (!(delay > 0.0)) continue;
       filter.values[0] = own / delay;
     } else {
-      for (const Channel channel : late.channels) put_behind(filter, channel);
+      for (const Channel channel : late.channels) put_behind(filter, channel, fitter.problem());
       if (filter.channels.empty() || filter.channels.size() == whole.faults()[f].channels.size()) continue;
     }
     start.faults.erase(start.faults.begin() + static_cast<std::ptrdiff_t>(clock));
@@ -97,7 +113,8 @@ std::optional<CandidateModel> in_filter(const ModelFitter& fitter, const Candida
 
 std::optional<CandidateModel> in_group(const ModelFitter& fitter, const CandidateModel& whole, std::size_t effect) {
   const std::optional<Channel> channel = whole.effects[effect].channel;
-  if (!channel || !fitter.problem().samples().front().explains(*channel)) return std::nullopt;
+  const PreparedRecording& first = fitter.problem().samples().front();
+  if (!channel || (!first.explains(*channel) && channel != first.input_sensor())) return std::nullopt;
   std::optional<CandidateModel> best;
   for (std::size_t f = 0; f < whole.faults().size(); ++f) {
     const PlacedFault& fault = whole.faults()[f];
@@ -110,7 +127,8 @@ std::optional<CandidateModel> in_group(const ModelFitter& fitter, const Candidat
     std::vector<firmware::PlacedEffect> effects = whole.effects;
     firmware::remove_effect(start.rig, *effects[effect].entry, channel);
     effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
-    put_behind(start.faults[f], *channel);
+    put_behind(start.faults[f], *channel, fitter.problem());
+    if (start.faults[f].channels.empty()) continue;
     if (is_late) {
       start.faults[f].values[0] += whole.effects[effect].values[0];
       start.faults[f].fitted[0] = true;
@@ -142,23 +160,22 @@ std::optional<CandidateModel> in_one_fault(const ModelFitter& fitter, const Cand
     firmware::remove_effect(start.rig, *other.entry, other.channel);
   }
   if (late.size() < 2 || start.faults.size() >= thresholds::most_faults) return std::nullopt;
-  const auto is_late = [&](Channel channel) { return std::find(late.begin(), late.end(), channel) != late.end(); };
-  const bool of_input = is_late(fitter.problem().samples().front().input.channel);
-  PlacedFault fault;
-  fault.kind = lags ? FaultKind::common_filter : FaultKind::clock;
-  fault.inverse = lags && of_input;
-  for (const Channel channel : fitter.problem().channels()) {
-    if (is_late(channel) != of_input) fault.channels.push_back(channel);
-  }
-  if (fault.channels.empty()) return std::nullopt;
   const double mean = sum / static_cast<double>(late.size());
+  PlacedFault fault;
   if (lags) {
+    fault.kind = FaultKind::common_filter;
     fault.values = {1.0 / (2.0 * std::numbers::pi * mean)};
     fault.fitted = {true};
   } else {
-    fault.values = {of_input ? -mean : mean, 0.0};
+    fault.kind = FaultKind::clock;
+    fault.values = {mean, 0.0};
     fault.fitted = {true, false};
   }
+  // The input last: it turns the group into that of all others.
+  const Channel input = fitter.problem().samples().front().input.channel;
+  std::stable_partition(late.begin(), late.end(), [input](Channel channel) { return channel != input; });
+  for (const Channel channel : late) put_behind(fault, channel, fitter.problem());
+  if (fault.channels.empty()) return std::nullopt;
   start.faults.push_back(std::move(fault));
   CandidateModel one = fitter.refitted(start, std::move(effects), 8);
   return fitter.criterion().prefers(one, whole) ? std::optional(std::move(one)) : std::nullopt;

@@ -81,7 +81,7 @@ bool takes_its_place(const IdentificationProblem& problem, const SearchResult& i
   if (rest && fewer && better && bends_into_nothing(imitating) && leaves(1.0)) return true;
   if (changes(imitating)) return false;
   if (rest && leaves(thresholds::nearly_all)) return true;
-  return (rest || (fewer && better)) && is_whole(problem, hypothesis);
+  return (rest || (fewer && better)) && is_whole(problem, imitating.best.fit);
 }
 
 }  // namespace
@@ -95,11 +95,11 @@ double temper_of(const Fit& fit) {
 }
 
 bool leaves_a_rest(const IdentificationProblem& problem, const SearchResult& found) {
-  return changes(found) || !is_whole(problem, found.best.fit.hypothesis);
+  return changes(found) || !is_whole(problem, found.best.fit);
 }
 
-bool is_whole(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
-  return !unexplained_residual(problem, hypothesis).significant && !find_rest(problem, hypothesis).found();
+bool is_whole(const IdentificationProblem& problem, const Fit& fit) {
+  return !unexplained_residual(problem, fit.hypothesis).significant && !find_rest(problem, fit).found();
 }
 
 SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,

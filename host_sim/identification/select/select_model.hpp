@@ -34,6 +34,6 @@ namespace host_sim::identification {
 /// Whether more than noise is left, or an effect is another one than its law says.
 [[nodiscard]] bool leaves_a_rest(const IdentificationProblem& problem, const SearchResult& found);
 /// Nothing but noise is left: in no band, in no stretch of time.
-[[nodiscard]] bool is_whole(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+[[nodiscard]] bool is_whole(const IdentificationProblem& problem, const Fit& fit);
 
 }  // namespace host_sim::identification

@@ -81,12 +81,12 @@ inline double sinc_value(const std::vector<double>& values, double place) {
 
 /// Channels on a clock of their own: late by `offset` [s], slow by `rate` [1].
 inline void put_on_clock(Columns& columns, const std::vector<std::string>& channels, double offset, double rate,
-                         double period = 1e-3) {
+                         double sample_period = 1e-3) {
   for (const std::string& channel : channels) {
     std::vector<double>& values = columns.at(channel);
     std::vector<double> moved;
     for (std::size_t k = 0; k < values.size(); ++k) {
-      moved.push_back(sinc_value(values, static_cast<double>(k) * (1.0 + rate) - offset / period));
+      moved.push_back(sinc_value(values, static_cast<double>(k) * (1.0 + rate) - offset / sample_period));
     }
     values = std::move(moved);
   }
@@ -94,9 +94,9 @@ inline void put_on_clock(Columns& columns, const std::vector<std::string>& chann
 
 /// A Butterworth low-pass of second order, integrated with steps of a twentieth of a sample on a sinc interpolation.
 inline void put_through_filter(Columns& columns, const std::vector<std::string>& channels, double corner,
-                               double period = 1e-3) {
+                               double sample_period = 1e-3) {
   constexpr int steps = 20;
-  const double omega = 2.0 * std::numbers::pi * corner, h = period / steps;
+  const double omega = 2.0 * std::numbers::pi * corner, h = sample_period / steps;
   for (const std::string& channel : channels) {
     std::vector<double>& values = columns.at(channel);
     std::vector<double> filtered{values.front()};

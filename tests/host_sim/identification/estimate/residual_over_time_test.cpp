@@ -7,6 +7,8 @@
 #include <functional>
 
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "tests/host_sim/identification/faulty_recording.hpp"
 #include "tests/host_sim/identification/sample_problem.hpp"
 
 namespace {
@@ -91,6 +93,24 @@ TEST(StretchPower, IsThatOfNoise) {
     }
   }
   EXPECT_NEAR(sum.ratio(), 1.0, 4.0 * std::sqrt(2.0 * 1.4 / sum.count));
+}
+
+// Point. Stepped sines on a test machine: the piston resonates for the first time in the quarter that is held out,
+// where the parameters of the ducts, which the other three quarters hardly show, are wrong by a tenth of their
+// tolerance. That is no rest. A tone in the held-out part is one.
+TEST(Rest, IsNotWhatOnlyTheHeldOutPartSaysOfParameters) {
+  const truth::Truth truth = truth::draw_rough("sweeps", 2026122201);
+  ASSERT_EQ(truth.records[0].form, "stepped_sines");
+  EXPECT_EQ(sample::diagnosis_of_all(truth).verdict, Verdict::no_discrepancy);
+  for (const double amplitude : {0.0, 8.0}) {
+    const Diagnosis found = sample::diagnosis_of(truth, [amplitude](sample::Columns& columns) {
+      std::vector<double>& force = columns.at("F");
+      for (std::size_t k = force.size() * 8 / 10; k < force.size(); ++k) {
+        force[k] += amplitude * std::sin(0.01 * 2.0 * 3.14159265 * static_cast<double>(k));  // 10 Hz
+      }
+    });
+    EXPECT_EQ(found.verdict == Verdict::no_discrepancy, amplitude == 0.0) << sentence(found);
+  }
 }
 
 }  // namespace

@@ -493,4 +493,10 @@ TEST(RecordingFaults, ALateSensorIsNoClock) {
   expect_only("noise_absent", 2026121201, {"coulomb_friction", "sensor_delay"});
 }
 
+// The sweep crosses the wheel's resonance at its end, which is held out: what the dampings of the ducts leave there was
+// taken for five events, and the lag beside them for a delay.
+TEST(RecordingFaults, WhatOnlyTheEndExcitesIsNoEvent) {
+  expect_only("sweeps", 2026122203, {"body_guide_damping", "sensor_lag"});
+}
+
 }  // namespace
