@@ -12,7 +12,7 @@
 #include "host_sim/identification/assess/recording_causes.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/common/wording.hpp"
-#include "host_sim/identification/estimate/residual_over_time.hpp"
+#include "host_sim/identification/estimate/left_by_fit.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/estimate/uncertainty.hpp"
 #include "host_sim/identification/learn/describe_law.hpp"
@@ -229,14 +229,9 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.remarks = noise_remarks(problem);
   result.remarks.insert(result.remarks.end(), found.remarks.begin(), found.remarks.end());
   result.residual_power = residual_power(problem, space, found);
-  const UnexplainedResidual left = unexplained_residual(problem, after);
-  result.unexplained = left.significant;
-  result.residual = left.words;
-  const Rest rest = find_rest(problem, found.best.fit);
-  if (rest.found()) {
-    result.unexplained = true;
-    if (!left.significant) result.residual = rest.words();
-  }
+  const LeftByFit left = left_by(problem, found.best.fit);
+  result.unexplained = left.any();
+  result.residual = left.words();
   if (diverges) {
     result.unexplained = true;
     result.residual = "the model that fits best does not stay finite over the whole recording";

@@ -231,15 +231,6 @@ Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesi
   return rest;
 }
 
-Rest find_rest(const IdentificationProblem& problem, const Fit& fitted) {
-  Rest rest = find_rest(problem, fitted.hypothesis);
-  if (!rest.found() || rest.is_fitted) return rest;
-  constexpr int most_steps = 6;
-  const IdentificationProblem whole = problem.with_all_fitted();
-  const Fit again = fit(whole, fitted.hypothesis, fitted.parameters, most_steps);
-  return std::isfinite(again.chi_squared) ? find_rest(whole, again.hypothesis) : rest;
-}
-
 std::string Rest::words() const {
   char band[64], time[80] = "";
   std::snprintf(band, sizeof band, ", %.3g to %.3g Hz", lowest, highest);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "host_sim/identification/common/frequency_bands.hpp"
-#include "host_sim/identification/estimate/fit.hpp"
 #include "host_sim/identification/estimate/prediction.hpp"
 
 namespace host_sim::identification {
@@ -62,9 +61,5 @@ struct Rest {
   [[nodiscard]] std::string words() const;  ///< channel, band, stretch, power
 };
 [[nodiscard]] Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis);
-
-/// The same of a fit. What only held-out windows leave may be what the fitted ones did not say of the parameters: a
-/// sine that excites a resonance for the first time. So such a rest must be there after a fit to both, too.
-[[nodiscard]] Rest find_rest(const IdentificationProblem& problem, const Fit& fitted);
 
 }  // namespace host_sim::identification

@@ -65,7 +65,8 @@ inline constexpr double narrowest_gap = 1e-3;
 /// room for noise that is known to some per cent. Half: the share below decides alone. Twice: an effect of 100 standard
 /// deviations that is spread over all bands (100/√91 each) still passes for noise. Derived, not measured.
 inline constexpr double significant_deviations = 8.0;
-/// [1] and by what share of the noise: the simulation's own error stays below it. Half and twice: the same names.
+/// [1] and by what share of the noise: the simulation's own error stays below it, without corners. Half and twice: the
+/// same names.
 inline constexpr double significant_share = 0.15;
 
 /// [1] A recording of noise alone is said to leave more than noise once in a thousand. Half and twice: the limit of z

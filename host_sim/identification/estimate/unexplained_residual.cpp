@@ -93,6 +93,9 @@ UnexplainedResidual unexplained_residual(const IdentificationProblem& problem, c
   const PowerTable fitted = power_table(problem, responses, false);
   const PowerTable held_out = problem.has_held_out() ? power_table(problem, responses, true) : PowerTable();
   UnexplainedResidual left;
+  // Noise of the input moves the instants of corners.
+  const bool blurred = problem.samples().front().input_noise.any() && has_corners(hypothesis.rig);
+  const double least = blurred ? thresholds::corner_power_error : thresholds::significant_share;
   for (std::size_t c = 0; c < fitted.size(); ++c) {
     for (std::size_t b = 0; b < noise_bands; ++b) {
       double z = fitted[c][b].significance();
@@ -102,7 +105,7 @@ UnexplainedResidual unexplained_residual(const IdentificationProblem& problem, c
         z = std::min(z, 2.0 * held_out[c][b].significance());
         share = std::min(share, held_out[c][b].excess() / std::max(held_out[c][b].count, 1.0));
       }
-      if (share < thresholds::significant_share || z <= left.strongest) continue;
+      if (share < least || z <= left.strongest) continue;
       left.strongest = z;
       char words[160];
       std::snprintf(words, sizeof words, "%s, %.3g to %.3g Hz: %.1f times the power of its noise",

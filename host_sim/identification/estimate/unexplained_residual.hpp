@@ -34,7 +34,8 @@ struct ChannelExcess {
 [[nodiscard]] std::vector<ChannelExcess> channel_excesses(const std::vector<BandPower>& powers);
 
 /// Whether something is left that is not noise: in one channel and band by thresholds::significant_deviations and
-/// significant_share, on fitted and on held-out data.
+/// significant_share, on fitted and on held-out data. With corners and noise of the input,
+/// which moves their instants, corner_power_error takes the place of that share.
 struct UnexplainedResidual {
   bool significant = false;
   double strongest = 0.0;  ///< [standard deviations]

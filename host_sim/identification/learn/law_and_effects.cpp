@@ -16,9 +16,17 @@ std::optional<firmware::PlacedEffect> named_like(const PlacedLaw& law, double fr
     return firmware::PlacedEffect{firmware::find_effect(name), std::nullopt, std::move(values)};
   };
   const bool damper = law.place == CurvePlace::suspension && law.over == CurveOver::velocity;
-  if (damper && law.family == LawFamily::falling && friction > law.values[0]) {
-    const double sliding = friction - law.values[0];
-    return effect("stribeck_friction", {sliding, law.values[0] / sliding, law.values[1]});
+  const auto stribeck = [&](double fall, double velocity) {
+    const double sliding = friction - fall;
+    return effect("stribeck_friction", {sliding, fall / sliding, velocity});
+  };
+  if (damper && law.family == LawFamily::falling && friction > law.values[0])
+    return stribeck(law.values[0], law.values[1]);
+  if (damper && law.family == LawFamily::knee) {
+    // A fall up to the knee, and nothing beyond: a knee of 1.7 v_s is nearest to Stribeck's law.
+    const double fall = -law.values[0] * law.values[2] / law.rms;
+    const bool ends = std::abs(law.values[1]) < thresholds::flat_beyond_knee * std::abs(law.values[0]);
+    if (fall > 0.0 && fall < friction && ends) return stribeck(fall, law.values[2] / 1.7);
   }
   if (damper && law.family == LawFamily::two_slopes)
     return effect("asymmetric_damper", {(law.values[0] - law.values[1]) / law.rms});

@@ -83,6 +83,7 @@ class LawSearch {
   [[nodiscard]] static bool can_be_described(const PlacedLaw& law);
   [[nodiscard]] bool is_kept(const Candidate& law, Learned& learned) const;
   [[nodiscard]] bool replace_by_effect(const Candidate& law);
+  void weigh_anew();
   void adopt(Candidate law);
   void tell(double share, const char* what) const {
     if (progress_) progress_(share, what, found_.simulations, found_.candidates);
@@ -480,7 +481,7 @@ bool LawSearch::replace_by_effect(const Candidate& law) {
   EffectsBeside effects = law.model.effects;
   const auto effect = effect_like(law.model.fit.hypothesis.laws.back(), effects);
   if (!effect) return false;
-  if (law.family == LawFamily::falling) std::erase_if(effects, is_friction);  // part of Stribeck's
+  std::erase_if(effects, [&](const firmware::PlacedEffect& e) { return e.entry->name == effect->entry->contains; });
   effects.push_back(*effect);
   Hypothesis start = with_effects(space_, law.model.fit.hypothesis, effects);
   start.laws.pop_back();
@@ -491,6 +492,7 @@ bool LawSearch::replace_by_effect(const Candidate& law) {
   const double cost = cost_of(model, 0.0) - criterion_.effect;
   if (!(cost < law.cost + thresholds::law_margin * temper_of(law.model.fit))) return false;
   found_.best = std::move(model);
+  weigh_anew();
   found_.alone.clear();
   found_.rivals.clear();
   found_.gains.clear();
@@ -506,6 +508,14 @@ bool LawSearch::replace_by_effect(const Candidate& law) {
   return true;
 }
 
+/// Noise as the model that was found leaves it.
+void LawSearch::weigh_anew() {
+  if (!problem_.update_input_noise(found_.best.fit.hypothesis)) return;
+  const EffectsBeside effects = found_.best.effects;
+  found_.nothing = fitted_with_laws(problem_, space_, found_.nothing.fit.hypothesis, found_.nothing.effects, 4);
+  found_.best = fitted_with_laws(problem_, space_, found_.best.fit.hypothesis, effects, 4);
+}
+
 /// The law takes the place of the effects that it makes needless.
 void LawSearch::adopt(Candidate law) {
   std::vector<std::vector<Rival>> rivals;
@@ -518,11 +528,7 @@ void LawSearch::adopt(Candidate law) {
   }
   const double before = found_.best.penalised_chi_squared(criterion_);
   found_.best = std::move(law.model);
-  if (problem_.update_input_noise(found_.best.fit.hypothesis)) {
-    const EffectsBeside effects = found_.best.effects;
-    found_.nothing = fitted_with_laws(problem_, space_, found_.nothing.fit.hypothesis, found_.nothing.effects, 4);
-    found_.best = fitted_with_laws(problem_, space_, found_.best.fit.hypothesis, effects, 4);
-  }
+  weigh_anew();
   // Rivals keep their distance, which was found under other weights.
   const double shift = found_.best.penalised_chi_squared(criterion_) - before;
   for (auto& of_effect : rivals) {

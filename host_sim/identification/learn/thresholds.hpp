@@ -111,6 +111,9 @@ inline constexpr double most_odds = 300.0;
 
 /// [1] Exponents this far from that of an effect are its own, if the effect explains as much: that decides.
 inline constexpr double exponent_of_effect = 0.3;
+/// [1] Slope beyond a knee, relative to that before it, up to which the fall of friction is tried as Stribeck's. Half
+/// and twice: the same names, since the fit of the effect decides.
+inline constexpr double flat_beyond_knee = 0.25;
 /// Steps of that effect's fit, which begins where the law ended.
 inline constexpr int effect_steps = 8;
 

@@ -113,12 +113,11 @@ SensorNoise find_sensor_noise(const firmware::RigDescription& description, const
   ChannelNoise found = noise_in(samples, period, channel, expected);
   const bool said = step > 0.0 && rounding_is_said(step, declared, found, period);
   if (!said) return with_declared(found, declared, period, expected);
-  if (!declared) {
-    // Where a slow signal stays on one step, samples show less noise than rounding makes.
-    if (found.level < rounding) found = white({rounding, 0.0}, thresholds::grid_error);
-    return {found, std::nullopt, true};
-  }
-  SensorNoise noise = with_declared(found, std::hypot(*declared, rounding), period, expected);
+  // Where a slow signal stays on one step, samples show less noise than rounding makes.
+  const double least = std::hypot(declared.value_or(0.0), rounding);
+  if (found.level < least) found = white({least, 0.0}, thresholds::grid_error);
+  if (!declared) return {found, std::nullopt, true};
+  SensorNoise noise = with_declared(found, least, period, expected);
   noise.rounded = true;
   return noise;
 }

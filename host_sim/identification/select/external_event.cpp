@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "host_sim/identification/estimate/left_by_fit.hpp"
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/parity/disturbed_span.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
@@ -92,7 +93,7 @@ double residuals_in(const IdentificationProblem& problem, std::size_t recording,
          static_cast<double>(window.size());
 }
 
-bool leaves_rest(const IdentificationProblem& problem, const Fit& fit) { return find_rest(problem, fit).found(); }
+bool leaves_rest(const IdentificationProblem& problem, const Fit& fit) { return left_by(problem, fit).by_time.found(); }
 
 /// Σ r² − n over the whole record.
 double power_beyond_noise(const IdentificationProblem& problem, const Hypothesis& hypothesis) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host_sim/identification/estimate/residual_over_time.hpp"
+#include "host_sim/identification/estimate/left_by_fit.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
@@ -98,9 +98,7 @@ bool leaves_a_rest(const IdentificationProblem& problem, const SearchResult& fou
   return changes(found) || !is_whole(problem, found.best.fit);
 }
 
-bool is_whole(const IdentificationProblem& problem, const Fit& fit) {
-  return !unexplained_residual(problem, fit.hypothesis).significant && !find_rest(problem, fit).found();
-}
+bool is_whole(const IdentificationProblem& problem, const Fit& fit) { return !left_by(problem, fit).any(); }
 
 SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,
                              const ProgressCallback& progress) {

@@ -36,6 +36,18 @@ TEST(LawAndEffects, KnowsAnEffectByItsFamily) {
   EXPECT_FALSE(effect_like(law_of(LawFamily::falling, {25.0, 0.01}), {})) << "no friction to fall from";
   EXPECT_FALSE(effect_like(law_of(LawFamily::falling, {25.0, 0.3}), friction)) << "slower than its card allows";
 
+  // −30 N at r and flat from there is a fall by 30 N.
+  const double r = law_of(LawFamily::knee, {}).rms;
+  const auto knee = effect_like(law_of(LawFamily::knee, {-30.0, -1.0, r}), friction);
+  ASSERT_TRUE(knee);
+  EXPECT_EQ(knee->entry->name, "stribeck_friction");
+  EXPECT_NEAR(knee->values[0], 55.0, 1e-12);
+  EXPECT_NEAR(knee->values[1], 30.0 / 55.0, 1e-12);
+  EXPECT_NEAR(knee->values[2], r / 1.7, 1e-12);
+  EXPECT_FALSE(effect_like(law_of(LawFamily::knee, {-30.0, -15.0, r}), friction)) << "falls on";
+  EXPECT_FALSE(effect_like(law_of(LawFamily::knee, {30.0, 1.0, r}), friction)) << "rises";
+  EXPECT_FALSE(effect_like(law_of(LawFamily::knee, {-30.0, -1.0, r}), {})) << "no friction to fall from";
+
   const auto slopes = effect_like(law_of(LawFamily::two_slopes, {12.0, -8.0}), {});
   ASSERT_TRUE(slopes);
   EXPECT_EQ(slopes->entry->name, "asymmetric_damper");

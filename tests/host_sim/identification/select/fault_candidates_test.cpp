@@ -499,4 +499,14 @@ TEST(RecordingFaults, WhatOnlyTheEndExcitesIsNoEvent) {
   expect_only("sweeps", 2026122203, {"body_guide_damping", "sensor_lag"});
 }
 
+// zdd_b is rounded to 3.5 standard deviations of its declared noise and a third of its motion: where it stays on a
+// step, neighbouring samples show less noise than rounding makes below 90 Hz.
+TEST(RecordingFaults, ACoarseStepLeavesNoRest) {
+  const Diagnosis found = sample::diagnosis_of_all(truth::draw_rough("daq", 2026122300));
+  const std::string said = host_sim::identification::sentence(found);
+  EXPECT_TRUE(found.effects.empty()) << said;
+  EXPECT_FALSE(found.unexplained) << said;
+  EXPECT_NE(fault_of(found, "quantisation"), nullptr) << said;
+}
+
 }  // namespace

@@ -138,4 +138,16 @@ TEST(Search, CallsAResonanceAtItsLimitALag) {
   }
 }
 
+// Stribeck friction on a road, found with its values, left 1.8 times the noise of zdd_w above 60 Hz, where noise moves
+// the instants of sticking. That was a rest, so a law beside Coulomb friction was learned in its place.
+TEST(Search, FrictionThatFallsIsNoOtherLaw) {
+  const auto found = sample::diagnosis_of_all(truth::draw_rough("neighbour_laws", 2026122300));
+  const std::string said = host_sim::identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects[0].effect.entry->name, "stribeck_friction") << said;
+  EXPECT_TRUE(found.laws.empty()) << said;
+  EXPECT_FALSE(found.unexplained) << said;
+  EXPECT_NEAR(found.effects[0].parameters[2].value, 0.0335, 0.001);  // [m/s] v_s; five half widths
+}
+
 }  // namespace
