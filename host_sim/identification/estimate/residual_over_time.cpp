@@ -6,6 +6,7 @@
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/estimate/unexplained_residual.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
 
 namespace host_sim::identification {
@@ -196,7 +197,7 @@ namespace {
 /// The tests of all windows, or of those that are fitted.
 Rest surest_test(const IdentificationProblem& problem, const Hypothesis& hypothesis,
                  const std::vector<StretchPower>& windows, const std::vector<StretchPower>& stretches, bool held_out) {
-  Tests tests(problem, has_corners(hypothesis.rig));
+  Tests tests(problem, corners_are_blurred(problem, hypothesis));
   std::vector<BandPowers> whole(problem.channels().size());
   BandPowers together{};
   double spread = 0.0, count = 0.0;

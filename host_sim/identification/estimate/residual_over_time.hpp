@@ -42,9 +42,8 @@ struct StretchPower {
 ///   (2)  z = ((Σr²/n)^⅓ − 1 + 2/(9m)) / √(2/(9m)),   m = n/spread        Wilson and Hilferty, PNAS 17, 1931
 ///   (3)  z_level = z / √(1 + δ² m/2)
 ///
-/// (3): δ is how well the variance of the channel's noise is known; an error of it shifts all of its tests alike. With
-/// corners it is thresholds::corner_power_error: noise of the input moves the instants of sticking and touching, and
-/// what that leaves comes in bursts that no stationary covariance describes.
+/// (3): δ is how well the variance of the channel's noise is known; an error of it shifts all of its tests alike. Where
+/// corners are blurred (unexplained_residual.hpp) it is thresholds::corner_power_error.
 struct Rest {
   double z = 0.0;          ///< (3) of the surest test [standard deviations]; 0: none was made
   double threshold = 0.0;  ///< z of a rest

@@ -88,14 +88,17 @@ std::vector<ChannelExcess> channel_excesses(const std::vector<BandPower>& powers
   return result;
 }
 
+bool corners_are_blurred(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
+  return problem.samples().front().input_noise.any() && has_corners(hypothesis.rig);
+}
+
 UnexplainedResidual unexplained_residual(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
   const std::vector<Response> responses = read_all(problem, hypothesis);
   const PowerTable fitted = power_table(problem, responses, false);
   const PowerTable held_out = problem.has_held_out() ? power_table(problem, responses, true) : PowerTable();
   UnexplainedResidual left;
-  // Noise of the input moves the instants of corners.
-  const bool blurred = problem.samples().front().input_noise.any() && has_corners(hypothesis.rig);
-  const double least = blurred ? thresholds::corner_power_error : thresholds::significant_share;
+  const double least =
+      corners_are_blurred(problem, hypothesis) ? thresholds::corner_power_error : thresholds::significant_share;
   for (std::size_t c = 0; c < fitted.size(); ++c) {
     for (std::size_t b = 0; b < noise_bands; ++b) {
       double z = fitted[c][b].significance();

@@ -33,9 +33,13 @@ struct ChannelExcess {
 };
 [[nodiscard]] std::vector<ChannelExcess> channel_excesses(const std::vector<BandPower>& powers);
 
+/// Noise of the input moves the instants of the model's corners: what that leaves comes in bursts, of a power that no
+/// stationary covariance describes.
+[[nodiscard]] bool corners_are_blurred(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+
 /// Whether something is left that is not noise: in one channel and band by thresholds::significant_deviations and
-/// significant_share, on fitted and on held-out data. With corners and noise of the input,
-/// which moves their instants, corner_power_error takes the place of that share.
+/// significant_share, on fitted and on held-out data. Where corners
+/// are blurred, corner_power_error takes the place of that share.
 struct UnexplainedResidual {
   bool significant = false;
   double strongest = 0.0;  ///< [standard deviations]

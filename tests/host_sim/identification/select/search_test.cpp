@@ -150,4 +150,15 @@ TEST(Search, FrictionThatFallsIsNoOtherLaw) {
   EXPECT_NEAR(found.effects[0].parameters[2].value, 0.0335, 0.001);  // [m/s] v_s; five half widths
 }
 
+// Friction that sets in over 14 mm/s, beside a lag: Coulomb friction leaves a quarter of the noise's power more. On a
+// machine that follows x_cmd no noise of an input blurs the instants of sticking, so that is a rest.
+TEST(Search, FrictionThatSetsInIsALaw) {
+  const auto found = sample::diagnosis_of_all(truth::draw_rough("neighbour_laws", 2026122401));
+  const std::string said = host_sim::identification::sentence(found);
+  ASSERT_EQ(found.effects.size(), 1U) << said;
+  EXPECT_EQ(found.effects[0].effect.entry->name, "sensor_lag") << said;
+  ASSERT_EQ(found.laws.size(), 1U) << said;
+  EXPECT_EQ(found.laws[0].shape, "smooth friction") << said;
+}
+
 }  // namespace
