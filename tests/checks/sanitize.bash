@@ -19,7 +19,7 @@ Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.ReachesTheBounds* La
 ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstReference.Follows*Delay ModelAgainstReference.Follows*Friction
 ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N*
 Plan.S* PlanCommand.* Questions/* RecordingFaults.A* RecordingFaults.Damping* RecordingFaults.Hum* RecordingFaults.Mains* RecordingFaults.One*
-RecordingFaults.TheInputs* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.SurvivesAbsurd* Rest.IsNotFound* Rths.* SampledLoop.AddsHalf*
+RecordingFaults.TheInputs* RecordingFaults.WhatOnly* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.SurvivesAbsurd* Rest.IsNot* Rths.* SampledLoop.AddsHalf*
 SampledLoop.TendsTo* Search.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityMap.IsExact* StabilityMap.TakesAny*
 StabilityReport.IsWhole* StackFit.Diagnosis* SuspectParameters.A* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand* SuspectParameters.Take*
 SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is* TransferPosterior.StaysAt*
