@@ -78,8 +78,9 @@ inline constexpr double stretches = 8.0, shortest_stretch = 2.0;
 inline constexpr double fewest_tested = 6.0;
 /// [1] Least error of the variance of a channel's noise.
 inline constexpr double noise_variance_error = 0.01;
-/// [1] Error of a residual's variance where the model has corners. Recordings of 20 s of tests/truth with friction that
-/// was named right left 1.1 to 2.8 times their noise in F or zdd_w (6 of 9). Half: 4 of those are flagged. Twice: none.
+/// [1] Error of a residual's variance where noise of the input blurs corners of the model. Recordings of 20 s of
+/// tests/truth with friction that was named right left 1.1 to 2.8 times their noise in F or zdd_w (6 of 9). Half: 4 of
+/// those are flagged. Twice: none.
 inline constexpr double corner_power_error = 1.0;
 /// Stretches of time in verdict.json and report at most.
 inline constexpr double most_seconds_shown = 240.0;

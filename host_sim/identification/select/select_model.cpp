@@ -112,12 +112,14 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
   const SearchOptions options{{}, true, progress};
   SearchResult found = search(problem, space, options);
   const bool far = leaves_more(problem, found, thresholds::explains_most);
-  if (!far) compare(problem, space, options, found);
+  const std::size_t causes = found.best.effects.size() + found.best.faults().size();
+  const bool off = !far && causes >= thresholds::many_causes && parameters_instead(problem, space, progress, found);
+  if (!far && !off) compare(problem, space, options, found);
   if (far || leaves_more(problem, found, thresholds::explains_all)) {
     const bool replaced = search_under_model_error(problem, space, progress, found);
     if (far && !replaced) compare(problem, space, options, found);
   }
-  compare_parameters(problem, space, progress, found);
+  if (found.freed.empty()) compare_parameters(problem, space, progress, found);
   found.constancy = law_constancy(problem, found);
   const bool rest = leaves_a_rest(problem, found);
   if (!rest && !may_be_one_law(found)) return found;

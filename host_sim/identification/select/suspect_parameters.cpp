@@ -509,4 +509,11 @@ void compare_parameters(IdentificationProblem& problem, const SearchSpace& space
   if (replaced || !found.best.effects.empty() || !found.best.faults().empty()) exchange(problem, space, found);
 }
 
+bool parameters_instead(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
+                        SearchResult& found) {
+  if (!parameters_first(problem, space, progress, found)) return false;
+  exchange(problem, space, found);
+  return true;
+}
+
 }  // namespace host_sim::identification
