@@ -15,7 +15,7 @@ namespace host_sim::identification {
 ///   noise_colour  corner_hz   channels behind a low-pass; one entry for those of one order whose corners agree
 [[nodiscard]] std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem);
 
-/// What was taken for the noise of channels that the rig description says nothing of, a sentence each.
+/// One sentence for each channel without declared noise: the level that was estimated.
 [[nodiscard]] std::vector<std::string> noise_remarks(const IdentificationProblem& problem);
 
 }  // namespace host_sim::identification

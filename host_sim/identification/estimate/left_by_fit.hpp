@@ -1,4 +1,4 @@
-// What a fit leaves that is not noise, and that parameters which the fit could not know do not make.
+// Tests whether a fit leaves more than noise.
 #pragma once
 
 #include <string>

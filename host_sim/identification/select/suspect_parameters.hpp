@@ -35,7 +35,8 @@ void compare_parameters(IdentificationProblem& problem, const SearchSpace& space
                         SearchResult& found);
 
 /// The same of a search whose effects were not compared yet: (1) to (3), and (4) only where parameters are better. Many
-/// effects may be one parameter that is off, and comparing all of them is most of the work. false: nothing changed.
+/// effects may be one parameter that is off, and comparing all of them is most of the work. false: `found` stays,
+/// effects alone are better; its residuals may be weighted anew.
 [[nodiscard]] bool parameters_instead(IdentificationProblem& problem, const SearchSpace& space,
                                       const ProgressCallback& progress, SearchResult& found);
 
