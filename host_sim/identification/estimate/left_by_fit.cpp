@@ -6,7 +6,8 @@ namespace host_sim::identification {
 namespace {
 
 LeftByFit tested(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
-  return {unexplained_residual(problem, hypothesis), find_rest(problem, hypothesis)};
+  const std::vector<Response> responses = read_all(problem, hypothesis);
+  return {unexplained_residual(problem, hypothesis, responses), find_rest(problem, hypothesis, responses)};
 }
 
 }  // namespace

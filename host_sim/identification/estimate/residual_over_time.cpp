@@ -220,8 +220,8 @@ Rest surest_test(const IdentificationProblem& problem, const Hypothesis& hypothe
 
 }  // namespace
 
-Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
-  const std::vector<Response> responses = read_all(problem, hypothesis);
+Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+               const std::vector<Response>& responses) {
   const double seconds = tested_seconds(problem);
   // The whole record: its windows as they are, since a longer window loses less at its ends.
   const auto windows = stretch_powers(problem, responses, seconds);

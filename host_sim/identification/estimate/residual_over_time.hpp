@@ -59,6 +59,8 @@ struct Rest {
   [[nodiscard]] bool found() const { return z > threshold; }
   [[nodiscard]] std::string words() const;  ///< channel, band, stretch, power
 };
-[[nodiscard]] Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis);
+/// `responses`: read_all() of the hypothesis.
+[[nodiscard]] Rest find_rest(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                             const std::vector<Response>& responses);
 
 }  // namespace host_sim::identification

@@ -92,8 +92,8 @@ bool corners_are_blurred(const IdentificationProblem& problem, const Hypothesis&
   return problem.samples().front().input_noise.any() && has_corners(hypothesis.rig);
 }
 
-UnexplainedResidual unexplained_residual(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
-  const std::vector<Response> responses = read_all(problem, hypothesis);
+UnexplainedResidual unexplained_residual(const IdentificationProblem& problem, const Hypothesis& hypothesis,
+                                         const std::vector<Response>& responses) {
   const PowerTable fitted = power_table(problem, responses, false);
   const PowerTable held_out = problem.has_held_out() ? power_table(problem, responses, true) : PowerTable();
   UnexplainedResidual left;

@@ -38,15 +38,20 @@ struct ChannelExcess {
 [[nodiscard]] bool corners_are_blurred(const IdentificationProblem& problem, const Hypothesis& hypothesis);
 
 /// Whether something is left that is not noise: in one channel and band by thresholds::significant_deviations and
-/// significant_share, on fitted and on held-out data. Where corners
-/// are blurred, corner_power_error takes the place of that share.
+/// significant_share, on fitted and on held-out data. Where corners are blurred, corner_power_error takes the place of
+/// that share. `responses`: read_all() of the hypothesis.
 struct UnexplainedResidual {
   bool significant = false;
   double strongest = 0.0;  ///< [standard deviations]
   std::string words;       ///< channel, band; empty where nothing is left
 };
 [[nodiscard]] UnexplainedResidual unexplained_residual(const IdentificationProblem& problem,
-                                                       const Hypothesis& hypothesis);
+                                                       const Hypothesis& hypothesis,
+                                                       const std::vector<Response>& responses);
+[[nodiscard]] inline UnexplainedResidual unexplained_residual(const IdentificationProblem& problem,
+                                                              const Hypothesis& hypothesis) {
+  return unexplained_residual(problem, hypothesis, read_all(problem, hypothesis));
+}
 
 /// Error of the fitted windows: √ of the mean over channels and recordings of Σ(simulated − measured)²/Σ measured².
 [[nodiscard]] double pooled_error(const IdentificationProblem& problem, const Hypothesis& hypothesis);

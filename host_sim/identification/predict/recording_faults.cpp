@@ -14,6 +14,25 @@ namespace host_sim::identification {
 
 using model::Channel;
 
+PlacedFault clock_fault(std::vector<Channel> channels, double offset, double rate) {
+  PlacedFault fault;
+  fault.kind = FaultKind::clock;
+  fault.channels = std::move(channels);
+  fault.values = {offset, rate};
+  fault.fitted = {true, true};
+  return fault;
+}
+
+PlacedFault filter_fault(std::vector<Channel> channels, double corner, int order) {
+  PlacedFault fault;
+  fault.kind = FaultKind::common_filter;
+  fault.channels = std::move(channels);
+  fault.order = order;
+  fault.values = {corner};
+  fault.fitted = {true};
+  return fault;
+}
+
 bool PlacedFault::acts_on(Channel channel) const {
   return std::find(channels.begin(), channels.end(), channel) != channels.end();
 }

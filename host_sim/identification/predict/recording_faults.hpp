@@ -44,6 +44,10 @@ struct PlacedFault {
   [[nodiscard]] bool is_of(model::Channel channel) const { return acts_on(channel) != inverse; }
 };
 
+/// A clock whose offset [s] and rate [1] are fitted, and a filter whose corner [Hz] is.
+[[nodiscard]] PlacedFault clock_fault(std::vector<model::Channel> channels, double offset, double rate);
+[[nodiscard]] PlacedFault filter_fault(std::vector<model::Channel> channels, double corner, int order);
+
 /// True if one of the faults acts between a channel's sensor and its samples.
 [[nodiscard]] bool alters(const std::vector<PlacedFault>& faults, model::Channel channel);
 

@@ -35,25 +35,6 @@ std::vector<Channel> channels_in(const IdentificationProblem& problem, Group gro
   return channels;
 }
 
-PlacedFault clock_of(std::vector<Channel> channels, double offset, double rate) {
-  PlacedFault fault;
-  fault.kind = FaultKind::clock;
-  fault.channels = std::move(channels);
-  fault.values = {offset, rate};
-  fault.fitted = {true, true};
-  return fault;
-}
-
-PlacedFault filter_of(std::vector<Channel> channels, double corner, int order) {
-  PlacedFault fault;
-  fault.kind = FaultKind::common_filter;
-  fault.channels = std::move(channels);
-  fault.order = order;
-  fault.values = {corner};
-  fault.fitted = {true};
-  return fault;
-}
-
 bool holds_kind(const Hypothesis& hypothesis, FaultKind kind) {
   return std::any_of(hypothesis.faults.begin(), hypothesis.faults.end(),
                      [kind](const PlacedFault& fault) { return fault.kind == kind; });
@@ -106,7 +87,7 @@ std::vector<FaultScan::GroupGain> FaultScan::group_gains() const {
     const std::vector<Channel> channel{problem_.channels()[i / 2]};
     const double step = thresholds::fault_difference * (i % 2 == 0 ? thresholds::offset_scale : thresholds::rate_scale);
     std::vector<PlacedFault> faults = base_.hypothesis.faults;
-    faults.push_back(clock_of(channel, i % 2 == 0 ? step : 0.0, i % 2 == 0 ? 0.0 : step));
+    faults.push_back(clock_fault(channel, i % 2 == 0 ? step : 0.0, i % 2 == 0 ? 0.0 : step));
     d.col(static_cast<Eigen::Index>(i)) = change(faults, channel) / thresholds::fault_difference;
   });
   if (!d.allFinite()) return {};
@@ -147,8 +128,8 @@ void FaultScan::add_clocks_and_filters(std::vector<FaultCandidate>& list) const 
   const auto bounded = [](double value, double bound) { return std::clamp(value, -0.9 * bound, 0.9 * bound); };
   if (!has_clock) {
     for (const GroupGain& g : best(thresholds::tried_groups, [](const GroupGain& x) { return x.gain; })) {
-      list.push_back({clock_of(channels_in(problem_, g.group), bounded(g.offset, thresholds::largest_offset),
-                               bounded(g.rate, thresholds::largest_rate)),
+      list.push_back({clock_fault(channels_in(problem_, g.group), bounded(g.offset, thresholds::largest_offset),
+                                  bounded(g.rate, thresholds::largest_rate)),
                       g.gain});
     }
   }
@@ -172,7 +153,7 @@ void FaultScan::add_filter(Group group, std::vector<FaultCandidate>& list) const
     FaultCandidate best;
     for (const double corner : thresholds::filter_corners) {
       std::vector<PlacedFault> faults = base_.hypothesis.faults;
-      faults.push_back(filter_of(channels, corner, order));
+      faults.push_back(filter_fault(channels, corner, order));
       const Eigen::VectorXd d = change(faults, channels);
       const double gain = d.allFinite() ? others_.gain(d) : 0.0;
       if (gain > best.gain) best = {faults.back(), gain};
@@ -424,7 +405,7 @@ std::vector<PlacedFault> filters_seen(const IdentificationProblem& problem) {
     std::vector<Channel> inside, outside;
     for (const Channel channel : problem.channels()) (has(channel) ? inside : outside).push_back(channel);
     const bool of_input = has(r.input.channel);
-    PlacedFault fault = filter_of(of_input ? outside : inside, seen.corner, seen.order);
+    PlacedFault fault = filter_fault(of_input ? outside : inside, seen.corner, seen.order);
     fault.digital = seen.digital;
     fault.inverse = of_input;
     fault.seen = true;

@@ -161,16 +161,8 @@ std::optional<CandidateModel> in_one_fault(const ModelFitter& fitter, const Cand
   }
   if (late.size() < 2 || start.faults.size() >= thresholds::most_faults) return std::nullopt;
   const double mean = sum / static_cast<double>(late.size());
-  PlacedFault fault;
-  if (lags) {
-    fault.kind = FaultKind::common_filter;
-    fault.values = {1.0 / (2.0 * std::numbers::pi * mean)};
-    fault.fitted = {true};
-  } else {
-    fault.kind = FaultKind::clock;
-    fault.values = {mean, 0.0};
-    fault.fitted = {true, false};
-  }
+  PlacedFault fault = lags ? filter_fault({}, 1.0 / (2.0 * std::numbers::pi * mean), 1) : clock_fault({}, mean, 0.0);
+  if (!lags) fault.fitted[1] = false;
   // The input last: it turns the group into that of all others.
   const Channel input = fitter.problem().samples().front().input.channel;
   std::stable_partition(late.begin(), late.end(), [input](Channel channel) { return channel != input; });

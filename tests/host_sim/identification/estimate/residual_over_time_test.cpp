@@ -29,7 +29,7 @@ Left left_of(const firmware::RigDescription& truth, const std::function<double(d
   std::vector<PreparedRecording> recordings{prepare_recording(bench, std::move(r), Use::shared, false)};
   const Hypothesis given = described_hypothesis(bench, recordings);
   const IdentificationProblem problem(std::move(recordings), given);
-  return {find_rest(problem, given), unexplained_residual(problem, given).significant};
+  return {find_rest(problem, given, read_all(problem, given)), unexplained_residual(problem, given).significant};
 }
 
 // Law. Noise alone leaves no rest: of 40 recordings with a limit of one in a thousand none is flagged.
