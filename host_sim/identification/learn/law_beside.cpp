@@ -33,8 +33,28 @@ bool is_curve(const firmware::PlacedEffect& effect, CurveOver over) {
 bool is_friction(const firmware::PlacedEffect& effect) { return effect.entry->name == "coulomb_friction"; }
 bool is_guide(CurvePlace place) { return place == CurvePlace::body_guide || place == CurvePlace::wheel_guide; }
 
+namespace {
+model::Subsystem subsystem_of(CurvePlace place) {
+  switch (place) {
+    case CurvePlace::tyre:
+      return model::Subsystem::tyre;
+    case CurvePlace::body_guide:
+      return model::Subsystem::body_guide;
+    case CurvePlace::wheel_guide:
+      return model::Subsystem::wheel_guide;
+    default:
+      return model::Subsystem::suspension;
+  }
+}
+}  // namespace
+
+bool may_act_beside(const firmware::PlacedEffect& effect, CurvePlace place, CurveOver over) {
+  return effect.channel || effect.entry->subsystem != subsystem_of(place) ||
+         (!is_guide(place) && !is_curve(effect, over));
+}
+
 std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace place, CurveOver over) {
-  const model::Subsystem own = place == CurvePlace::tyre ? model::Subsystem::tyre : model::Subsystem::suspension;
+  const model::Subsystem own = subsystem_of(place);
   const auto those = [&](const auto& keep) {
     EffectsBeside kept;
     std::copy_if(all.begin(), all.end(), std::back_inserter(kept), keep);
@@ -81,11 +101,9 @@ std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
 }
 
 EffectsBeside effects_beside_guide(const EffectsBeside& all, CurvePlace place) {
-  const model::Subsystem own =
-      place == CurvePlace::body_guide ? model::Subsystem::body_guide : model::Subsystem::wheel_guide;
   EffectsBeside kept;
   std::copy_if(all.begin(), all.end(), std::back_inserter(kept),
-               [&](const auto& e) { return e.channel.has_value() || e.entry->subsystem != own; });
+               [&](const auto& e) { return may_act_beside(e, place, CurveOver::velocity); });
   return kept;
 }
 

@@ -38,6 +38,9 @@ struct Reasons {
 /// other parts of the rig, with the friction at the place; last all but curves over the same variable.
 [[nodiscard]] std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace place, CurveOver over);
 
+/// Whether an effect is no curve over the same variable at the same place.
+[[nodiscard]] bool may_act_beside(const firmware::PlacedEffect& effect, CurvePlace place, CurveOver over);
+
 /// Beside a stack of branches: everything but other memory and dry friction at the suspension, also with dry friction,
 /// and what is elsewhere alone.
 [[nodiscard]] std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all);

@@ -13,6 +13,7 @@
 #include "host_sim/identification/learn/thresholds.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
+#include "host_sim/identification/select/model_fitter.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 
 namespace host_sim::identification {
@@ -68,6 +69,7 @@ class LawSearch {
   [[nodiscard]] std::vector<Beside> places() const;
   [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
   [[nodiscard]] std::vector<Curve> curves() const;
+  void grow(Curve& curve) const;
   [[nodiscard]] std::optional<Candidate> fitted_as(LawFamily family, const IdentificationProblem& problem,
                                                    const Hypothesis& start, const EffectsBeside& effects) const;
   [[nodiscard]] std::vector<Candidate> candidates(const std::vector<Curve>& curves) const;
@@ -139,10 +141,19 @@ std::vector<Beside> LawSearch::places() const {
   return list;
 }
 
-/// Friction falls with velocity by a part of it; what falls by more, or rises, is another law.
+/// Friction falls with velocity by a part of it; what falls by more, or rises, is another law. So is a family with a
+/// value at its bound.
 bool LawSearch::is_possible(const Candidate& candidate) {
+  const Hypothesis& hypothesis = candidate.model.fit.hypothesis;
+  if (!has_grid(candidate.family)) {
+    const std::vector<FreeParameter> free = law_parameters(hypothesis.laws);
+    if (std::any_of(free.begin(), free.end(), [&](const FreeParameter& value) {
+          return value.law + 1 == hypothesis.laws.size() && value.at_bound(hypothesis);
+        }))
+      return false;
+  }
   if (candidate.family != LawFamily::falling) return true;
-  const double fall = candidate.model.fit.hypothesis.laws.back().values.front();
+  const double fall = hypothesis.laws.back().values.front();
   const auto& effects = candidate.model.effects;
   const auto friction = std::find_if(effects.begin(), effects.end(), is_friction);
   return friction != effects.end() && fall > 0.0 && fall < friction->values.front();
@@ -178,6 +189,34 @@ std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
   return start;
 }
 
+/// Effects beside a curve that the search without it has not found, one after the other. What took its place has hidden
+/// them: of a real damper the mount and the mass behind the load cell are seen only beside the curve.
+void LawSearch::grow(Curve& curve) const {
+  IdentificationProblem part = part_;
+  Effort effort;
+  for (std::size_t more = 0; more < thresholds::grown_effects; ++more) {
+    const Hypothesis& hypothesis = curve.fit.model.fit.hypothesis;
+    std::vector<FreeParameter> free = space_.common;
+    const auto of_laws = law_parameters(hypothesis.laws);
+    free.insert(free.end(), of_laws.begin(), of_laws.end());
+    const ModelFitter fitter(part, std::move(free), criterion_, effort);
+    if (fitter.leaves_noise(curve.fit.model)) return;
+    const CandidateModel base = fitter.refitted(hypothesis, curve.beside.effects, 0);
+    auto list = fitter.extended(base, found_.scales, thresholds::grown_candidates);
+    std::erase_if(list, [&](const CandidateModel& model) {
+      return ends_at_bound(model.effects.back()) || model.effects.size() <= base.effects.size() ||
+             !may_act_beside(model.effects.back(), curve.beside.place, curve.beside.over);
+    });
+    if (list.empty() || !criterion_.accepts(list.front(), base, criterion_.later_share)) return;
+    const Hypothesis& start = list.front().fit.hypothesis;
+    auto longer = fit_curve(part_, space_, start, list.front().effects, thresholds::curve_steps);
+    if (!longer) return;
+    const double cost = cost_of(longer->model, std::min(longer->freedom, thresholds::fewest_values));
+    if (cost >= curve.cost) return;
+    curve = {{curve.beside.place, curve.beside.over, list.front().effects}, std::move(*longer), cost};
+  }
+}
+
 /// The curves worth fitting on the whole, best first.
 std::vector<LawSearch::Curve> LawSearch::curves() const {
   const std::vector<Beside> all = places();
@@ -196,14 +235,33 @@ std::vector<LawSearch::Curve> LawSearch::curves() const {
     if (fitted[i]) order.push_back(i);
   }
   const auto better = [&](std::size_t a, std::size_t b) { return fitted[a]->cost < fitted[b]->cost; };
-  std::sort(order.begin(), order.end(), better);
-  if (order.size() > thresholds::continued_curves) order.resize(thresholds::continued_curves);
+  // The best, and the best of each kind: after one step those beside many effects are ahead.
+  const auto is_first_of_kind = [&](const std::vector<std::size_t>& before, std::size_t i) {
+    return std::none_of(before.begin(), before.end(),
+                        [&](std::size_t b) { return all[b].place == all[i].place && all[b].over == all[i].over; });
+  };
+  const auto keep_best = [&](std::size_t most) {
+    std::sort(order.begin(), order.end(), better);
+    std::vector<std::size_t> kept;
+    for (const std::size_t i : order) {
+      if (kept.size() < most || is_first_of_kind(kept, i)) kept.push_back(i);
+    }
+    order = std::move(kept);
+  };
+  keep_best(thresholds::continued_curves);
   for_all(order.size(), [&](std::size_t i) {
     const Hypothesis start = fitted[order[i]]->fit.model.fit.hypothesis;
     fit_from(order[i], start, thresholds::curve_steps);
   });
-  std::sort(order.begin(), order.end(), better);
-  if (order.size() > thresholds::fitted_curves) order.resize(thresholds::fitted_curves);
+  keep_best(thresholds::fitted_curves);
+  if (reasons_.rest) {
+    std::vector<std::size_t> best_of_kind;
+    for (const std::size_t i : order) {
+      if (is_first_of_kind(best_of_kind, i)) best_of_kind.push_back(i);
+    }
+    for (const std::size_t i : best_of_kind) grow(*fitted[i]);
+    std::sort(order.begin(), order.end(), better);
+  }
   std::vector<Curve> list;
   for (const std::size_t i : order) list.push_back(std::move(*fitted[i]));
   return list;
@@ -520,10 +578,10 @@ void LawSearch::weigh_anew() {
 void LawSearch::adopt(Candidate law) {
   std::vector<std::vector<Rival>> rivals;
   for (const firmware::PlacedEffect& kept : law.model.effects) {
-    for (std::size_t i = 0; i < found_.best.effects.size(); ++i) {
+    std::vector<Rival>& of_effect = rivals.emplace_back();  // none of one that was found beside the law
+    for (std::size_t i = 0; i < std::min(found_.best.effects.size(), found_.rivals.size()); ++i) {
       const firmware::PlacedEffect& old = found_.best.effects[i];
-      if (old.entry != kept.entry || old.channel != kept.channel) continue;
-      rivals.push_back(i < found_.rivals.size() ? found_.rivals[i] : std::vector<Rival>());
+      if (old.entry == kept.entry && old.channel == kept.channel) of_effect = found_.rivals[i];
     }
   }
   const double before = found_.best.penalised_chi_squared(criterion_);

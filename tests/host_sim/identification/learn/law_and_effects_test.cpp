@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host_sim/identification/learn/law_beside.hpp"
 #include "tests/host_sim/identification/example_law.hpp"
 
 namespace {
@@ -52,6 +53,20 @@ TEST(LawAndEffects, KnowsAnEffectByItsFamily) {
   ASSERT_TRUE(slopes);
   EXPECT_EQ(slopes->entry->name, "asymmetric_damper");
   EXPECT_NEAR(slopes->values[0], 200.0, 1e-9);
+}
+
+// Point. Beside a curve there is no other over the same variable at the same place; sensors and other places are free.
+TEST(LawAndEffects, NoTwoCurvesStandAtOnePlace) {
+  const firmware::PlacedEffect damping = effect("quadratic_damping", {100.0}), stop = effect("bump_stop", {0.01, 1e5}),
+                               guide = effect("body_guide_friction", {10.0}),
+                               lag{firmware::find_effect("sensor_lag"), model::Channel::F, {1e-3}};
+  EXPECT_FALSE(may_act_beside(damping, CurvePlace::suspension, CurveOver::velocity));
+  EXPECT_TRUE(may_act_beside(damping, CurvePlace::suspension, CurveOver::deflection));
+  EXPECT_FALSE(may_act_beside(stop, CurvePlace::suspension, CurveOver::deflection));
+  EXPECT_TRUE(may_act_beside(stop, CurvePlace::tyre, CurveOver::deflection));
+  EXPECT_FALSE(may_act_beside(guide, CurvePlace::body_guide, CurveOver::velocity));
+  EXPECT_TRUE(may_act_beside(guide, CurvePlace::wheel_guide, CurveOver::velocity));
+  EXPECT_TRUE(may_act_beside(lag, CurvePlace::suspension, CurveOver::velocity));
 }
 
 // Law. A curve stands in the place of dry friction if it steps at rest, not wherever friction was found before.
