@@ -28,12 +28,6 @@ bool is_curve(const firmware::PlacedEffect& effect, CurveOver over) {
   return over == CurveOver::velocity ? has(over_velocity) : has(over_deflection);
 }
 
-}  // namespace
-
-bool is_friction(const firmware::PlacedEffect& effect) { return effect.entry->name == "coulomb_friction"; }
-bool is_guide(CurvePlace place) { return place == CurvePlace::body_guide || place == CurvePlace::wheel_guide; }
-
-namespace {
 model::Subsystem subsystem_of(CurvePlace place) {
   switch (place) {
     case CurvePlace::tyre:
@@ -46,7 +40,11 @@ model::Subsystem subsystem_of(CurvePlace place) {
       return model::Subsystem::suspension;
   }
 }
+
 }  // namespace
+
+bool is_friction(const firmware::PlacedEffect& effect) { return effect.entry->name == "coulomb_friction"; }
+bool is_guide(CurvePlace place) { return place == CurvePlace::body_guide || place == CurvePlace::wheel_guide; }
 
 bool may_act_beside(const firmware::PlacedEffect& effect, CurvePlace place, CurveOver over) {
   return effect.channel || effect.entry->subsystem != subsystem_of(place) ||
@@ -71,7 +69,7 @@ std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace p
     list.push_back(those([&](const auto& e) { return elsewhere(e) || e.entry->subsystem != own || is_friction(e); }));
   }
   // Last, of those at the place, laws of another kind: a curve over velocity beside free play, a spring, a branch.
-  list.push_back(those([&](const auto& e) { return e.entry->subsystem != own || !is_curve(e, over); }));
+  list.push_back(those([&](const auto& e) { return may_act_beside(e, place, over); }));
   std::vector<EffectsBeside> different;
   for (auto effects = list.rbegin(); effects != list.rend(); ++effects) {
     if (std::none_of(different.begin(), different.end(), [&](const EffectsBeside& d) { return are_same(d, *effects); }))

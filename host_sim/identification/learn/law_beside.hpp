@@ -38,7 +38,8 @@ struct Reasons {
 /// other parts of the rig, with the friction at the place; last all but curves over the same variable.
 [[nodiscard]] std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace place, CurveOver over);
 
-/// Whether an effect is no curve over the same variable at the same place.
+/// true: the effect can stand beside a law. It belongs to a sensor or to another part of the rig, or its force depends
+/// on the other variable. Beside a law of a guide no other effect of that guide can.
 [[nodiscard]] bool may_act_beside(const firmware::PlacedEffect& effect, CurvePlace place, CurveOver over);
 
 /// Beside a stack of branches: everything but other memory and dry friction at the suspension, also with dry friction,

@@ -235,31 +235,26 @@ std::vector<LawSearch::Curve> LawSearch::curves() const {
     if (fitted[i]) order.push_back(i);
   }
   const auto better = [&](std::size_t a, std::size_t b) { return fitted[a]->cost < fitted[b]->cost; };
-  // The best, and the best of each kind: after one step those beside many effects are ahead.
-  const auto is_first_of_kind = [&](const std::vector<std::size_t>& before, std::size_t i) {
-    return std::none_of(before.begin(), before.end(),
-                        [&](std::size_t b) { return all[b].place == all[i].place && all[b].over == all[i].over; });
-  };
-  const auto keep_best = [&](std::size_t most) {
-    std::sort(order.begin(), order.end(), better);
+  // So many, and the best of each kind: after one step those beside many effects are ahead.
+  const auto best = [&](std::vector<std::size_t> list, std::size_t most) {
+    std::sort(list.begin(), list.end(), better);
     std::vector<std::size_t> kept;
-    for (const std::size_t i : order) {
-      if (kept.size() < most || is_first_of_kind(kept, i)) kept.push_back(i);
+    for (const std::size_t i : list) {
+      const bool first_of_kind = std::none_of(kept.begin(), kept.end(), [&](std::size_t k) {
+        return all[k].place == all[i].place && all[k].over == all[i].over;
+      });
+      if (kept.size() < most || first_of_kind) kept.push_back(i);
     }
-    order = std::move(kept);
+    return kept;
   };
-  keep_best(thresholds::continued_curves);
+  order = best(order, thresholds::continued_curves);
   for_all(order.size(), [&](std::size_t i) {
     const Hypothesis start = fitted[order[i]]->fit.model.fit.hypothesis;
     fit_from(order[i], start, thresholds::curve_steps);
   });
-  keep_best(thresholds::fitted_curves);
+  order = best(order, thresholds::fitted_curves);
   if (reasons_.rest) {
-    std::vector<std::size_t> best_of_kind;
-    for (const std::size_t i : order) {
-      if (is_first_of_kind(best_of_kind, i)) best_of_kind.push_back(i);
-    }
-    for (const std::size_t i : best_of_kind) grow(*fitted[i]);
+    for (const std::size_t i : best(order, 0)) grow(*fitted[i]);
     std::sort(order.begin(), order.end(), better);
   }
   std::vector<Curve> list;
