@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
