@@ -20,7 +20,7 @@ ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstRe
 ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N*
 Plan.S* PlanCommand.* Questions/* RecordingFaults.A* RecordingFaults.Damping* RecordingFaults.Hum* RecordingFaults.Mains* RecordingFaults.One*
 RecordingFaults.TheInputs* RecordingFaults.WhatOnly* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.SurvivesAbsurd* Rest.IsNot* Rths.* SampledLoop.AddsHalf*
-SampledLoop.TendsTo* Search.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityMap.IsExact* StabilityMap.TakesAny*
+SampledLoop.TendsTo* Search.* SearchApart.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityMap.IsExact* StabilityMap.TakesAny*
 StabilityReport.IsWhole* StackFit.Diagnosis* SuspectParameters.A* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand* SuspectParameters.Take*
 SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is* TransferPosterior.StaysAt*
 TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthNeighbours.DifferentiateBy* TruthSimulation.*

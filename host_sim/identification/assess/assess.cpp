@@ -222,13 +222,16 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   if (diverges) give_up(found);
   const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
 
+  // What is said of the rig is what it does as one.
+  std::optional<IdentificationProblem> joined;
+  const IdentificationProblem& whole = problem.is_apart() ? joined.emplace(problem.joined()) : problem;
   Diagnosis result;
   result.relations = std::move(relations);
   result.simulations = found.simulations;
   result.candidates = found.candidates;
   result.remarks = noise_remarks(problem);
   result.remarks.insert(result.remarks.end(), found.remarks.begin(), found.remarks.end());
-  result.residual_power = residual_power(problem, space, found);
+  result.residual_power = residual_power(whole, space, found);
   const LeftByFit left = left_by(problem, found.best.fit);
   result.unexplained = left.any();
   result.residual = left.words();
@@ -237,14 +240,14 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
     result.residual = "the model that fits best does not stay finite over the whole recording";
   }
   result.prediction_errors =
-      prediction_errors(problem, space.given, refit, after, learned.without ? &*learned.without : nullptr);
+      prediction_errors(whole, space.given, refit, after, learned.without ? &*learned.without : nullptr);
   const bool nothing = result.unexplained && leaves_a_whole_signal(result.prediction_errors);
   const double explained = nothing ? 0.0
                                    : explained_share(result.residual_power.refit, result.residual_power.after,
                                                      static_cast<double>(problem.residual_count()));
 
   const SelectionCriterion criterion;
-  const Certainty certainty = certainty_of(problem, found, result.unexplained, explained);
+  const Certainty certainty = certainty_of(whole, found, result.unexplained, explained);
   add_inconstant_laws(found, certainty.temper, result);
   const SearchSpace fitted_space = untied(space, found.freed);
   Uncertainty known = uncertainty(problem, space.suspects, found.best.fit);
@@ -275,9 +278,9 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   add_failed_relations(result);
   result.verdict = verdict_of(result, explained, close);
 
-  locate(problem, found, !car.effects.empty(), result);
-  result.power_over_time = power_over_time(problem, refit, after);
-  result.overlays = overlays_of(problem, space.given, refit, after);
+  locate(whole, found, !car.effects.empty(), result);
+  result.power_over_time = power_over_time(whole, refit, after);
+  result.overlays = overlays_of(whole, space.given, refit, after);
   put_into_rig(description, after, result);
   return result;
 }

@@ -149,6 +149,32 @@ IdentificationProblem IdentificationProblem::truncated_and_coarse(double share) 
   return part;
 }
 
+IdentificationProblem IdentificationProblem::of(std::vector<PreparedRecording> samples) const {
+  IdentificationProblem other = *this;
+  other.samples_ = std::make_shared<const std::vector<PreparedRecording>>(std::move(samples));
+  for (std::size_t i = 0; i < recordings_.size(); ++i) other.recordings_[i].samples = &(*other.samples_)[i];
+  other.whiten();
+  return other;
+}
+
+IdentificationProblem IdentificationProblem::of_channels(const std::vector<Channel>& channels) const {
+  std::vector<PreparedRecording> samples = *samples_;
+  for (PreparedRecording& r : samples) r.channels = channels;
+  return of(std::move(samples));
+}
+
+IdentificationProblem IdentificationProblem::apart(const std::vector<firmware::PlacedEffect>& machine) const {
+  std::vector<PreparedRecording> samples = *samples_;
+  for (PreparedRecording& r : samples) r.machine = machine;
+  return of(std::move(samples));
+}
+
+IdentificationProblem IdentificationProblem::joined() const {
+  std::vector<PreparedRecording> samples = *samples_;
+  for (PreparedRecording& r : samples) r.machine.reset();
+  return of(std::move(samples));
+}
+
 void IdentificationProblem::leave_out(std::size_t recording, Window left_out) {
   auto samples = std::make_shared<std::vector<PreparedRecording>>(*samples_);
   PreparedRecording& r = (*samples)[recording];

@@ -58,6 +58,15 @@ class IdentificationProblem {
   /// Whitening of any window of a recording, with the weights of the problem.
   [[nodiscard]] Whitening whitening(std::size_t recording, Window window) const;
 
+  /// The same problem of some of the channels, each with its samples and its noise.
+  [[nodiscard]] IdentificationProblem of_channels(const std::vector<model::Channel>& channels) const;
+  /// Machine and component apart: F is that of a component which the given machine moves, so that what F leaves says
+  /// nothing of the machine. Source of the idea: M. Plummer, Cuts in Bayesian graphical models, Stat. Comput. 25, 2015.
+  [[nodiscard]] IdentificationProblem apart(const std::vector<firmware::PlacedEffect>& machine) const;
+  [[nodiscard]] bool is_apart() const { return samples_->front().machine.has_value(); }
+  /// As it was before apart().
+  [[nodiscard]] IdentificationProblem joined() const;
+
   /// What is held out is fitted, too.
   [[nodiscard]] IdentificationProblem with_all_fitted() const;
 
@@ -68,6 +77,7 @@ class IdentificationProblem {
 
  private:
   IdentificationProblem() = default;
+  [[nodiscard]] IdentificationProblem of(std::vector<PreparedRecording> samples) const;
   bool update_channel_noise(const Hypothesis& hypothesis);
   void whiten();
 

@@ -42,6 +42,15 @@ Rig without_sensors(const Rig& rig) {
   return bare;
 }
 
+/// A rig with another machine.
+Rig moved_by(Rig rig, const std::vector<firmware::PlacedEffect>& machine) {
+  for (const firmware::PlacedEffect& effect : firmware::effects_of(rig)) {
+    if (effect.entry->subsystem == model::Subsystem::machine) firmware::remove_effect(rig, *effect.entry, std::nullopt);
+  }
+  for (const firmware::PlacedEffect& effect : machine) firmware::put_effect(rig, effect);
+  return rig;
+}
+
 /// Model steps per sample.
 int steps_of(const Rig& bare, double period, Resolution resolution) {
   const bool finely = is_stepped_finely(bare) && !firmware::find_rig_fault(bare, period / resolution.substeps);
@@ -114,7 +123,15 @@ Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& re
                    return drifted(bare, hypothesis.faults, std::min(middle, 1.0));
                  }};
   }
-  Response response = simulate(bare, input, start, samples, steps_of(bare, input.period, resolution), variation);
+  const int steps = steps_of(bare, input.period, resolution);
+  Response response = simulate(bare, input, start, samples, steps, variation);
+  if (recording.machine) {
+    RigVariation moved = variation;
+    if (moved.every > 0) moved.at = [&](std::size_t k) { return moved_by(variation.at(k), *recording.machine); };
+    const Rig rig = moved_by(bare, *recording.machine);
+    response[index(Channel::F)] =
+        std::move(simulate(rig, input, start, samples, steps, {Channel::F}, moved)[index(Channel::F)]);
+  }
   complete(bare, recording, input, samples, response);
   return response;
 }
@@ -157,6 +174,15 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
       group.push_back({&bare[i], driven[i].start, driven[i].input});
     }
     auto simulated = simulate_side_by_side(group, samples, count, channels);
+    if (recording.machine) {
+      std::vector<Rig> moved;
+      for (const std::size_t i : chosen) moved.push_back(moved_by(bare[i], *recording.machine));
+      for (std::size_t i = 0; i < moved.size(); ++i) group[i].rig = &moved[i];
+      auto forces = simulate_side_by_side(group, samples, count, {Channel::F});
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        simulated[i][index(Channel::F)] = std::move(forces[i][index(Channel::F)]);
+      }
+    }
     for (std::size_t i = 0; i < chosen.size(); ++i) responses[chosen[i]] = std::move(simulated[i]);
   }
   for (std::size_t i = 0; i < rigs.size(); ++i) {

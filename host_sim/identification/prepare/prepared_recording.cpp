@@ -96,6 +96,10 @@ void split(PreparedRecording& prepared, Use use, std::size_t samples) {
   if (end < samples) end = end / step * step;
   prepared.fitted = {0, end};
   prepared.held_out = {end, samples};
+  if (prepared.settles) {
+    prepared.held_out.from =
+        prepared.compared_from(static_cast<std::size_t>(thresholds::machine_settles / prepared.input.period));
+  }
 }
 
 }  // namespace
@@ -183,6 +187,8 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   prepare_input(prepared, description, sampled, disagree);
   // Without its mean an acceleration does not begin at rest, even where the rig did.
   prepared.at_rest = !prepared.mean_unknown && begins_at_rest(rig, prepared.input, recording);
+  const bool has_machine = prepared.input.channel == Channel::x_cmd;
+  prepared.settles = use == Use::held_out && has_machine && !rig.has_fdva && !prepared.at_rest;
   std::vector<Channel> simulated = response_channels(rig.kind, prepared.input);
   if (prepared.inputs_disagree) simulated.push_back(Channel::zdd_r);
   // A sensor of F_w that feels the road's acceleration says nothing where that is not known.

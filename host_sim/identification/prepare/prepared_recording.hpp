@@ -39,7 +39,10 @@ struct PreparedRecording {
   SimulationInput input;
   /// Samples of the simulation for each one that was recorded and is compared; windows begin and end at such.
   std::size_t step = 1;
-  bool at_rest = false;                              ///< begins at rest; else the state at the first sample is unknown
+  bool at_rest = false;  ///< begins at rest; else the state at the first sample is unknown
+  /// Wholly held out, of a machine without an FDVA, and not from rest: what it remembers of the time before is
+  /// forgotten when the window begins (thresholds::machine_settles). In a fitted recording it is a small part.
+  bool settles = false;
   std::vector<model::Channel> channels;              ///< measured, to be explained
   std::array<double, model::channel_count> noise{};  ///< level of compared samples [SI], declared or estimated
   ChannelNoises channel_noise{};                     ///< the same with its colour; inputs too
@@ -54,6 +57,9 @@ struct PreparedRecording {
   std::array<std::optional<Renewals>, model::channel_count> renewals{};  ///< of held channels
   Window fitted, held_out;
   InputNoise input_noise;
+  /// Machine and component are judged apart (noise/identification_problem.hpp): the effects of this machine move the
+  /// component, those of a hypothesis x_act alone. nullopt: the hypothesis's own do both.
+  std::optional<std::vector<firmware::PlacedEffect>> machine{};
   /// The input is an integrated acceleration: its mean was removed, (ż(T) − ż(0))/T of which was motion, and with it
   /// what a channel is on average. At 0 Hz accelerations alone are compared (noise/whitening.hpp, 7).
   bool mean_unknown = false;

@@ -12,8 +12,11 @@ namespace host_sim::identification {
 
 namespace {
 
-/// Whether a recording's held-out window begins in a state that is known.
-bool is_judged(const ProblemRecording& r) { return r.is_held_out() && (r.is_fitted() || r.samples->at_rest); }
+/// Whether a recording's held-out window begins in a state that is known: that of what was fitted before it, rest, or
+/// where a machine has settled whose component has no states of its own.
+bool is_judged(const ProblemRecording& r) {
+  return r.is_held_out() && (r.is_fitted() || r.samples->at_rest || r.samples->settles);
+}
 
 }  // namespace
 

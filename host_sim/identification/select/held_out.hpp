@@ -5,8 +5,8 @@
 
 namespace host_sim::identification {
 
-/// χ² of the held-out windows of recordings that are fitted in part: their start is known, so nothing is fitted here.
-/// 0 where nothing is held out that way.
+/// χ² of the held-out windows of recordings that are fitted in part, begin at rest, or need no start
+/// (PreparedRecording::settles): nothing is fitted here. 0 where nothing is held out that way.
 ///
 /// Two models with their parameters from the fitted windows differ there by −2 ln of the ratio of their likelihoods on
 /// data that chose neither; beside (1) of SelectionCriterion it is evidence without a penalty. Source: prequential

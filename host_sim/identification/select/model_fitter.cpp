@@ -125,6 +125,9 @@ std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, 
   auto list = candidates(problem_.samples(), base.fit.hypothesis, scales);
   if (!criterion_.imitating) std::erase_if(list, [](const Candidate& c) { return c.entry->imitates; });
   if (!criterion_.sensors) std::erase_if(list, [](const Candidate& c) { return c.channel.has_value(); });
+  if (!criterion_.machine) {
+    std::erase_if(list, [](const Candidate& c) { return c.entry->subsystem == model::Subsystem::machine; });
+  }
   std::vector<Scanned> scanned(list.size());
   const LinearRefit others(base.fit);
   for_all(list.size(), [&](std::size_t i) {

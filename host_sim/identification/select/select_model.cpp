@@ -8,6 +8,7 @@
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
+#include "host_sim/identification/select/search_apart.hpp"
 #include "host_sim/identification/select/search_under_model_error.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -123,6 +124,10 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
   found.constancy = law_constancy(problem, found);
   const bool rest = leaves_a_rest(problem, found);
   if (!rest && !may_be_one_law(found)) return found;
+  if (rest && search_apart(problem, space, progress, found)) {
+    found.constancy = law_constancy(problem, found);
+    return found;
+  }
   IdentificationProblem other = before;
   SearchResult imitating;
   // What leaves that much is no answer, however its effects are exchanged.

@@ -49,6 +49,7 @@ struct SelectionCriterion {
   double first_share = 0.03, later_share = 0.30;
   bool imitating = false;           ///< laws that could imitate others are candidates
   bool sensors = true;              ///< effects of sensors are candidates
+  bool machine = true;              ///< effects of the machine
   bool faults = true;               ///< and faults of the recording
   std::size_t beam = 2;             ///< models kept for the next effect
   std::size_t most_candidates = 8;  ///< fitted beside each of them

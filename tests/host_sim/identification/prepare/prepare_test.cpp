@@ -78,7 +78,7 @@ TEST(Prepare, LeavesOutTheMiddleOfALongRecording) {
   ASSERT_EQ(data.recordings.size(), 2U);
   EXPECT_EQ(data.recordings[0].fitted.size(), 120'000U);
   EXPECT_EQ(data.recordings[0].held_out.size(), 0U);
-  EXPECT_EQ(data.recordings[1].held_out.size(), 40'000U);
+  EXPECT_EQ(data.recordings[1].held_out.size(), 40'000U - 300U) << "it begins in motion: the machine settles first";
   EXPECT_NEAR(data.recordings[1].recording.time.front(), 460.0, 1e-9);
   ASSERT_EQ(data.remarks.size(), 1U);
   EXPECT_NE(data.remarks[0].find("of 500 s the first 120 s are fitted, the last 40 s held out"), std::string::npos);
