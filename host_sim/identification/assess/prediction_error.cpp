@@ -13,11 +13,7 @@ using model::Channel;
 namespace {
 
 double error_of(const IdentificationProblem& problem, const std::vector<Response>& responses, Channel channel) {
-  SquaredError squares;
-  for (std::size_t i = 0; i < responses.size(); ++i) {
-    const ProblemRecording& r = problem.recordings()[i];
-    squares.add(*r.samples, channel, responses[i], r.held_out);
-  }
+  const SquaredError squares = held_out_squares(problem, responses, channel);
   return squares.data > 0.0 ? std::sqrt(squares.error / squares.data) : 0.0;
 }
 

@@ -138,6 +138,16 @@ void SquaredError::add(const PreparedRecording& recording, model::Channel channe
   error += recording.mean_unknown && count > 0.0 ? squares - sum * sum / count : squares;
 }
 
+SquaredError held_out_squares(const IdentificationProblem& problem, const std::vector<Response>& responses,
+                              model::Channel channel) {
+  SquaredError squares;
+  for (std::size_t i = 0; i < responses.size(); ++i) {
+    const ProblemRecording& r = problem.recordings()[i];
+    squares.add(*r.samples, channel, responses[i], r.held_out);
+  }
+  return squares;
+}
+
 double pooled_error(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
   double sum = 0.0, terms = 0.0;
   for (std::size_t i = 0; i < problem.recordings().size(); ++i) {

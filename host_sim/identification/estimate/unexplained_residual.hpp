@@ -63,4 +63,8 @@ struct SquaredError {
   void add(const PreparedRecording& recording, model::Channel channel, const Response& response, Window window);
 };
 
+/// Sums over all held-out windows of a channel. `responses`: read_all() of a hypothesis.
+[[nodiscard]] SquaredError held_out_squares(const IdentificationProblem& problem,
+                                            const std::vector<Response>& responses, model::Channel channel);
+
 }  // namespace host_sim::identification

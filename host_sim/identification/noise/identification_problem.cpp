@@ -149,11 +149,15 @@ IdentificationProblem IdentificationProblem::truncated_and_coarse(double share) 
   return part;
 }
 
+void IdentificationProblem::replace_samples(std::vector<PreparedRecording> samples) {
+  samples_ = std::make_shared<const std::vector<PreparedRecording>>(std::move(samples));
+  for (std::size_t i = 0; i < recordings_.size(); ++i) recordings_[i].samples = &(*samples_)[i];
+  whiten();
+}
+
 IdentificationProblem IdentificationProblem::of(std::vector<PreparedRecording> samples) const {
   IdentificationProblem other = *this;
-  other.samples_ = std::make_shared<const std::vector<PreparedRecording>>(std::move(samples));
-  for (std::size_t i = 0; i < recordings_.size(); ++i) other.recordings_[i].samples = &(*other.samples_)[i];
-  other.whiten();
+  other.replace_samples(std::move(samples));
   return other;
 }
 
@@ -176,17 +180,15 @@ IdentificationProblem IdentificationProblem::joined() const {
 }
 
 void IdentificationProblem::leave_out(std::size_t recording, Window left_out) {
-  auto samples = std::make_shared<std::vector<PreparedRecording>>(*samples_);
-  PreparedRecording& r = (*samples)[recording];
+  std::vector<PreparedRecording> samples = *samples_;
+  PreparedRecording& r = samples[recording];
   for (const model::Channel channel : r.channels) {
     std::vector<bool>& clipped = r.clipped[index(channel)];
     clipped.resize(r.size(), false);
     std::fill(clipped.begin() + static_cast<std::ptrdiff_t>(left_out.from),
               clipped.begin() + static_cast<std::ptrdiff_t>(std::min(left_out.to, r.size())), true);
   }
-  for (std::size_t i = 0; i < recordings_.size(); ++i) recordings_[i].samples = &(*samples)[i];
-  samples_ = std::move(samples);
-  whiten();
+  replace_samples(std::move(samples));
 }
 
 Whitening IdentificationProblem::whitening(std::size_t recording, Window window) const {

@@ -77,6 +77,8 @@ class IdentificationProblem {
 
  private:
   IdentificationProblem() = default;
+  /// Takes other samples of the same recordings, and weights residuals anew.
+  void replace_samples(std::vector<PreparedRecording> samples);
   [[nodiscard]] IdentificationProblem of(std::vector<PreparedRecording> samples) const;
   bool update_channel_noise(const Hypothesis& hypothesis);
   void whiten();

@@ -12,8 +12,8 @@ namespace host_sim::identification {
 
 namespace {
 
-/// Whether a recording's held-out window begins in a state that is known: that of what was fitted before it, rest, or
-/// where a machine has settled whose component has no states of its own.
+/// Whether the rig's state is known where the held-out window begins. It is known behind a fitted window, at rest, and
+/// after a machine has settled (PreparedRecording::settles).
 bool is_judged(const ProblemRecording& r) {
   return r.is_held_out() && (r.is_fitted() || r.samples->at_rest || r.samples->settles);
 }

@@ -26,18 +26,16 @@ SelectionCriterion criterion_of_component(bool imitating) {
   return criterion;
 }
 
-/// Whether stroke and force of a machine are both measured, beside its command and with something held out.
+/// Whether every recording measures a machine's command, its stroke and the component's force, and a part is held out.
 bool can_be_apart(const IdentificationProblem& problem) {
-  const auto is_held_out = [](const ProblemRecording& r) { return r.is_held_out(); };
-  const auto& recordings = problem.recordings();
-  if (std::none_of(recordings.begin(), recordings.end(), is_held_out)) return false;
+  if (!problem.has_held_out()) return false;
   const std::vector<PreparedRecording>& samples = problem.samples();
   return std::all_of(samples.begin(), samples.end(), [](const PreparedRecording& r) {
     return r.input.channel == Channel::x_cmd && r.explains(Channel::x_act) && r.explains(Channel::F);
   });
 }
 
-/// Whether more than noise is left of the stroke.
+/// Whether the residual of x_act is larger than its noise.
 bool leaves_stroke(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
   const auto left = channel_excesses(band_powers(problem, hypothesis));
   return std::any_of(left.begin(), left.end(), [](const ChannelExcess& e) {
@@ -50,11 +48,7 @@ double held_out_error(const IdentificationProblem& problem, const Hypothesis& hy
   const std::vector<Response> readings = read_all(problem, hypothesis);
   double product = 1.0;
   for (const Channel channel : problem.channels()) {
-    SquaredError squares;
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-      const ProblemRecording& r = problem.recordings()[i];
-      if (r.is_held_out()) squares.add(*r.samples, channel, readings[i], r.held_out);
-    }
+    const SquaredError squares = held_out_squares(problem, readings, channel);
     product *= std::sqrt(squares.error / squares.data);
   }
   return std::isfinite(product) ? product : std::numeric_limits<double>::infinity();
@@ -64,7 +58,9 @@ double held_out_error(const IdentificationProblem& problem, const Hypothesis& hy
 struct Machine {
   std::vector<std::size_t> candidates;  ///< in ascending order
   CandidateModel model;
-  double error;  ///< held_out_error()
+  double error;  ///< held_out_error(); infinite where it is not fitted
+  /// Whether a fit stayed finite and inside the bounds of the cards.
+  [[nodiscard]] bool is_fitted() const { return std::isfinite(model.fit.chi_squared); }
   [[nodiscard]] bool has(std::size_t candidate) const {
     return std::binary_search(candidates.begin(), candidates.end(), candidate);
   }
@@ -94,8 +90,9 @@ class MachineSearch {
     std::vector<Machine> machines(sets.size());
     for_all(sets.size(), [&](std::size_t s) {
       CandidateModel model = fitted(sets[s]);
-      const double error = held_out_error(fitter_.problem(), model.fit.hypothesis);
-      machines[s] = {sets[s], std::move(model), error};
+      machines[s] = {sets[s], std::move(model), std::numeric_limits<double>::infinity()};
+      if (!machines[s].is_fitted()) return;
+      machines[s].error = held_out_error(fitter_.problem(), machines[s].model.fit.hypothesis);
     });
     return machines;
   }
@@ -213,7 +210,7 @@ std::vector<Rival> rivals_in(const std::vector<Machine>& machines, const Machine
   const double own = rated(machine);
   std::vector<Rival> rivals;
   for (const Machine& other : machines) {
-    if (other.candidates.size() != machine.candidates.size() || !std::isfinite(other.model.fit.chi_squared)) continue;
+    if (other.candidates.size() != machine.candidates.size() || !other.is_fitted()) continue;
     std::vector<std::size_t> different;  // effects of the other that the machine does not have
     for (std::size_t k = 0; k < other.candidates.size(); ++k) {
       if (!machine.has(other.candidates[k])) different.push_back(k);
@@ -229,14 +226,16 @@ std::vector<Rival> rivals_in(const std::vector<Machine>& machines, const Machine
   return rivals;
 }
 
-/// How much larger χ² is without one of the effects of a machine.
+/// The χ² that one effect of a machine gains. Without it a set may have no fit inside its bounds: then it is compared
+/// with the machine without effects, the first of all.
 double gain_in(const std::vector<Machine>& machines, const Machine& machine, std::size_t place) {
   const auto is_without = [&](const Machine& other) {
     return other.candidates.size() + 1 == machine.candidates.size() && !other.has(machine.candidates[place]) &&
            std::all_of(other.candidates.begin(), other.candidates.end(), [&](std::size_t c) { return machine.has(c); });
   };
-  return std::find_if(machines.begin(), machines.end(), is_without)->model.fit.chi_squared -
-         machine.model.fit.chi_squared;
+  const auto reduced = std::find_if(machines.begin(), machines.end(), is_without);
+  const Machine& without = reduced->is_fitted() ? *reduced : machines.front();
+  return without.model.fit.chi_squared - machine.model.fit.chi_squared;
 }
 
 }  // namespace
