@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 namespace model {
 
@@ -22,6 +23,17 @@ template <class Value>
 
 /// A condition on parameters, which is the same in every lane: what a rig consists of.
 [[nodiscard]] constexpr bool same(bool condition) { return condition; }
+
+/// The largest number, in every lane.
+template <class S>
+[[nodiscard]] constexpr S largest_number() {
+  if constexpr (lane_count<S> == 1) {
+    return std::numeric_limits<S>::max();
+  } else {
+    constexpr double largest = std::numeric_limits<double>::max();
+    return S(largest);
+  }
+}
 
 /// Bits of the number, without its sign.
 template <class S>

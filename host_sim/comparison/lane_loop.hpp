@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <new>
+#include <type_traits>
 
 #include "host_sim/comparison/lane_simulation.hpp"
 #include "model/lane_delay_line.hpp"
@@ -16,14 +17,13 @@
 
 namespace host_sim {
 
-template <std::size_t N>
+template <std::size_t N, model::LawCapacity capacity>
 class LaneLoop {
  public:
   using S = model::Lanes<N>;
-  using Rig = model::RigModel<S>;
+  using Rig = model::RigModel<S, model::usual_delay_capacity, model::ModelVariant::every_part, capacity>;
 
-  explicit LaneLoop(const LaneSimulation& simulation)
-      : job_(simulation), model_(parameters(), S(simulation.period / simulation.substeps)) {}
+  explicit LaneLoop(const LaneSimulation& simulation) : job_(simulation), model_(parameters(0), step_period()) {}
 
   void run() {
     typename Rig::State x = start();
@@ -31,6 +31,7 @@ class LaneLoop {
     for (std::size_t k = 0;; ++k) {
       keep(k, model_.measured(x));
       if (k + 1 == job_.samples) return;
+      if (k > 0 && job_.every > 0 && k % job_.every == 0) become(k / job_.every);
       if (job_.opened != nullptr && job_.opened[k] != x.ducts.open()) model_.open_ducts(x, job_.opened[k]);
       const S force = job_.actuator_force == nullptr ? S(0.0) : S(job_.actuator_force[k + 1]);
       for (int substep = 1; substep < job_.substeps; ++substep) {
@@ -48,20 +49,53 @@ class LaneLoop {
  private:
   using Motion = model::Motion<S>;
 
-  [[nodiscard]] model::RigParameters<S> parameters() const {
-    model::RigParameters<S> rig;
+  [[nodiscard]] S step_period() const { return S(job_.period / job_.substeps); }
+
+  /// The rigs with their numbers after `changes`; in place, as a second model is too much for a stack.
+  void become(std::size_t changes) {
+    static_assert(std::is_trivially_destructible_v<Rig>, "nothing is lost");
+    new (&model_) Rig(parameters(changes), step_period());
+  }
+
+  [[nodiscard]] typename Rig::Rig parameters(std::size_t changes) const {
+    typename Rig::Rig rig;
     rig.kind = job_.kind;
     rig.has_fdva = job_.has_fdva;
     rig.fdva.ducts = job_.ducts;
     rig.fdva.open_ducts = job_.open_ducts;
     unsigned bit = 0;
     rig.effects.for_each([&](auto& slot) { slot.active = ((job_.active >> bit++) & 1U) != 0U; });
-    std::size_t i = 0;
-    model::for_each_number(rig, [&](S& number) {
+    std::size_t i = changes * job_.number_count;
+    const auto take = [&](S& number) {
       number = S::each([&](std::size_t lane) { return job_.numbers[lane][i]; });
       ++i;
-    });
+    };
+    model::for_each_number(rig, take);
+    if constexpr (capacity.any()) {
+      place_laws(rig.laws);
+      model::for_each_law_number(rig.laws, take);
+    }
     return rig;
+  }
+
+  /// All of them but their numbers.
+  void place_laws(model::Laws<S, capacity>& laws) const {
+    const LaneLaws& of = job_.laws;
+    laws.curve_count = of.curve_count;
+    laws.surface_count = of.surface_count;
+    laws.branch_count = of.branch_count;
+    for (std::size_t i = 0; i < of.curve_count; ++i) {
+      laws.curves[i].place = of.curves[i].place;
+      laws.curves[i].over = of.curves[i].over;
+      laws.curves[i].channel = of.curves[i].channel;
+      laws.curves[i].count = of.curves[i].count;
+    }
+    for (std::size_t i = 0; i < of.surface_count; ++i) {
+      laws.surfaces[i].place = of.surfaces[i].place;
+      laws.surfaces[i].rows = of.surfaces[i].rows;
+      laws.surfaces[i].columns = of.surfaces[i].columns;
+    }
+    for (std::size_t i = 0; i < of.branch_count; ++i) laws.branches[i].place = of.branches[i].place;
   }
 
   [[nodiscard]] typename Rig::State start() const {
@@ -130,11 +164,20 @@ class LaneLoop {
   std::array<std::array<S, N>, model::channel_count> kept_{};
 };
 
-template <std::size_t N>
-void run_lanes(const LaneSimulation& simulation) {
-  auto* const loop = new LaneLoop<N>(simulation);  // half a megabyte: too much for a stack
+template <std::size_t N, model::LawCapacity capacity>
+void run_lanes_with(const LaneSimulation& simulation) {
+  auto* const loop = new LaneLoop<N, capacity>(simulation);  // half a megabyte: too much for a stack
   loop->run();
   delete loop;
+}
+
+template <std::size_t N>
+void run_lanes(const LaneSimulation& simulation) {
+  const LaneLaws& laws = simulation.laws;
+  if (laws.curve_count + laws.surface_count + laws.branch_count > 0) {
+    return run_lanes_with<N, model::law_capacity<model::Lanes<N>>>(simulation);
+  }
+  run_lanes_with<N, model::no_laws>(simulation);
 }
 
 }  // namespace host_sim

@@ -6,20 +6,34 @@
 
 #include "model/channel.hpp"
 #include "model/fdva.hpp"
+#include "model/laws/law_tables.hpp"
 #include "model/motion.hpp"
 
 namespace host_sim {
+
+/// The laws of a rig. Of a table counts here what it is, not its numbers.
+struct LaneLaws {
+  const model::CurveTable<double>* curves;
+  const model::SurfaceTable<double>* surfaces;
+  const model::BranchNumbers<double>* branches;
+  std::uint8_t curve_count, surface_count, branch_count;
+};
 
 /// Some rigs that are alike(), one a lane; fewer rigs than lanes: the last ones repeat.
 struct LaneSimulation {
   model::RigKind kind;
   bool has_fdva;
   int ducts, open_ducts;
-  std::uint64_t active;                        ///< bit i: effect i of model::RigEffects
-  double period;                               ///< of the samples [s]
-  int substeps;                                ///< model steps per sample
-  std::size_t samples;                         ///< ≥ 1
-  const double* const* numbers;                ///< of each lane: those of model::for_each_number
+  std::uint64_t active;      ///< bit i: effect i of model::RigEffects
+  double period;             ///< of the samples [s]
+  int substeps;              ///< model steps per sample
+  std::size_t samples;       ///< ≥ 1
+  std::size_t every;         ///< samples after which the numbers change; 0: never
+  std::size_t number_count;  ///< of a rig
+  LaneLaws laws;             ///< of each rig
+  /// Of each lane: those of model::for_each_number and for_each_law_number; of every change of them, one behind the
+  /// other.
+  const double* const* numbers;
   const double* const* start;                  ///< of each lane: InitialState
   const model::Motion<double>* const* motion;  ///< of each lane
   bool one_motion;                             ///< the same for all lanes

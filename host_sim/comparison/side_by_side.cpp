@@ -23,10 +23,41 @@ std::uint64_t active_effects(const model::RigParameters<double>& rig) {
   return bits;
 }
 
-std::vector<double> numbers_of(const model::RigParameters<double>& rig) {
-  std::vector<double> numbers;
-  model::for_each_number(rig, [&numbers](double number) { numbers.push_back(number); });
-  return numbers;
+void keep_numbers(const model::RigParameters<double>& rig, std::vector<double>& numbers) {
+  const auto keep = [&numbers](double number) { numbers.push_back(number); };
+  model::for_each_number(rig, keep);
+  model::for_each_law_number(rig.laws, keep);
+}
+
+std::size_t every(const SideBySideRig& rig) { return rig.variation == nullptr ? 0 : rig.variation->every; }
+
+/// The rig that moves first.
+model::RigParameters<double> at_first(const SideBySideRig& rig) {
+  return answering(every(rig) > 0 ? rig.variation->at(0) : *rig.rig, *rig.input);
+}
+
+LaneLaws laws_of(const model::Laws<double>& laws) {
+  return {laws.curves.data(), laws.surfaces.data(), laws.branches.data(),
+          laws.curve_count,   laws.surface_count,   laws.branch_count};
+}
+
+/// Whether laws differ in their numbers alone.
+bool are_alike(const model::Laws<double>& a, const model::Laws<double>& b) {
+  if (a.curve_count != b.curve_count || a.surface_count != b.surface_count || a.branch_count != b.branch_count) {
+    return false;
+  }
+  return std::equal(a.curves.begin(), a.curves.begin() + a.curve_count, b.curves.begin(),
+                    [](const auto& x, const auto& y) {
+                      return x.place == y.place && x.over == y.over && x.channel == y.channel && x.count == y.count;
+                    }) &&
+         std::equal(a.surfaces.begin(), a.surfaces.begin() + a.surface_count, b.surfaces.begin(),
+                    [](const auto& x, const auto& y) {
+                      return x.place == y.place && x.rows == y.rows && x.columns == y.columns;
+                    }) &&
+         std::equal(a.branches.begin(), a.branches.begin() + a.branch_count, b.branches.begin(),
+                    [](const auto& x, const auto& y) {
+                      return x.place == y.place && (x.time_constant > 0.0) == (y.time_constant > 0.0);
+                    });
 }
 
 std::size_t width(LaneUse use) {
@@ -55,10 +86,15 @@ void simulate_group(const std::vector<SideBySideRig>& rigs, const std::vector<st
   std::array<const model::Motion<double>*, 8> motion_of{};
   std::vector<double*> out;
   bool one_motion = true;
+  std::size_t number_count = 0;
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     const bool repeats = lane >= chosen.size();
     const SideBySideRig& rig = rigs[repeats ? chosen.back() : chosen[lane]];
-    numbers[lane] = numbers_of(*rig.rig);
+    keep_numbers(*rig.rig, numbers[lane]);
+    number_count = numbers[lane].size();
+    for (std::size_t k = every(rig); k > 0 && k < samples; k += every(rig)) {
+      keep_numbers(answering(rig.variation->at(k), *rig.input), numbers[lane]);
+    }
     number_of[lane] = numbers[lane].data();
     start_of[lane] = rig.start->data();
     motion_of[lane] = rig.input->motion.data();
@@ -76,6 +112,9 @@ void simulate_group(const std::vector<SideBySideRig>& rigs, const std::vector<st
       .period = input.period,
       .substeps = substeps,
       .samples = samples,
+      .every = every(first),
+      .number_count = number_count,
+      .laws = laws_of(first.rig->laws),
       .numbers = number_of.data(),
       .start = start_of.data(),
       .motion = motion_of.data(),
@@ -106,13 +145,14 @@ bool has_lanes(LaneUse use) {
 }
 
 bool alike(const model::RigParameters<double>& a, const model::RigParameters<double>& b) {
-  if (a.laws.any() || b.laws.any()) return false;  // a table is looked up for one rig at a time
   if (a.has_extensions() || b.has_extensions()) return false;
+  if (!are_alike(a.laws, b.laws)) return false;
   if (a.kind != b.kind || a.has_fdva != b.has_fdva || active_effects(a) != active_effects(b)) return false;
   if (a.has_fdva && (a.fdva.ducts != b.fdva.ducts || a.fdva.open_ducts != b.fdva.open_ducts)) return false;
-  const std::vector<double> of_a = numbers_of(a), of_b = numbers_of(b);
-  // A part is there when its number is above 0.
-  return std::equal(of_a.begin(), of_a.end(), of_b.begin(), [](double x, double y) { return (x > 0.0) == (y > 0.0); });
+  std::vector<bool> of_a, of_b;  // a part is there when its number is above 0
+  model::for_each_number(a, [&](double number) { of_a.push_back(number > 0.0); });
+  model::for_each_number(b, [&](double number) { of_b.push_back(number > 0.0); });
+  return of_a == of_b;
 }
 
 std::vector<Response> simulate_side_by_side(const std::vector<SideBySideRig>& rigs, std::size_t samples, int substeps,
@@ -122,23 +162,25 @@ std::vector<Response> simulate_side_by_side(const std::vector<SideBySideRig>& ri
   std::vector<model::RigParameters<double>> simulated;
   std::vector<SideBySideRig> all = rigs;
   for (const SideBySideRig& rig : rigs) {
-    simulated.push_back(answering(*rig.rig, *rig.input));
+    simulated.push_back(at_first(rig));
   }
   for (std::size_t i = 0; i < all.size(); ++i) all[i].rig = &simulated[i];
 
+  const RigVariation none;
   std::vector<bool> done(rigs.size(), false);
   for (std::size_t i = 0; i < rigs.size(); ++i) {
     if (done[i]) continue;
     std::vector<std::size_t> group{i};
     for (std::size_t j = i + 1; j < rigs.size() && group.size() < lanes; ++j) {
-      if (!done[j] && alike(simulated[i], simulated[j])) group.push_back(j);
+      if (!done[j] && every(rigs[i]) == every(rigs[j]) && alike(simulated[i], simulated[j])) group.push_back(j);
     }
     for (const std::size_t j : group) done[j] = true;
     const std::size_t length = rigs[i].input->size();
     const std::size_t count = samples == 0 ? length : std::min(samples, length);
     if (lanes == 1 || count == 0 || group.size() < fewest_side_by_side) {
       for (const std::size_t j : group) {
-        responses[j] = simulate(*rigs[j].rig, *rigs[j].input, *rigs[j].start, samples, substeps, channels);
+        const RigVariation& variation = rigs[j].variation == nullptr ? none : *rigs[j].variation;
+        responses[j] = simulate(*rigs[j].rig, *rigs[j].input, *rigs[j].start, samples, substeps, channels, variation);
       }
       continue;
     }

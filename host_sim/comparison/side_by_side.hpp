@@ -8,11 +8,13 @@
 
 namespace host_sim {
 
-/// One of the simulations: a rig, the state in which it begins, and what drives it.
+/// One of the simulations: a rig, the state in which it begins, what drives it, and how the rig changes meanwhile: in
+/// its numbers alone. nullptr: it does not.
 struct SideBySideRig {
   const model::RigParameters<double>* rig;
   const InitialState* start;
   const SimulationInput* input;
+  const RigVariation* variation = nullptr;
 };
 
 /// The number of rigs that one simulation steps together.

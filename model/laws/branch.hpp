@@ -1,8 +1,6 @@
 // A branch with memory.
 #pragma once
 
-#include <limits>
-
 #include "model/exact_discretisation.hpp"
 #include "model/inline.hpp"
 #include "model/laws/law_tables.hpp"
@@ -29,12 +27,12 @@ class Branch {
       : stiffness_(numbers.stiffness),
         play_(S(0.5) * numbers.gap * numbers.stiffness),
         slip_(numbers.slip_force + play_) {
-    if (!(numbers.time_constant > S(0))) return;
+    if (!same(numbers.time_constant > S(0))) return;
     const ExactDiscretisation<S, 1> exact(Block<S, 1, 1>(S(-1) / numbers.time_constant), period);
     kept_ = exact.transition()(0);
     stiffness_ *= exact.held(Column<S, 1>(S(1)))(0) / period;  // (T/h)(1 − E), without cancellation for h ≪ T
     play_ = S(0);
-    slip_ = std::numeric_limits<S>::max();
+    slip_ = largest_number<S>();
   }
 
   /// w at the end of a step in which the deflection changes by `travel`.

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "model/inline.hpp"
 #include "model/laws/law_tables.hpp"
+#include "model/select.hpp"
 
 namespace model {
 
@@ -25,16 +27,28 @@ namespace model {
 ///
 /// The interval is the number of points at or below x, counted in two rounds (8 comparisons with every fourth point,
 /// then 4), without a branch: the same work for every x. From one step to the next x mostly stays in its interval, so
-/// evaluations in a step look there first, at the price of two comparisons.
+/// evaluations in a step look there first, at the price of two comparisons. In lanes every rig has points of its own;
+/// there a step keeps the cubic of each lane, and looks for others only where some lane has left its interval.
 template <class S, std::size_t capacity = curve_points>
 class Curve {
+  struct Piece {
+    S from{}, value{}, slope{}, square{}, cube{};
+  };
+  struct Found {
+    Piece piece{};
+    S lower{}, upper{};  ///< the interval
+  };
+
  public:
+  /// Where x was last: the number of the interval, in lanes the cubics themselves.
+  using Place = std::conditional_t<lane_count<S> == 1, std::uint8_t, Found>;
+
   Curve() = default;
 
   /// `count` points, 2 … capacity; x ascending.
   template <class X, class Y>
   constexpr Curve(const X& x, const Y& y, std::size_t count) {
-    knots_.fill(std::numeric_limits<S>::max());
+    knots_.fill(largest_number<S>());
     pieces_.fill(Piece{});
     const auto secant = [&](std::size_t i) { return (y[i + 1] - y[i]) / (x[i + 1] - x[i]); };
     std::array<S, capacity> slope{};
@@ -42,10 +56,9 @@ class Curve {
     slope[count - 1] = secant(count - 2);
     for (std::size_t i = 1; i + 1 < count; ++i) {
       const S left = secant(i - 1), right = secant(i);
-      if (!(left * right > S(0))) continue;
       const S before = x[i] - x[i - 1], after = x[i + 1] - x[i];
       const S w1 = S(2) * after + before, w2 = after + S(2) * before;
-      slope[i] = (w1 + w2) / (w1 / left + w2 / right);
+      slope[i] = select(left * right > S(0), S((w1 + w2) / (w1 / left + w2 / right)), S(0));
     }
     for (std::size_t i = 0; i < count; ++i) knots_[i] = x[i];
     pieces_[0] = {x[0], y[0], slope[0], S(0), S(0)};
@@ -54,23 +67,33 @@ class Curve {
       pieces_[i + 1] = {x[i], y[i], slope[i], (S(3) * s - S(2) * slope[i] - slope[i + 1]) / h,
                         (slope[i] + slope[i + 1] - S(2) * s) / (h * h)};
       const S size = absolute(s);
-      if (size > steepest_ / S(3)) steepest_ = S(3) * size;
+      steepest_ = select(size > steepest_ / S(3), S(S(3) * size), steepest_);
     }
     pieces_[count] = {x[count - 1], y[count - 1], slope[count - 1], S(0), S(0)};
     first_ = x[0];
     last_ = x[count - 1];
   }
 
-  [[nodiscard]] RIGTWIN_INLINE S operator()(S x) const { return value(pieces_[interval(x)], x); }
-  /// The same. `hint`: the interval that x is in probably; becomes the one that it is in.
-  [[nodiscard]] RIGTWIN_INLINE S near(S x, std::uint8_t& hint) const {
-    const bool below = hint > 0 && !(x >= knots_[hint - 1U]);
-    if (below || !(x < knots_[hint])) hint = static_cast<std::uint8_t>(interval(x));
-    return value(pieces_[hint], x);
+  [[nodiscard]] RIGTWIN_INLINE S operator()(S x) const { return value(piece(x), x); }
+  /// The same. `place`: where x is probably; becomes where it is.
+  [[nodiscard]] RIGTWIN_INLINE S near(S x, Place& place) const {
+    if constexpr (lane_count<S> == 1) {
+      const bool below = place > 0 && !(x >= knots_[place - 1U]);
+      if (below || !(x < knots_[place])) place = static_cast<std::uint8_t>(interval(x));
+      return value(pieces_[place], x);
+    } else {
+      if (!all_lanes(x >= place.lower && x < place.upper)) place = found(x);
+      return value(place.piece, x);
+    }
+  }
+  /// Lanes: f of another curve in each lane, curve_of(lane); all have the points x of this one.
+  template <class CurveOf>
+  [[nodiscard]] S of_each(S x, const CurveOf& curve_of) const {
+    return value(pieces_of_each(interval(x), curve_of), x);
   }
   /// df/dx
   [[nodiscard]] S slope(S x) const {
-    const Piece& p = pieces_[interval(x)];
+    const Piece p = piece(x);
     const S t = x - p.from;
     return p.slope + t * (S(2) * p.square + t * S(3) * p.cube);
   }
@@ -80,24 +103,54 @@ class Curve {
   [[nodiscard]] S last() const { return last_; }
 
  private:
-  struct Piece {
-    S from{}, value{}, slope{}, square{}, cube{};
-  };
   static constexpr std::size_t fours = (capacity + 3) / 4;
 
   [[nodiscard]] RIGTWIN_INLINE static S value(const Piece& p, S x) {
     const S t = x - p.from;
     return (p.value + t * p.slope) + t * t * (p.square + t * p.cube);
   }
-  /// The number of points ≤ x.
-  [[nodiscard]] RIGTWIN_INLINE std::size_t interval(S x) const {
-    std::size_t n = 0;
-    for (std::size_t i = 1; i < fours; ++i) n += static_cast<std::size_t>(x >= knots_[4 * i - 1]);
-    n *= 4;
-    const S* const block = &knots_[n];
-    n += static_cast<std::size_t>(x >= block[0]) + static_cast<std::size_t>(x >= block[1]) +
-         static_cast<std::size_t>(x >= block[2]) + static_cast<std::size_t>(x >= block[3]);
-    return n;
+  /// The number of points ≤ x; in lanes as numbers.
+  [[nodiscard]] RIGTWIN_INLINE auto interval(S x) const {
+    if constexpr (lane_count<S> == 1) {
+      std::size_t n = 0;
+      for (std::size_t i = 1; i < fours; ++i) n += static_cast<std::size_t>(x >= knots_[4 * i - 1]);
+      n *= 4;
+      const S* const block = &knots_[n];
+      n += static_cast<std::size_t>(x >= block[0]) + static_cast<std::size_t>(x >= block[1]) +
+           static_cast<std::size_t>(x >= block[2]) + static_cast<std::size_t>(x >= block[3]);
+      return n;
+    } else {
+      S n = S(0);
+      for (const S& knot : knots_) n += select(x >= knot, S(1), S(0));
+      return n;
+    }
+  }
+  [[nodiscard]] RIGTWIN_INLINE decltype(auto) piece(S x) const {
+    if constexpr (lane_count<S> == 1) {
+      return (pieces_[interval(x)]);
+    } else {
+      return pieces_of_each(interval(x), [this](std::size_t) -> const Curve& { return *this; });
+    }
+  }
+  template <class CurveOf>
+  [[nodiscard]] static Piece pieces_of_each(const S& intervals, const CurveOf& curve_of) {
+    const auto of_lane = [&](std::size_t lane) -> const Piece& {
+      return curve_of(lane).pieces_[static_cast<std::size_t>(intervals[lane])];
+    };
+    return {S::each([&](std::size_t lane) { return of_lane(lane).from[lane]; }),
+            S::each([&](std::size_t lane) { return of_lane(lane).value[lane]; }),
+            S::each([&](std::size_t lane) { return of_lane(lane).slope[lane]; }),
+            S::each([&](std::size_t lane) { return of_lane(lane).square[lane]; }),
+            S::each([&](std::size_t lane) { return of_lane(lane).cube[lane]; })};
+  }
+  [[nodiscard]] RIGTWIN_NOINLINE Found found(S x) const {
+    const S n = interval(x);
+    const auto knot = [&](std::size_t lane, std::size_t i) { return knots_[i][lane]; };
+    return {piece(x), S::each([&](std::size_t lane) {
+              const auto i = static_cast<std::size_t>(n[lane]);
+              return i == 0 ? -std::numeric_limits<double>::max() : knot(lane, i - 1);
+            }),
+            S::each([&](std::size_t lane) { return knot(lane, static_cast<std::size_t>(n[lane])); })};
   }
 
   std::array<S, 4 * fours> knots_{};

@@ -47,9 +47,12 @@ inline constexpr LawCapacity usual_laws = no_laws;  // a microcontroller's progr
 #else
 inline constexpr LawCapacity usual_laws{.curves = 8, .surfaces = 1, .branches = 8, .extensions = true};
 #endif
-/// Rigs side by side in lanes have no laws.
+/// Rigs side by side in lanes have laws, but no extensions.
 template <class S>
-inline constexpr LawCapacity law_capacity = lane_count<S> == 1 ? usual_laws : no_laws;
+inline constexpr LawCapacity law_capacity{.curves = usual_laws.curves,
+                                          .surfaces = usual_laws.surfaces,
+                                          .branches = usual_laws.branches,
+                                          .extensions = usual_laws.extensions&& lane_count<S> == 1};
 
 /// A curve through points, f(at[i]) = value[i].
 template <class S>
@@ -96,5 +99,30 @@ template <class S>
 struct Laws<S, no_laws> {
   [[nodiscard]] static constexpr bool any() { return false; }
 };
+
+/// visit(number) for every number of the laws.
+template <class Laws, class Visit>
+constexpr void for_each_law_number(Laws& laws, const Visit& visit) {
+  for (std::size_t i = 0; i < laws.curve_count; ++i) {
+    for (std::size_t k = 0; k < laws.curves[i].count; ++k) {
+      visit(laws.curves[i].at[k]);
+      visit(laws.curves[i].value[k]);
+    }
+  }
+  for (std::size_t i = 0; i < laws.surface_count; ++i) {
+    auto& surface = laws.surfaces[i];
+    for (std::size_t row = 0; row < surface.rows; ++row) visit(surface.deflection[row]);
+    for (std::size_t column = 0; column < surface.columns; ++column) visit(surface.velocity[column]);
+    for (std::size_t row = 0; row < surface.rows; ++row) {
+      for (std::size_t column = 0; column < surface.columns; ++column) visit(surface.value[row][column]);
+    }
+  }
+  for (std::size_t i = 0; i < laws.branch_count; ++i) {
+    visit(laws.branches[i].stiffness);
+    visit(laws.branches[i].time_constant);
+    visit(laws.branches[i].slip_force);
+    visit(laws.branches[i].gap);
+  }
+}
 
 }  // namespace model

@@ -40,7 +40,7 @@ class PlacedLaws {
     std::array<S, force_places> force{};       ///< f at this instant [N]
     std::array<Stroke<S>, force_places> at{};  ///< the motion that it belongs to
     std::array<S, capacity.curves> curves{};   ///< by place, as in PlacedLaws
-    std::array<std::uint8_t, capacity.curves> intervals{};
+    std::array<typename Curve<S>::Place, capacity.curves> places{};
     std::array<S, capacity.surfaces> surfaces{};
     std::array<S, capacity.branches> branches{};  ///< w of Branch
   };
@@ -91,7 +91,7 @@ class PlacedLaws {
     for (std::size_t i = first.curves; i < last.curves; ++i) {
       const PlacedCurve& c = curves_[i];
       const bool velocity = c.over == LawOver::velocity;
-      const S change = c.law.near(velocity ? free.velocity : free.position, x.intervals[i]) - x.curves[i];
+      const S change = c.law.near(velocity ? free.velocity : free.position, x.places[i]) - x.curves[i];
       delta += change;
       (velocity ? damping : stiffness) += chord(change, velocity ? per_faster : per_moved, c.law.steepest());
     }
@@ -125,7 +125,7 @@ class PlacedLaws {
     for (std::size_t i = first.curves; i < last.curves; ++i) {
       const PlacedCurve& c = curves_[i];
       const bool velocity = c.over == LawOver::velocity;
-      force += x.curves[i] = c.law.near(velocity ? motion.velocity : motion.position, x.intervals[i]);
+      force += x.curves[i] = c.law.near(velocity ? motion.velocity : motion.position, x.places[i]);
     }
     for (std::size_t i = first.surfaces; i < last.surfaces; ++i) {
       force += x.surfaces[i] = surfaces_[i](motion.position, motion.velocity);

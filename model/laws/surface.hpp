@@ -6,6 +6,7 @@
 
 #include "model/inline.hpp"
 #include "model/laws/curve.hpp"
+#include "model/select.hpp"
 
 namespace model {
 
@@ -35,16 +36,26 @@ class Surface {
   }
 
   [[nodiscard]] RIGTWIN_INLINE S operator()(S deflection, S velocity) const {
-    const std::size_t i = row(deflection);
-    const S r = (deflection - at_[i]) / (at_[i + 1] - at_[i]);
-    const S below = rows_[i](velocity), above = rows_[i + 1](velocity);
-    return below + r * (above - below);
+    if constexpr (lane_count<S> == 1) {
+      const std::size_t i = row(deflection);
+      return between(deflection, at_[i], at_[i + 1], rows_[i](velocity), rows_[i + 1](velocity));
+    } else {
+      const S i = row(deflection);
+      const auto row_of = [&](std::size_t lane, std::size_t further) {
+        return static_cast<std::size_t>(i[lane]) + further;
+      };
+      const auto from = [&](std::size_t further) {
+        return S::each([&](std::size_t lane) { return at_[row_of(lane, further)][lane]; });
+      };
+      const auto force = [&](std::size_t further) {
+        return rows_[0].of_each(velocity, [&](std::size_t lane) -> const Row& { return rows_[row_of(lane, further)]; });
+      };
+      return between(deflection, from(0), from(1), force(0), force(1));
+    }
   }
   [[nodiscard]] S over_velocity(S deflection, S velocity) const {  ///< ∂f/∂v
     const std::size_t i = row(deflection);
-    const S r = (deflection - at_[i]) / (at_[i + 1] - at_[i]);
-    const S below = rows_[i].slope(velocity), above = rows_[i + 1].slope(velocity);
-    return below + r * (above - below);
+    return between(deflection, at_[i], at_[i + 1], rows_[i].slope(velocity), rows_[i + 1].slope(velocity));
   }
   [[nodiscard]] S over_deflection(S deflection, S velocity) const {  ///< ∂f/∂x
     const std::size_t i = row(deflection);
@@ -55,12 +66,23 @@ class Surface {
 
  private:
   using Row = Curve<S, surface_points>;
-  [[nodiscard]] RIGTWIN_INLINE std::size_t row(S deflection) const {
-    std::size_t n = 0;
-    for (std::size_t i = 1; i < surface_points - 1; ++i) {
-      n += static_cast<std::size_t>(i + 1 < count_ && deflection >= at_[i]);
+  /// The row below; in lanes as numbers.
+  [[nodiscard]] RIGTWIN_INLINE auto row(S deflection) const {
+    if constexpr (lane_count<S> == 1) {
+      std::size_t n = 0;
+      for (std::size_t i = 1; i < surface_points - 1; ++i) {
+        n += static_cast<std::size_t>(i + 1 < count_ && deflection >= at_[i]);
+      }
+      return n;
+    } else {
+      S n = S(0);
+      for (std::size_t i = 1; i + 1 < count_; ++i) n += select(deflection >= at_[i], S(1), S(0));
+      return n;
     }
-    return n;
+  }
+  [[nodiscard]] RIGTWIN_INLINE static S between(S deflection, S from, S to, S below, S above) {
+    const S r = (deflection - from) / (to - from);
+    return below + r * (above - below);
   }
 
   std::size_t count_ = 0;

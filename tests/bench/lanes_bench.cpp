@@ -89,6 +89,14 @@ const bool registered = [] {
   Parameters stop = rig_of(RigKind::quarter_car, false);
   stop.effects.add(model::BumpStop<double>{5e-3, 1e5});
   measure("stop", stop);
+  Parameters law = rig_of(RigKind::quarter_car, false);
+  model::CurveTable<double>& damper = law.laws.curves[law.laws.curve_count++];
+  damper.count = model::curve_points;
+  for (std::size_t i = 0; i < damper.count; ++i) {
+    damper.at[i] = 0.05 * (static_cast<double>(i) - 16.0);
+    damper.value[i] = 600.0 * std::tanh(3.0 * damper.at[i]);
+  }
+  measure("law", law);
   return true;
 }();
 

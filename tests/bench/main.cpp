@@ -17,15 +17,16 @@ struct Ratio {
   const char* rival;
   double most;
 };
-constexpr std::array<Ratio, 9> ratios{{{"step/hil_fdva", "step/limit_matvec6", 2.5},
-                                       {"step/hil_fdva", "step/odeint_rk4", 0.5},
-                                       {"step/hil_fdva_silent", "step/hil_fdva", 1.1},  // 1, and a machine's noise
-                                       {"lanes/quarter_car/beside", "lanes/quarter_car/alone", 0.4},
-                                       {"lanes/quarter_car_fdva/beside", "lanes/quarter_car_fdva/alone", 0.4},
-                                       {"lanes/hil_fdva/beside", "lanes/hil_fdva/alone", 0.4},
-                                       {"lanes/friction/beside", "lanes/friction/alone", 0.4},
-                                       {"lanes/stop/beside", "lanes/stop/alone", 0.4},
-                                       {"estimator/kalman", "estimator/covariance", 0.5}}};
+constexpr std::array<Ratio, 10> ratios{{{"step/hil_fdva", "step/limit_matvec6", 2.5},
+                                        {"step/hil_fdva", "step/odeint_rk4", 0.5},
+                                        {"step/hil_fdva_silent", "step/hil_fdva", 1.1},  // 1, and a machine's noise
+                                        {"lanes/quarter_car/beside", "lanes/quarter_car/alone", 0.4},
+                                        {"lanes/quarter_car_fdva/beside", "lanes/quarter_car_fdva/alone", 0.4},
+                                        {"lanes/hil_fdva/beside", "lanes/hil_fdva/alone", 0.4},
+                                        {"lanes/friction/beside", "lanes/friction/alone", 0.4},
+                                        {"lanes/stop/beside", "lanes/stop/alone", 0.4},
+                                        {"lanes/law/beside", "lanes/law/alone", 0.4},
+                                        {"estimator/kalman", "estimator/covariance", 0.5}}};
 
 class WithRatios final : public benchmark::ConsoleReporter {
  public:

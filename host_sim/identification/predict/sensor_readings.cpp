@@ -104,6 +104,24 @@ Response no_answer(const PreparedRecording& recording, const SimulationInput& in
   return response;
 }
 
+/// How a rig with drifting parameters changes.
+RigVariation variation_of(const Rig& bare, const std::vector<PlacedFault>& faults, const PreparedRecording& recording,
+                          double period) {
+  if (!drifts(faults)) return {};
+  const auto length = static_cast<double>(std::max<std::size_t>(recording.size(), 1));
+  const double every = std::max(drift_refresh / period, length / drift_steps);
+  return {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(every))), [=](std::size_t k) {
+            const double middle = (static_cast<double>(k) + 0.5 * every) / length;
+            return drifted(bare, faults, std::min(middle, 1.0));
+          }};
+}
+
+/// The same rig with another machine.
+RigVariation moved_by(const RigVariation& variation, const std::vector<firmware::PlacedEffect>& machine) {
+  if (variation.every == 0) return {};
+  return {variation.every, [=](std::size_t k) { return moved_by(variation.at(k), machine); }};
+}
+
 }  // namespace
 
 Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& read,
@@ -113,22 +131,12 @@ Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& re
   const InitialState& start = before ? before->start : begin;
   const Rig bare = without_sensors(hypothesis.rig);
   if (is_no_rig(bare, hypothesis.faults, input.period)) return no_answer(recording, input, samples);
-  RigVariation variation;
-  if (drifts(hypothesis.faults)) {
-    const auto length = static_cast<double>(std::max<std::size_t>(recording.size(), 1));
-    const double every = std::max(drift_refresh / input.period, length / drift_steps);
-    variation = {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(every))),
-                 [=, &hypothesis](std::size_t k) {
-                   const double middle = (static_cast<double>(k) + 0.5 * every) / length;
-                   return drifted(bare, hypothesis.faults, std::min(middle, 1.0));
-                 }};
-  }
+  const RigVariation variation = variation_of(bare, hypothesis.faults, recording, input.period);
   const int steps = steps_of(bare, input.period, resolution);
   Response response = simulate(bare, input, start, samples, steps, variation);
   if (recording.machine) {
-    RigVariation moved = variation;
-    if (moved.every > 0) moved.at = [&](std::size_t k) { return moved_by(variation.at(k), *recording.machine); };
     const Rig rig = moved_by(bare, *recording.machine);
+    const RigVariation moved = moved_by(variation, *recording.machine);
     response[index(Channel::F)] =
         std::move(simulate(rig, input, start, samples, steps, {Channel::F}, moved)[index(Channel::F)]);
   }
@@ -140,13 +148,6 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
                                             std::size_t samples, Resolution resolution) {
   std::vector<Response> responses(rigs.size());
   if (rigs.empty()) return responses;
-  if (std::any_of(rigs.begin(), rigs.end(), [](const SimulatedRig& one) { return drifts(one.hypothesis->faults); })) {
-    for (std::size_t i = 0; i < rigs.size(); ++i) {  // a rig that changes while it moves has no lane
-      const SimulatedRig& one = rigs[i];
-      responses[i] = true_channels(*one.hypothesis, recording, *one.input, *one.start, samples, resolution);
-    }
-    return responses;
-  }
   std::vector<std::optional<TrueInput>> before(rigs.size());
   std::vector<SimulatedRig> driven = rigs;
   for (std::size_t i = 0; i < rigs.size(); ++i) {
@@ -156,10 +157,13 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
   std::vector<Channel> channels = response_channels(rigs.front().hypothesis->rig.kind, *rigs.front().input);
   std::erase_if(channels, [&](Channel channel) { return !recording.explains(channel); });
   std::vector<Rig> bare;
+  std::vector<RigVariation> variations;
   std::vector<int> steps;  // 0: no rig
   for (const SimulatedRig& one : rigs) {
+    const std::vector<PlacedFault>& faults = one.hypothesis->faults;
     bare.push_back(without_sensors(one.hypothesis->rig));
-    const bool none = is_no_rig(bare.back(), {}, one.input->period);
+    variations.push_back(variation_of(bare.back(), faults, recording, one.input->period));
+    const bool none = is_no_rig(bare.back(), faults, one.input->period);
     if (none) responses[steps.size()] = no_answer(recording, *one.input, samples);
     steps.push_back(none ? 0 : steps_of(bare.back(), one.input->period, resolution));
   }
@@ -171,13 +175,20 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
     for (std::size_t i = 0; i < rigs.size(); ++i) {
       if (steps[i] != count) continue;
       chosen.push_back(i);
-      group.push_back({&bare[i], driven[i].start, driven[i].input});
+      group.push_back({&bare[i], driven[i].start, driven[i].input, &variations[i]});
     }
     auto simulated = simulate_side_by_side(group, samples, count, channels);
     if (recording.machine) {
       std::vector<Rig> moved;
-      for (const std::size_t i : chosen) moved.push_back(moved_by(bare[i], *recording.machine));
-      for (std::size_t i = 0; i < moved.size(); ++i) group[i].rig = &moved[i];
+      std::vector<RigVariation> moved_variations;
+      for (const std::size_t i : chosen) {
+        moved.push_back(moved_by(bare[i], *recording.machine));
+        moved_variations.push_back(moved_by(variations[i], *recording.machine));
+      }
+      for (std::size_t i = 0; i < moved.size(); ++i) {
+        group[i].rig = &moved[i];
+        group[i].variation = &moved_variations[i];
+      }
       auto forces = simulate_side_by_side(group, samples, count, {Channel::F});
       for (std::size_t i = 0; i < chosen.size(); ++i) {
         simulated[i][index(Channel::F)] = std::move(forces[i][index(Channel::F)]);

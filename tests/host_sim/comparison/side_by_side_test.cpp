@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "model/rig_model.hpp"
+
 namespace side_by_side_test {
 namespace {
 
@@ -80,10 +82,70 @@ void add_effects(Random& random, Rig& rig, double probability) {
   });
 }
 
+/// Laws of each kind at some places, curves and surfaces as dampers and springs have them; not every rig has such
+/// places.
+void draw_laws(Random& random, Rig& rig) {
+  const auto place = [&](std::size_t places = model::force_places) {
+    return static_cast<model::LawPlace>(random.below(places));
+  };
+  for (std::size_t i = random.below(4); i > 0; --i) {
+    model::CurveTable<double>& curve = rig.laws.curves[rig.laws.curve_count++];
+    curve.place = place(model::force_places + 1);
+    curve.channel = model::channel_at(random.below(model::channel_count));
+    curve.over = random.chance(0.5) ? model::LawOver::velocity : model::LawOver::deflection;
+    curve.count = static_cast<std::uint8_t>(2 + random.below(32));
+    const double width = curve.over == model::LawOver::velocity ? 0.5 : 1e-2;
+    for (std::size_t k = 0; k < curve.count; ++k) {
+      const double from_middle = static_cast<double>(k) - 0.5 * static_cast<double>(curve.count - 1);
+      curve.at[k] = width * (from_middle + random.between(-0.3, 0.3)) / curve.count;
+      curve.value[k] = 200.0 * std::tanh(3.0 * curve.at[k] / width) + random.between(-5.0, 5.0);
+    }
+  }
+  if (random.chance(0.3)) {
+    model::SurfaceTable<double>& surface = rig.laws.surfaces[rig.laws.surface_count++];
+    surface.place = place();
+    surface.rows = static_cast<std::uint8_t>(2 + random.below(16));
+    surface.columns = static_cast<std::uint8_t>(2 + random.below(16));
+    for (std::size_t i = 0; i < surface.rows; ++i) surface.deflection[i] = 1e-3 * static_cast<double>(i) - 5e-3;
+    for (std::size_t j = 0; j < surface.columns; ++j) surface.velocity[j] = 0.05 * static_cast<double>(j) - 0.3;
+    for (std::size_t i = 0; i < surface.rows; ++i) {
+      for (std::size_t j = 0; j < surface.columns; ++j) {
+        surface.value[i][j] = 300.0 * std::tanh(4.0 * surface.velocity[j]) * (1.0 + 20.0 * surface.deflection[i]);
+      }
+    }
+  }
+  for (std::size_t i = random.below(4); i > 0; --i) {
+    const bool maxwell = random.chance(0.4);
+    rig.laws.branches[rig.laws.branch_count++] = {
+        place(), 2e4, maxwell ? 0.02 : 0.0, maxwell ? 0.0 : random.between(5.0, 60.0), random.chance(0.3) ? 1e-3 : 0.0};
+  }
+}
+
+void add_laws(Random& random, Rig& rig) {
+  do {
+    rig.laws = {};
+    draw_laws(random, rig);
+  } while (model::find_fault(rig, period, model::usual_delay_capacity));
+}
+
 /// The same rig with other values; delays sometimes a whole number of samples.
 Rig another(Random& random, const Rig& rig) {
   Rig other = rig;
   model::for_each_number(other, [&](double& number) { number *= random.between(0.9, 1.1); });
+  const double wider = random.between(0.9, 1.1), harder = random.between(0.9, 1.1);  // points stay in their order
+  for (model::CurveTable<double>& curve : other.laws.curves) {
+    for (double& at : curve.at) at *= wider;
+    for (double& value : curve.value) value *= harder * random.between(0.99, 1.01);
+  }
+  for (model::SurfaceTable<double>& surface : other.laws.surfaces) {
+    for (double& at : surface.deflection) at *= wider;
+    for (double& at : surface.velocity) at *= harder;
+  }
+  for (model::BranchNumbers<double>& branch : other.laws.branches) {
+    branch.stiffness *= wider;
+    branch.time_constant *= harder;
+    branch.slip_force *= harder;
+  }
   auto& delay = other.effects.get<model::ActuatorDelay>().effect.delay;
   if (random.chance(0.4)) delay = std::ceil(delay / period) * period;
   return other;
@@ -142,11 +204,12 @@ class SideBySide : public testing::TestWithParam<LaneUse> {
 };
 
 /// One random rig in several variants, alone and beside each other.
-void check(unsigned seed, double probability, LaneUse use) {
+void check(unsigned seed, double probability, LaneUse use, bool laws = false) {
   Random random(seed);
   const auto kind = static_cast<RigKind>(random.below(3));
   Rig first = plain_rig(random, kind);
   add_effects(random, first, probability);
+  if (laws) add_laws(random, first);
   const SimulationInput input = input_of(random, first);
   std::vector<Rig> rigs{first};
   const std::size_t count = 2 + random.below(9);
@@ -174,6 +237,66 @@ TEST_P(SideBySide, RigsWithAFewEffectsKeepTheirBits) {
 }
 TEST_P(SideBySide, RigsWithManyEffectsKeepTheirBits) {
   for (unsigned seed = 300; seed <= 340 && !HasFatalFailure(); ++seed) check(seed, 0.6, GetParam());
+}
+
+// Law. Laws, each lane with points of its own.
+TEST_P(SideBySide, RigsWithLawsKeepTheirBits) {
+  for (unsigned seed = 400; seed <= 480 && !HasFatalFailure(); ++seed) check(seed, 0.1, GetParam(), true);
+}
+
+// Law. Parameters that change while the rigs move, at the same samples.
+TEST_P(SideBySide, RigsThatChangeKeepTheirBits) {
+  for (unsigned seed = 500; seed <= 530; ++seed) {
+    Random random(seed);
+    Rig first = plain_rig(random, static_cast<RigKind>(random.below(3)));
+    add_effects(random, first, 0.1);
+    if (seed % 2 == 0) add_laws(random, first);
+    const SimulationInput input = input_of(random, first);
+    const std::vector<Rig> rigs{first, another(random, first), another(random, first), another(random, first)};
+    const std::vector<InitialState> starts = starts_for(random, rigs.size());
+    std::vector<host_sim::RigVariation> variations;
+    for (const Rig& rig : rigs) {
+      const double share = random.between(0.1, 0.5);
+      variations.push_back({7 + random.below(2), [&rig, share](std::size_t k) {
+                              Rig changed = rig;
+                              changed.suspension.stiffness *= 1.0 - share * static_cast<double>(k) / samples;
+                              return changed;
+                            }});
+    }
+    variations[1].every = variations[2].every = variations[0].every;  // the last one may have no lane beside them
+    std::vector<SideBySideRig> all;
+    for (std::size_t i = 0; i < rigs.size(); ++i) all.push_back({&rigs[i], &starts[i], &input, &variations[i]});
+    const std::vector<Channel> channels = host_sim::response_channels(first.kind, input);
+    const auto beside = host_sim::simulate_side_by_side(all, 0, 2, channels, GetParam());
+    for (std::size_t i = 0; i < rigs.size(); ++i) {
+      expect_same_bits(host_sim::simulate(rigs[i], input, starts[i], 0, 2, variations[i]), beside[i],
+                       "seed " + std::to_string(seed) + ", rig " + std::to_string(i));
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+// Point. Laws of other kinds, places or sizes are other parts; other points are other values.
+TEST_P(SideBySide, RigsWithOtherLawsAreNotAlike) {
+  Random random(9);
+  Rig rig = plain_rig(random, RigKind::quarter_car);
+  model::CurveTable<double>& curve = rig.laws.curves[rig.laws.curve_count++];
+  curve.count = 3;
+  curve.at = {-1.0, 0.0, 1.0};
+  curve.value = {-300.0, 1.0, 200.0};
+  rig.laws.branches[rig.laws.branch_count++] = {model::LawPlace::suspension, 1e4, 0.0, 30.0, 0.0};
+  const auto with = [&](const auto& change) {
+    Rig other = rig;
+    change(other.laws);
+    return other;
+  };
+  EXPECT_TRUE(host_sim::alike(rig, with([](auto& laws) { laws.curves[0].value[1] = -1.0; })));
+  EXPECT_TRUE(host_sim::alike(rig, with([](auto& laws) { laws.branches[0].gap = 1e-3; })));
+  EXPECT_FALSE(host_sim::alike(rig, with([](auto& laws) { laws.curves[0].over = model::LawOver::deflection; })));
+  EXPECT_FALSE(host_sim::alike(rig, with([](auto& laws) { laws.curves[0].place = model::LawPlace::tyre; })));
+  EXPECT_FALSE(host_sim::alike(rig, with([](auto& laws) { laws.curves[0].count = 2; })));
+  EXPECT_FALSE(host_sim::alike(rig, with([](auto& laws) { laws.branches[0].time_constant = 0.1; })));
+  EXPECT_FALSE(host_sim::alike(rig, with([](auto& laws) { laws.branch_count = 0; })));
 }
 
 // Law. Each effect of the catalogue by itself: a law that chooses wrongly between two lanes cannot hide behind others.
