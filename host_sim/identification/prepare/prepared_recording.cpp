@@ -96,9 +96,9 @@ void split(PreparedRecording& prepared, Use use, std::size_t samples) {
   if (end < samples) end = end / step * step;
   prepared.fitted = {0, end};
   prepared.held_out = {end, samples};
-  if (prepared.settles) {
+  if (use == Use::held_out && !prepared.at_rest) {  // in a fitted recording this is a small part
     prepared.held_out.from =
-        prepared.compared_from(static_cast<std::size_t>(thresholds::machine_settles / prepared.input.period));
+        prepared.compared_from(static_cast<std::size_t>(thresholds::forgets_start / prepared.input.period));
   }
 }
 

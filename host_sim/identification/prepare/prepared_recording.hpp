@@ -40,8 +40,8 @@ struct PreparedRecording {
   /// Samples of the simulation for each one that was recorded and is compared; windows begin and end at such.
   std::size_t step = 1;
   bool at_rest = false;  ///< begins at rest; else the state at the first sample is unknown
-  /// Wholly held out, of a machine without an FDVA, and not from rest: what it remembers of the time before is
-  /// forgotten when the window begins (thresholds::machine_settles). In a fitted recording it is a small part.
+  /// Wholly held out, of a machine without an FDVA, and not from rest: its state is known when the window begins
+  /// (thresholds::forgets_start), while that of a car is only estimated.
   bool settles = false;
   std::vector<model::Channel> channels;              ///< measured, to be explained
   std::array<double, model::channel_count> noise{};  ///< level of compared samples [SI], declared or estimated
