@@ -22,6 +22,7 @@
 #include "model/effects/coulomb_friction.hpp"
 #include "model/effects/force_sensor_inertia.hpp"
 #include "model/effects/gas_exponent.hpp"
+#include "model/effects/hardening_hysteresis.hpp"
 #include "model/effects/moving_mass.hpp"
 #include "model/effects/position_ripple.hpp"
 #include "model/effects/progressive_spring.hpp"
@@ -66,30 +67,31 @@ using SensorSlots = std::tuple<ChannelSlots<Effect>...>;
 
 /// The effects of rigs without an air spring. Laws of the tyre act on each other's result, in this order.
 template <class S>
-using UsualEffects = Slots<ActuatorDelay<S>,       //
-                           ActuatorLag<S>,         //
-                           ActuatorResonance<S>,   //
-                           ActuatorRateLimit<S>,   //
-                           CoulombFriction<S>,     //
-                           StribeckFriction<S>,    //
-                           ViscousDamping<S>,      //
-                           QuadraticDamping<S>,    //
-                           AsymmetricDamper<S>,    //
-                           ProgressiveSpring<S>,   //
-                           BoucWen<S>,             //
-                           PositionRipple<S>,      //
-                           BumpStop<S>,            //
-                           Backlash<S>,            //
-                           TopMount<S>,            //
-                           Relaxation<S>,          //
-                           SealFriction<S>,        //
-                           BodyGuideFriction<S>,   //
-                           WheelGuideFriction<S>,  //
-                           BodyGuideDamping<S>,    //
-                           WheelGuideDamping<S>,   //
-                           ProgressiveTyre<S>,     //
-                           TyreLiftOff<S>,         //
-                           ForceSensorInertia<S>,  //
+using UsualEffects = Slots<ActuatorDelay<S>,        //
+                           ActuatorLag<S>,          //
+                           ActuatorResonance<S>,    //
+                           ActuatorRateLimit<S>,    //
+                           CoulombFriction<S>,      //
+                           StribeckFriction<S>,     //
+                           ViscousDamping<S>,       //
+                           QuadraticDamping<S>,     //
+                           AsymmetricDamper<S>,     //
+                           ProgressiveSpring<S>,    //
+                           BoucWen<S>,              //
+                           HardeningHysteresis<S>,  //
+                           PositionRipple<S>,       //
+                           BumpStop<S>,             //
+                           Backlash<S>,             //
+                           TopMount<S>,             //
+                           Relaxation<S>,           //
+                           SealFriction<S>,         //
+                           BodyGuideFriction<S>,    //
+                           WheelGuideFriction<S>,   //
+                           BodyGuideDamping<S>,     //
+                           WheelGuideDamping<S>,    //
+                           ProgressiveTyre<S>,      //
+                           TyreLiftOff<S>,          //
+                           ForceSensorInertia<S>,   //
                            MovingMass<S>>;
 
 /// The effects of air springs. A microcontroller's programs have no air spring.

@@ -149,6 +149,7 @@ enum class Corner : unsigned char {
   free_play,   ///< where play ends
   stop,        ///< where a stop is met
   rate_limit,  ///< where a limit of velocity is reached
+  reversal,    ///< hysteresis that is much steeper on the way back: where the deflection turns
 };
 
 /// Everything about an effect but its values. Nothing in the project asks for an effect by its name: what it wants to

@@ -52,6 +52,7 @@ std::vector<double> size_of(std::string_view effect) {
                                                                      {"asymmetric_damper", {153.0}},
                                                                      {"stribeck_friction", {37.1, 0.61, 0.023}},
                                                                      {"bouc_wen", {6.1e4, 43.7, 0.13}},
+                                                                     {"hardening_hysteresis", {4.3e4, 171.0, 5.7}},
                                                                      {"position_ripple", {0.0031, 9.3, -4.1}},
                                                                      {"air_leak", {0.0031}},
                                                                      {"stuck_area", {0.043}},

@@ -80,8 +80,8 @@ std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace p
 }
 
 std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
-  constexpr std::array<std::string_view, 4> with_memory{"stribeck_friction", "bouc_wen", "relaxation",
-                                                        "coulomb_friction"};
+  constexpr std::array<std::string_view, 5> with_memory{"stribeck_friction", "bouc_wen", "hardening_hysteresis",
+                                                        "relaxation", "coulomb_friction"};
   std::vector<EffectsBeside> different;
   const auto add = [&](const auto& keep) {
     EffectsBeside kept;

@@ -27,6 +27,9 @@ std::string shape_words(const firmware::PlacedEffect& effect, const model::RigPa
            " N (cogging)";
   }
   if (name == "bouc_wen") return "hysteresis of " + figure_text(v[1], 3) + " N independent of frequency";
+  if (name == "hardening_hysteresis") {
+    return "hysteresis independent of frequency, twice as stiff under " + figure_text(v[1], 3) + " N";
+  }
   if (name == "relaxation") return "relaxes within " + figure_text(milli * v[1], 2) + " ms";
   if (name == "bump_stop") return "stiffens from " + figure_text(milli * v[0], 3) + " mm on";
   if (name == "progressive_spring" || name == "progressive_tyre")

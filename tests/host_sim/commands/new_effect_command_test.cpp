@@ -57,7 +57,7 @@ TEST_F(NewEffect, WritesFileTestAndEntry) {
 
   std::string after = list();
   const std::string include = "#include \"model/effects/rubber_bush.hpp\"\n";
-  const std::string entry = "                           RubberBush<S>,          //\n";
+  const std::string entry = "                           RubberBush<S>,           //\n";
   EXPECT_NE(after.find("relaxation.hpp\"\n" + include + "#include \"model/effects/seal_friction.hpp\""),
             std::string::npos)
       << "in the order of the alphabet";

@@ -201,7 +201,8 @@ TEST(StribeckFriction, SticksUpToTheForceThatBreaksAway) {
 }
 
 /// u along a path in steps, beginning at u.
-double along(const model::BoucWen<double>& element, double u, double travel, int steps) {
+template <class Element>
+double along(const Element& element, double u, double travel, int steps) {
   for (int k = 0; k < steps; ++k) u = element.force_after(u, travel / steps);
   return u;
 }
@@ -253,6 +254,41 @@ TEST(BoucWen, DependsOnThePathAlone) {
   }
   EXPECT_GT(lost, 0.2);
   EXPECT_LT(std::abs(model::BoucWen<double>{1e7, 60.0, 0.0}.force_after(-60.0, 1.0)), 60.0 * (1.0 + 1e-9));
+}
+
+// Law. Closed forms of (1): loading F_h (e^{kx/F_h} − 1), back along da/dσ = k − (s k/F_h) a; then there is less travel
+// left than was gone, so a turn takes energy, F_h²/k (r − ln(1 + r) + ln(1 + s r)/s² − r/s) in each half with r =
+// u/F_h. Steps and errors as above; the trapezoids of 20 000 steps are off by (k Δx/F_h)²/12 of it.
+TEST(HardeningHysteresis, FollowsTheClosedFormsOfLoadingAndUnloading) {
+  const double k = 50e3, f = 160.0, s = 6.0, x = 2e-3;
+  const model::HardeningHysteresis<double> element{k, f, s};
+  const double loaded = f * (std::exp(k * x / f) - 1.0);
+  EXPECT_NEAR(along(element, 0.0, x, 100), loaded, 1e-6);
+  EXPECT_NEAR(along(element, 0.0, -x, 100), -loaded, 1e-6);
+  const double rate = s * k / f, back = 0.1e-3;
+  const double unloaded = -(k / rate + (-loaded - k / rate) * std::exp(-rate * back));
+  EXPECT_NEAR(along(element, loaded, -back, 100), unloaded, 1e-6);
+  double u = 0.0, work = 0.0;
+  const double return_travel = std::log(1.0 + s * loaded / f) / rate;
+  const auto go = [&](double travel) {
+    for (int i = 0; i < 20000; ++i) {
+      const double next = element.force_after(u, travel / 20000);
+      work += 0.5 * (u + next) * travel / 20000;
+      u = next;
+    }
+  };
+  go(x);
+  go(-return_travel);
+  EXPECT_NEAR(u, 0.0, 1e-3);
+  const double r = loaded / f;
+  EXPECT_NEAR(work, f * f / k * ((r - std::log(1.0 + r)) - (s * r - std::log(1.0 + s * r)) / (s * s)), 1e-6);
+  EXPECT_GT(work, 0.0);
+}
+
+// Point. With s = 1 loading and unloading are one line: a spring that gives back all it took.
+TEST(HardeningHysteresis, IsASpringWhereBothStiffnessesAreOne) {
+  const model::HardeningHysteresis<double> element{50e3, 160.0, 1.0};
+  EXPECT_NEAR(along(element, along(element, 0.0, 2e-3, 100), -2e-3, 100), 0.0, 1e-6);
 }
 
 // Point. A ripple of 5 mm: sine at a quarter of it, nothing after a whole one, twice the cosine at a half.

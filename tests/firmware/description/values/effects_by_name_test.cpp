@@ -45,7 +45,7 @@ std::vector<PlacedEffect> all_effects(const model::RigParameters<double>& rig) {
 
 const std::vector<std::string_view> texts{support::hil_text, support::quarter_car_text, support::bench_text};
 
-// The contract's catalogue, whole and each name once.
+// The contract's catalogue and hardening_hysteresis, whole and each name once.
 TEST(Catalogue, HoldsTheEffectsOfTheContract) {
   std::set<std::string_view> names;
   for (const CatalogueEntry& entry : catalogue()) {
@@ -54,8 +54,8 @@ TEST(Catalogue, HoldsTheEffectsOfTheContract) {
     EXPECT_FALSE(entry.equation.empty());
     EXPECT_FALSE(entry.shows.empty());
   }
-  EXPECT_EQ(names.size(), 34U);
-  EXPECT_EQ(catalogue().size(), 34U);
+  EXPECT_EQ(names.size(), 35U);
+  EXPECT_EQ(catalogue().size(), 35U);
   EXPECT_EQ(firmware::find_effect("nothing"), nullptr);
 }
 
