@@ -40,7 +40,7 @@ class Curve {
   };
 
  public:
-  /// Where x was last: the number of the interval, in lanes the cubics themselves.
+  /// Where x was last: the number of the interval; in lanes the cubic of each.
   using Place = std::conditional_t<lane_count<S> == 1, std::uint8_t, Found>;
 
   Curve() = default;
@@ -121,7 +121,7 @@ class Curve {
       return n;
     } else {
       S n = S(0);
-      for (const S& knot : knots_) n += select(x >= knot, S(1), S(0));
+      for (std::size_t i = 0; i < 4 * fours; ++i) n += select(x >= knots_[i], S(1), S(0));
       return n;
     }
   }
@@ -153,7 +153,7 @@ class Curve {
             S::each([&](std::size_t lane) { return knot(lane, static_cast<std::size_t>(n[lane])); })};
   }
 
-  std::array<S, 4 * fours> knots_{};
+  std::array<S, 4 * fours + 1> knots_{};  ///< the last one ends the interval of an infinite x
   std::array<Piece, 4 * fours + 1> pieces_{};
   S first_{}, last_{}, steepest_{};
 };

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -29,6 +31,18 @@ TEST(Curve, BetweenPointsIsTheCubicWorkedOutByHand) {
 // Point. With h = 1 and 2, s = 1 and 4: w₁ = 2·2 + 1 = 5, w₂ = 2 + 2·1 = 4, d = 9/(5/1 + 4/4) = 1.5.
 TEST(Curve, SlopeBetweenUnequalIntervalsIsTheWeightedHarmonicMean) {
   EXPECT_DOUBLE_EQ(through({0.0, 1.0, 3.0}, {0.0, 1.0, 9.0}).slope(1.0), 1.5);
+}
+
+// Point. A simulation that diverges ends at no number, and reads nothing beyond the table (the sanitizers watch).
+TEST(Curve, ReadsNothingBeyondItsTable) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  const Curve f = through({0.0, 1.0, 2.0}, {0.0, 1.0, 4.0});
+  std::uint8_t place = 0;
+  for (const double x : {infinite, infinite, -infinite, -infinite, std::nan(""), infinite}) {
+    EXPECT_FALSE(std::isfinite(f.near(x, place)));
+    EXPECT_FALSE(std::isfinite(f(x)));
+  }
+  EXPECT_DOUBLE_EQ(f.near(0.5, place), 0.4375) << "and finds back";
 }
 
 // Law. For every number of points: it passes through each of them, and its slope has no jump there.
