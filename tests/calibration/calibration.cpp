@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "firmware/recording/recording_csv.hpp"
@@ -11,6 +12,7 @@
 #include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/plan/plan.hpp"
+#include "tests/support/part_of.hpp"
 #include "tests/truth/truth.hpp"
 
 namespace calibration {
@@ -71,12 +73,11 @@ std::vector<Case> calibrate(const Asked& asked) {
 
   std::vector<Case> cases;
   std::vector<const host_sim::plan::PlannedEffect*> effects;
-  std::size_t place = 0;
   for (const host_sim::plan::PlannedEffect& effect : plan.effects) {
     if (!effect.named_at || effect.subject.seen_by_itself) continue;
-    const std::size_t at = place++;
-    if (at < asked.from || (at - asked.from) % asked.every != 0) continue;
-    cases.push_back({host_sim::plan::words(effect.subject), *effect.named_at, true});
+    const std::string name = host_sim::plan::words(effect.subject);
+    if (!support::is_in_part(name, asked.part - 1, asked.parts)) continue;
+    cases.push_back({name, *effect.named_at, true});
     effects.push_back(&effect);
     host_sim::plan::SizeSearch search(rehearsal, effect.subject, effect.parameter);
     const auto small = search.with(unseen);

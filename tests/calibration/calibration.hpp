@@ -21,9 +21,8 @@ struct Case {
 struct Asked {
   std::string kind = "quarter_car";  ///< of the rig
   std::uint64_t seed = 1;
-  std::size_t every = 1;   ///< one in so many of the effects that have a size
-  std::size_t from = 0;    ///< beginning with this one
-  double duration = 30.0;  ///< [s]
+  std::uint64_t part = 1, parts = 1;  ///< of the effects that have a size, chosen by name (support::is_in_part)
+  double duration = 30.0;             ///< [s]
 };
 
 /// Draws a rig without effects, plans the experiment, puts each effect into the rig in both sizes, records, diagnoses.

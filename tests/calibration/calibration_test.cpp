@@ -11,8 +11,8 @@ namespace {
 TEST(Calibration, DiagnoseNamesWhatPlanPromises) {
   calibration::Asked asked;
   asked.kind = "component_bench";
-  asked.every = 5;
-  asked.from = 3;
+  asked.part = 1;
+  asked.parts = 5;
   asked.duration = 20.0;
   std::size_t promised = 0, unseen = 0;
   for (const calibration::Case& one : calibration::calibrate(asked)) {

@@ -31,8 +31,9 @@ int main(int argc, char** argv) {
   calibration::Asked asked;
   app.add_option("kind", asked.kind, "quarter_car, hil or component_bench")->capture_default_str();
   app.add_option("seed", asked.seed, "Seed of rig, road and noise")->capture_default_str();
-  app.add_option("--every", asked.every, "One in so many effects")->capture_default_str();
-  app.add_option("--from", asked.from, "Beginning with this one")->capture_default_str();
+  app.add_option("--part", asked.part, "Of so many parts of the effects the one with this number")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--parts", asked.parts, "Parts of the effects")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--duration", asked.duration, "Length of the recordings [s]")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {

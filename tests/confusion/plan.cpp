@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "tests/support/part_of.hpp"
 #include "tests/truth/truth.hpp"
 
 namespace confusion {
@@ -21,9 +22,7 @@ std::vector<Asked> plan(std::uint64_t first_seed) {
 std::vector<Asked> part_of(const std::vector<Asked>& all, unsigned part, unsigned parts) {
   std::vector<Asked> chosen;
   for (const Asked& asked : all) {
-    std::uint64_t hash = 0xCBF29CE484222325U;
-    for (const char c : asked.id()) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
-    if ((hash >> 32U) % parts == part - 1) chosen.push_back(asked);
+    if (support::is_in_part(asked.id(), part - 1, parts)) chosen.push_back(asked);
   }
   return chosen;
 }

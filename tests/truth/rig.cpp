@@ -78,6 +78,8 @@ void put(const Effect& effect, Numbers& n) {
     n.coulomb = p("sliding"), n.static_friction = p("sliding") * p("excess"), n.stribeck_velocity = p("velocity");
   else if (name == "bouc_wen")
     n.wen = p("force"), n.wen_stiffness = p("stiffness"), n.wen_unloading = p("unloading");
+  else if (name == "hardening_hysteresis")
+    n.wen = p("force"), n.wen_stiffness = p("stiffness"), n.wen_unloading = p("unloading"), n.wen_loading = -1.0;
   else if (name == "position_ripple")
     n.ripple_length = p("period"), n.ripple_sine = p("sine"), n.ripple_cosine = p("cosine");
   else if (effect.channel.empty())
@@ -422,8 +424,8 @@ void Rig::dissipative(const State& s, double e, double ev, double spring, double
   memory_laws(s, e, ev, r);
   if (n_.wen > 0.0) {
     force += n_.wen * s[wen];
-    // ż = (k/F) (v − (1 + u)/2 |v| z − (1 − u)/2 v |z|): z stays within ± 1.
-    const double back = 0.5 * (1.0 + n_.wen_unloading), on = 1.0 - back;
+    // ż = (k/F) (v − (l + u)/2 |v| z − (l − u)/2 v |z|): with l = 1 z stays within ± 1.
+    const double back = 0.5 * (n_.wen_loading + n_.wen_unloading), on = n_.wen_loading - back;
     r.rate[wen] = n_.wen_stiffness / n_.wen * (ev - back * std::abs(ev) * s[wen] - on * ev * std::abs(s[wen]));
   }
   if (n_.parasite > 0.0) {

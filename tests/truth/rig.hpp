@@ -24,6 +24,7 @@ struct Numbers {
   double lopsided_damping = 0;                           ///< compression less rebound [N s/m]
   double static_friction = 0, stribeck_velocity = 1;     ///< above `coulomb`, decaying with velocity
   double wen = 0, wen_stiffness = 0, wen_unloading = 0;  ///< Bouc–Wen: largest force, initial stiffness, shape
+  double wen_loading = 1;  ///< −1: stiffens as it loads, and `wen` is the force under which it is twice as stiff
   double ripple_length = 1, ripple_sine = 0, ripple_cosine = 0;
   // outside the catalogue
   double fade = 0, stiffening = 0;  ///< relative, over the record

@@ -49,7 +49,7 @@ TEST(EffectCards, HaveNamesOfTheirOwn) {
     std::set<std::string_view> parameters;
     for (const EffectParameter& p : card.parameters) EXPECT_TRUE(parameters.insert(p.name).second) << card.name;
   });
-  EXPECT_EQ(names.size(), 34U);
+  EXPECT_EQ(names.size(), 35U);
 }
 
 // An effect that contains another one names an effect of the same part, and says what they have in common.
