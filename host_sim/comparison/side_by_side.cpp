@@ -41,7 +41,7 @@ LaneLaws laws_of(const model::Laws<double>& laws) {
           laws.curve_count,   laws.surface_count,   laws.branch_count};
 }
 
-/// Whether laws differ in their numbers alone.
+/// True if two rigs have the same laws, with the same or other numbers.
 bool are_alike(const model::Laws<double>& a, const model::Laws<double>& b) {
   if (a.curve_count != b.curve_count || a.surface_count != b.surface_count || a.branch_count != b.branch_count) {
     return false;

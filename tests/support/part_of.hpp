@@ -6,7 +6,7 @@
 
 namespace support {
 
-/// Whether an entry with this name is in part `part`, 0 … parts − 1, of all: by FNV-1a of the name.
+/// True if the entry with this name belongs to `part`, 0 … parts − 1. The part follows from the name alone (FNV-1a).
 [[nodiscard]] inline bool is_in_part(std::string_view name, std::uint64_t part, std::uint64_t parts) {
   std::uint64_t hash = 0xCBF29CE484222325U;
   for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;

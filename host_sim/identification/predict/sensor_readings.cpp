@@ -104,7 +104,7 @@ Response no_answer(const PreparedRecording& recording, const SimulationInput& in
   return response;
 }
 
-/// How a rig with drifting parameters changes.
+/// A rig whose parameters drift, as one that changes in small steps; no step where nothing drifts.
 RigVariation variation_of(const Rig& bare, const std::vector<PlacedFault>& faults, const PreparedRecording& recording,
                           double period) {
   if (!drifts(faults)) return {};

@@ -224,7 +224,7 @@ firmware::Recording recorded(const BoucWenOscillator& /*rig*/, std::uint64_t see
 }
 
 // Truth by construction: α and the loop's two rates are those of `hardening_hysteresis`, F_h = −α/(β (γ + δ)), s =
-// −(γ − δ)/(γ + δ). 5 % is what the issue of the benchmark asks of a model of another multisine; the noise is 1.2 %.
+// −(γ − δ)/(γ + δ). A model is to leave 5 % of another multisine at most; the noise is 1.2 %.
 TEST(Classics, FindsTheHysteresisOfTheBoucWenOscillator) {
   const BoucWenOscillator rig;
   const firmware::Recording fitted = recorded(rig, 1), other = recorded(rig, 2);
