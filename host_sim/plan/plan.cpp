@@ -20,7 +20,7 @@ using model::Channel;
 namespace {
 
 /// Shares of the progress line: sizes, separations, advice.
-constexpr double after_sizes = 0.5, after_separations = 0.6;
+constexpr double after_sizes = 0.3, after_separations = 0.7;
 
 /// A subject while its sizes are found.
 struct Sized {
@@ -94,7 +94,8 @@ Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double g
     } else {
       row.why = shows_too_little(search, subject, p);
     }
-    if (row.shows_at && !sized.leading) {
+    // A value that is read off, a period, is no size.
+    if (row.shows_at && !sized.leading && subject.entry->parameters[p].kept_within == 0.0) {
       sized.leading = sized.rows.size();
       sized.rival.strong = subject.placed();
       const auto strong = search.with(thresholds::told_apart / growth);
@@ -130,8 +131,97 @@ bool is_taken_for(const firmware::CatalogueEntry& effect, const firmware::Catalo
   return other.contains != effect.name && (effect.imitates || !other.imitates);
 }
 
-/// Matrix of separations: for each visible effect, the effects that it would be taken for.
-SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all) {
+/// What is left of an effect beside one column of the matrix.
+struct Separation {
+  std::string name;
+  double left;
+  const Rival* effect = nullptr;  ///< of the catalogue, if it is a rival
+  bool is_rival = true;
+};
+
+/// What a change of one effect would be taken for, column after column. The parameters of its nearest rivals are
+/// fitted.
+std::vector<Separation> separations_of(const Rehearsal& rehearsal, const Sized& own, const Change& change,
+                                       const std::vector<Sized>& all, const std::vector<ParameterRival>& parameters) {
+  const double whole = own.growth * rehearsal.significance(change);
+  const auto left_beside = [&](const std::vector<Direction>& rival) {
+    return std::min(whole, own.growth * left_of(rehearsal, change, rival));
+  };
+  std::vector<Separation> columns;
+  for (const Sized& other : all) {
+    if (other.rival.directions.empty()) continue;
+    const bool self = &other == &own;
+    columns.push_back({words(other.rival.subject), self ? 0.0 : left_beside(other.rival.directions), &other.rival,
+                       !self && is_taken_for(*own.rival.subject.entry, *other.rival.subject.entry)});
+  }
+  for (const ParameterRival& parameter : parameters) {
+    columns.push_back({parameter.path, left_beside(parameter.directions)});
+  }
+  std::vector<Separation*> nearest;
+  for (Separation& column : columns) {
+    if (column.is_rival && column.effect != nullptr) nearest.push_back(&column);
+  }
+  std::stable_sort(nearest.begin(), nearest.end(),
+                   [](const Separation* a, const Separation* b) { return a->left < b->left; });
+  nearest.resize(std::min(nearest.size(), thresholds::refitted));
+  for (Separation* column : nearest) {
+    column->left = std::min(column->left, own.growth * left_when_refitted(rehearsal, change, *column->effect));
+  }
+  return columns;
+}
+
+/// The rivals, nearest first.
+std::vector<TakenFor> taken_for(const std::vector<Separation>& columns) {
+  std::vector<TakenFor> taken;
+  for (const Separation& column : columns) {
+    if (column.is_rival) taken.push_back({column.name, column.left});
+  }
+  std::stable_sort(taken.begin(), taken.end(), [](const TakenFor& a, const TakenFor& b) { return a.left < b.left; });
+  taken.resize(std::min(taken.size(), thresholds::most_rivals));
+  return taken;
+}
+
+/// Of sizes that grow from the given one by thresholds::promise_step each, the next one after the first that leaves a
+/// rest.
+std::optional<double> with_a_rest(const Rehearsal& rehearsal, const PlannedEffect& row, Size size, SizeSearch& search) {
+  for (int step = 0; step < thresholds::promise_steps; ++step) {
+    firmware::PlacedEffect effect = row.subject.placed();
+    effect.values[row.parameter] = size.value;
+    const bool rest = rehearsal.leaves_a_rest(effect);
+    const auto larger = search.with(size.significance * thresholds::promise_step);
+    if (!larger) return std::nullopt;
+    size = *larger;
+    if (rest) return size.value;
+  }
+  return std::nullopt;
+}
+
+/// The size at which the leading parameter of an effect leaves ten standard deviations beside its nearest rival. As a
+/// rival bends to a larger effect, the size is tried, not extrapolated.
+std::optional<double> named_at(const Rehearsal& rehearsal, const Sized& own, const std::vector<Sized>& all,
+                               const std::vector<ParameterRival>& parameters) {
+  const PlannedEffect& row = own.rows[*own.leading];
+  if (!row.shows_at || row.taken_for.empty()) return std::nullopt;
+  SizeSearch search(rehearsal, row.subject, row.parameter);
+  double whole = own.growth * rehearsal.significance(own.rival.directions.front().change),
+         left = row.taken_for.front().left;
+  for (int trial = 0; trial < thresholds::promise_trials; ++trial) {
+    if (left < thresholds::same * whole) return std::nullopt;
+    const auto size = search.with(whole * thresholds::told_apart / left / own.growth);
+    const auto change = size ? search.change(size->value) : std::nullopt;
+    if (!change) return std::nullopt;
+    whole = own.growth * size->significance;
+    const auto beside = taken_for(separations_of(rehearsal, own, *change, all, parameters));
+    left = beside.front().left;
+    if (left < thresholds::told_apart * (1.0 - 2.0 * thresholds::size_error)) continue;
+    return row.subject.entry->imitates ? with_a_rest(rehearsal, row, *size, search) : size->value;
+  }
+  return std::nullopt;
+}
+
+/// Matrix of separations: for each visible effect, the effects that it would be taken for, and from which size it would
+/// be named.
+SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all, const std::function<void()>& one_done) {
   const std::vector<ParameterRival> parameters = parameter_rivals(rehearsal);
   SeparationMatrix matrix;
   std::vector<std::size_t> of_row;
@@ -145,40 +235,14 @@ SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all) {
   for (const std::size_t i : of_row) matrix.rows.push_back(words(all[i].rival.subject));
   identification::for_all(of_row.size(), [&](std::size_t row) {
     Sized& own = all[of_row[row]];
-    const Change& change = own.rival.directions.front().change;
-    const double whole = own.growth * rehearsal.significance(change);
-    std::vector<TakenFor> taken;
-    std::size_t column = row * matrix.columns.size();
-    const auto put = [&](const std::string& name, const std::vector<Direction>& rival, bool self, bool is_rival) {
-      const double left = self ? 0.0 : std::min(whole, own.growth * left_of(rehearsal, change, rival));
-      matrix.left[column++] = left;
-      if (is_rival) taken.push_back({name, left});
-    };
-    for (std::size_t j = 0; j < all.size(); ++j) {
-      if (all[j].rival.directions.empty()) continue;
-      const Subject& other = all[j].rival.subject;
-      const bool self = j == of_row[row];
-      put(words(other), all[j].rival.directions, self, !self && is_taken_for(*own.rival.subject.entry, *other.entry));
-    }
-    for (const ParameterRival& parameter : parameters) put(parameter.path, parameter.directions, false, true);
-    std::stable_sort(taken.begin(), taken.end(), [](const TakenFor& a, const TakenFor& b) { return a.left < b.left; });
-    taken.resize(std::min(taken.size(), thresholds::most_rivals));
-    own.rows[*own.leading].taken_for = std::move(taken);
+    PlannedEffect& effect = own.rows[*own.leading];
+    const auto columns = separations_of(rehearsal, own, own.rival.directions.front().change, all, parameters);
+    for (std::size_t c = 0; c < columns.size(); ++c) matrix.left[row * matrix.columns.size() + c] = columns[c].left;
+    effect.taken_for = taken_for(columns);
+    effect.named_at = named_at(rehearsal, own, all, parameters);
+    one_done();
   });
   return matrix;
-}
-
-/// The size at which the leading parameter of an effect leaves ten standard deviations beside its nearest rival.
-void find_named(const Rehearsal& rehearsal, Sized& sized) {
-  if (!sized.leading || sized.rival.directions.empty()) return;
-  PlannedEffect& row = sized.rows[*sized.leading];
-  if (!row.shows_at || row.taken_for.empty()) return;
-  const double whole = sized.growth * rehearsal.significance(sized.rival.directions.front().change);
-  const double share = row.taken_for.front().left / whole;
-  if (share < thresholds::same) return;
-  SizeSearch search(rehearsal, row.subject, row.parameter);
-  const auto size = search.with(thresholds::told_apart / share / sized.growth);
-  if (size) row.named_at = size->value;
 }
 
 void check_channels(const firmware::RigDescription& description, const Setting& setting) {
@@ -240,8 +304,11 @@ Plan make_plan(const firmware::RigDescription& description, Setting setting, con
     sized[i] = sized_subject(rehearsal, list[i], growth);
     tell(after_sizes * static_cast<double>(++done) / static_cast<double>(list.size()), "sizes of effects");
   });
-  plan.separations = separate(rehearsal, sized);
-  identification::for_all(sized.size(), [&](std::size_t i) { find_named(rehearsal, sized[i]); });
+  done = 0;
+  plan.separations = separate(rehearsal, sized, [&] {
+    const double share = static_cast<double>(++done) / static_cast<double>(list.size());
+    tell(after_sizes + (after_separations - after_sizes) * share, "separations");
+  });
   tell(after_separations, "parameters");
   Information information = information_of(rehearsal);
   information.matrix *= growth * growth;

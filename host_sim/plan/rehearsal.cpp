@@ -9,6 +9,8 @@
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/prepare/prepare.hpp"
+#include "host_sim/identification/select/select_model.hpp"
+#include "host_sim/plan/thresholds.hpp"
 
 namespace host_sim::plan {
 
@@ -84,8 +86,9 @@ void declare_noise(firmware::RigDescription& description, const firmware::Record
 
 }  // namespace
 
-Rehearsal::Rehearsal(const firmware::RigDescription& description, const Setting& setting) {
-  firmware::RigDescription noisy = description;
+Rehearsal::Rehearsal(const firmware::RigDescription& description, const Setting& setting)
+    : description_(description), setting_(setting) {
+  firmware::RigDescription& noisy = description_;
   firmware::Recording silent = run(noisy, setting, firmware::SimulatedRig::Noise::none);
   if (setting.added && !silent.has(*setting.added)) {
     silent[*setting.added] = added_channel(description, silent, *setting.added);
@@ -157,6 +160,26 @@ std::optional<Change> Rehearsal::change(const firmware::PlacedEffect& effect, co
   Change change{std::move(*residual), {}};
   change.tolerated = base_.jacobian.transpose() * change.whitened.cast<double>();
   return change;
+}
+
+bool Rehearsal::leaves_a_rest(const firmware::PlacedEffect& hidden) const {
+  Setting setting = setting_;
+  setting.motion.resize(std::min(setting.motion.size(),
+                                 static_cast<std::size_t>(thresholds::rehearsed_diagnosis * description_.sample_rate)));
+  firmware::RigDescription with = description_;
+  put_effect(with.rig, hidden);
+  std::vector<identification::Record> records;
+  try {
+    records.push_back({run(with, setting, firmware::SimulatedRig::Noise::as_described), identification::Use::shared});
+    for (const Channel channel : setting.without) records.front().recording[channel].clear();
+    identification::PreparedData data = identification::prepare(description_, std::move(records));
+    const Hypothesis given = identification::described_hypothesis(description_, data.recordings);
+    identification::IdentificationProblem problem(std::move(data.recordings), given);
+    const identification::SearchSpace space = identification::search_space(description_, problem.samples(), given);
+    return identification::leaves_a_rest(problem, identification::search(problem, space, {}));
+  } catch (const firmware::InputError&) {  // the rig cannot be driven with it
+    return false;
+  }
 }
 
 Change Rehearsal::as_change(const Eigen::VectorXd& whitened) const {

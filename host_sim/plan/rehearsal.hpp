@@ -59,12 +59,19 @@ class Rehearsal {
   [[nodiscard]] Eigen::MatrixXd jacobian(const std::vector<identification::FreeParameter>& parameters) const;
   [[nodiscard]] Change as_change(const Eigen::VectorXd& whitened) const;
 
+  /// Whether an effect that hides in the recording leaves more than noise beside the effects that diagnose would
+  /// explain it by, without those that only imitate others (search() and leaves_a_rest() of identification/select). Of
+  /// a road that is longer than thresholds::rehearsed_diagnosis its beginning.
+  [[nodiscard]] bool leaves_a_rest(const firmware::PlacedEffect& hidden) const;
+
   [[nodiscard]] double product(const Change& a, const Change& b) const;  ///< (1)
   [[nodiscard]] double significance(const Change& d) const;              ///< (2)
 
  private:
   [[nodiscard]] identification::Fit described_with(const std::vector<identification::FreeParameter>& parameters) const;
 
+  firmware::RigDescription description_;  ///< with noise for every channel that is compared
+  Setting setting_;
   std::vector<model::Channel> recorded_;
   std::vector<std::string> remarks_;
   std::optional<identification::IdentificationProblem> problem_;

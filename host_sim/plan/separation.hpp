@@ -11,7 +11,8 @@ namespace host_sim::plan {
 /// A change that a rival can make, in any size.
 struct Direction {
   Change change;
-  bool of_either_sign;  ///< it may also be taken away
+  bool of_either_sign;                             ///< it may also be taken away
+  std::optional<firmware::PlacedEffect> effect{};  ///< that makes it; of a parameter of the rig none
 };
 
 /// A subject once its sizes are known.
@@ -29,6 +30,15 @@ struct Rival {
 ///
 /// in standard deviations. Source: discrimination between models, W. Hunter and A. Reiner, Technometrics 7, 1965.
 [[nodiscard]] double left_of(const Rehearsal& rehearsal, const Change& a, const std::vector<Direction>& rival);
+
+/// Change of an effect after a rival with parameters θ was fitted to it, within the bounds of its card:
+///
+///   (2)  left² = min over θ of ⟨a − b(θ), a − b(θ)⟩      Levenberg and Marquardt, from the direction with the least
+///   (1)
+///
+/// A law with a corner or with several parameters is no line through its size: (2) is less than (1) where it bends to
+/// the effect. Neither more than √⟨a, a⟩ nor worked on where (1) leaves thresholds::unlike of it.
+[[nodiscard]] double left_when_refitted(const Rehearsal& rehearsal, const Change& a, const Rival& rival);
 
 /// The directions of a subject: of `strong`, of each combination of starts where the effect has several parameters.
 [[nodiscard]] std::vector<Direction> directions_of(const Rehearsal& rehearsal, const Rival& rival);

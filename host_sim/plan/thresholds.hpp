@@ -30,6 +30,25 @@ inline constexpr double vanishes = 0.1;
 /// apart. Derivation: the linear answer of a rival is off by some per cent of the effect where laws have corners.
 inline constexpr double same = 0.03;
 
+/// [1] Share of an effect that a rival leaves in its nearest size from which on its parameters are not fitted: it does
+/// not look like the effect. Derivation: 0.8 is a correlation of 0.6. Twice: twice the fits.
+inline constexpr double unlike = 0.8;
+/// A rival's fit has so many steps at most, and ends where one gains less than this share of what is left (squared).
+/// Derivation: what is left is asked for within size_error, twice it squared.
+inline constexpr int refit_steps = 8;
+inline constexpr double refit_gain = 2.0 * size_error;
+/// The nearest rivals whose parameters are fitted. Half: misses the rival that bends most. Twice: twice the time.
+inline constexpr std::size_t refitted = 4;
+/// Sizes that are tried until a name is promised: what is left beside a rival that bends grows slower than the effect.
+inline constexpr int promise_trials = 4;
+/// A law that could imitate others is looked for where those leave a rest, and tests of a rest have no linear answer.
+/// So diagnose is rehearsed with sizes that grow by this factor, so many of them at most; promised is the next one,
+/// which leaves as much luck as told_apart does: 10/6.3.
+inline constexpr double promise_step = 1.6;
+inline constexpr int promise_steps = 5;
+/// [s] of the road that diagnose is rehearsed on at most; a longer one shows smaller sizes. Twice: twice the time.
+inline constexpr double rehearsed_diagnosis = 32.0;
+
 /// [1] Half width of the relative 95 % interval from which a parameter counts as open: ± half of its value. Half and
 /// twice: other words for the same interval, which stands beside them.
 inline constexpr double open = 0.5;

@@ -31,7 +31,7 @@ export LEFT_OUT
 
 # A suite stays in one process, for what its tests share; suites that take long begin first, each by itself, the others a score at a time.
 export RUN="$builds/sanitize/bin/rigtwin_tests" GTEST_BRIEF=1
-long='StabilityReport|RecordingMat|DiagnoseCommand|Refit|RigController'
+long='Lanes/SideBySide|Kinds/RoundTrip|StabilityReport|RecordingMat|DiagnoseCommand|Refit|RigController'
 logs="$builds/sanitize/suites"
 rm -rf "$logs"
 mkdir -p "$logs"

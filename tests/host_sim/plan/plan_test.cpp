@@ -14,6 +14,8 @@
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/plan/plan_json.hpp"
 #include "host_sim/plan/plan_report.hpp"
+#include "host_sim/plan/rehearsal.hpp"
+#include "host_sim/plan/separation.hpp"
 #include "tests/support/rig_texts.hpp"
 
 namespace {
@@ -115,6 +117,51 @@ TEST(Plan, SaysWhatNobodyTellsApart) {
   EXPECT_GT(friction.taken_for.front().left, 3.0);
   ASSERT_TRUE(friction.named_at);
   EXPECT_GE(*friction.named_at, *friction.shows_at * 3.0);
+}
+
+const Subject& subject_named(const std::vector<Subject>& list, const std::string& name) {
+  const auto at = std::find_if(list.begin(), list.end(), [&](const Subject& s) { return words(s) == name; });
+  if (at == list.end()) throw std::runtime_error("no " + name);
+  return *at;
+}
+
+// A relaxation of 20 ms is none of those that a fit starts from (around the slowest mode): linear in its size each of
+// them leaves something, and with its parameters fitted nothing is left, whatever they were. The fit ends where a step
+// gains less than 10 % of the squares, so 1 % of the effect is far above its rest.
+TEST(Plan, FitsTheParametersOfARival) {
+  const Rehearsal rehearsal(bench(), over(sines(12.0)));
+  const std::vector<Subject> list = subjects(rehearsal);
+  Rival rival;
+  rival.subject = subject_named(list, "relaxation");
+  rival.strong = rival.subject.placed();
+  rival.directions = directions_of(rehearsal, rival);
+  firmware::PlacedEffect hidden = rival.subject.placed();
+  hidden.values = {2000.0, 0.02};
+  const auto change = rehearsal.change(hidden);
+  ASSERT_TRUE(change);
+  const double whole = rehearsal.significance(*change), linear = left_of(rehearsal, *change, rival.directions);
+  EXPECT_GT(linear, 0.02 * whole);
+  EXPECT_LT(left_when_refitted(rehearsal, *change, rival), 0.01 * whole);
+  // Next to nothing of Coulomb friction looks like it: there nothing is fitted.
+  Rival friction;
+  friction.subject = subject_named(list, "coulomb_friction");
+  friction.strong = friction.subject.placed();
+  friction.directions = directions_of(rehearsal, friction);
+  EXPECT_LE(left_when_refitted(rehearsal, *change, friction), left_of(rehearsal, *change, friction.directions));
+}
+
+// Of a law that could imitate others a name is promised where those leave a rest, and no less than it would have to
+// leave beside them.
+TEST(Plan, PromisesOfAnImitatingLawWhatLeavesARest) {
+  const PlannedEffect& damper = find(bench_plan(), "asymmetric_damper");
+  ASSERT_TRUE(damper.shows_at && damper.named_at);
+  EXPECT_GT(*damper.named_at, *damper.shows_at * 10.0 / 3.0);
+  const Rehearsal rehearsal(bench(), over(sines(12.0)));
+  firmware::PlacedEffect hidden = damper.subject.placed();
+  hidden.values[damper.parameter] = *damper.named_at;
+  EXPECT_TRUE(rehearsal.leaves_a_rest(hidden));
+  hidden.values[damper.parameter] = 0.5 * *damper.shows_at;
+  EXPECT_FALSE(rehearsal.leaves_a_rest(hidden));
 }
 
 // A clearance shows below the travel, a velocity limit below the peak velocity: effects that grow as a value falls.
