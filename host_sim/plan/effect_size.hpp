@@ -47,6 +47,8 @@ class SizeSearch {
   [[nodiscard]] std::optional<Size> with(double significance);
   /// The most significant that was tried.
   [[nodiscard]] const Size& strongest() const { return strongest_; }
+  /// Whether a smaller value is more of the effect: a limit, a clearance.
+  [[nodiscard]] bool falls() const { return direction_ < 0.0; }
   /// The effect too small to act, of one with a corner.
   [[nodiscard]] const std::optional<firmware::PlacedEffect>& absent() const { return absent_effect_; }
   /// The change at a size.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -196,10 +197,25 @@ std::optional<double> with_a_rest(const Rehearsal& rehearsal, const PlannedEffec
   return std::nullopt;
 }
 
+/// Rigs that the description may stand for.
+using Others = std::vector<std::unique_ptr<const Rehearsal>>;
+
+/// The size that is at least as significant in the other rigs, of an effect that grows as its value falls.
+std::optional<double> reached_by(const Others& others, const PlannedEffect& row, const Size& size) {
+  double value = size.value;
+  for (const auto& other : others) {
+    SizeSearch search(*other, row.subject, row.parameter);
+    const auto there = search.with(size.significance);
+    if (!there) return std::nullopt;
+    value = std::min(value, there->value);
+  }
+  return value;
+}
+
 /// The size at which the leading parameter of an effect leaves ten standard deviations beside its nearest rival. As a
 /// rival bends to a larger effect, the size is tried, not extrapolated.
-std::optional<double> named_at(const Rehearsal& rehearsal, const Sized& own, const std::vector<Sized>& all,
-                               const std::vector<ParameterRival>& parameters) {
+std::optional<double> named_at(const Rehearsal& rehearsal, const Others& others, const Sized& own,
+                               const std::vector<Sized>& all, const std::vector<ParameterRival>& parameters) {
   const PlannedEffect& row = own.rows[*own.leading];
   if (!row.shows_at || row.taken_for.empty()) return std::nullopt;
   SizeSearch search(rehearsal, row.subject, row.parameter);
@@ -214,14 +230,16 @@ std::optional<double> named_at(const Rehearsal& rehearsal, const Sized& own, con
     const auto beside = taken_for(separations_of(rehearsal, own, *change, all, parameters));
     left = beside.front().left;
     if (left < thresholds::told_apart * (1.0 - 2.0 * thresholds::size_error)) continue;
-    return row.subject.entry->imitates ? with_a_rest(rehearsal, row, *size, search) : size->value;
+    if (row.subject.entry->imitates) return with_a_rest(rehearsal, row, *size, search);
+    return search.falls() ? reached_by(others, row, *size) : size->value;
   }
   return std::nullopt;
 }
 
 /// Matrix of separations: for each visible effect, the effects that it would be taken for, and from which size it would
 /// be named.
-SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all, const std::function<void()>& one_done) {
+SeparationMatrix separate(const Rehearsal& rehearsal, const Others& others, std::vector<Sized>& all,
+                          const std::function<void()>& one_done) {
   const std::vector<ParameterRival> parameters = parameter_rivals(rehearsal);
   SeparationMatrix matrix;
   std::vector<std::size_t> of_row;
@@ -239,7 +257,7 @@ SeparationMatrix separate(const Rehearsal& rehearsal, std::vector<Sized>& all, c
     const auto columns = separations_of(rehearsal, own, own.rival.directions.front().change, all, parameters);
     for (std::size_t c = 0; c < columns.size(); ++c) matrix.left[row * matrix.columns.size() + c] = columns[c].left;
     effect.taken_for = taken_for(columns);
-    effect.named_at = named_at(rehearsal, own, all, parameters);
+    effect.named_at = named_at(rehearsal, others, own, all, parameters);
     one_done();
   });
   return matrix;
@@ -305,7 +323,7 @@ Plan make_plan(const firmware::RigDescription& description, Setting setting, con
     tell(after_sizes * static_cast<double>(++done) / static_cast<double>(list.size()), "sizes of effects");
   });
   done = 0;
-  plan.separations = separate(rehearsal, sized, [&] {
+  plan.separations = separate(rehearsal, within_tolerances(description, setting), sized, [&] {
     const double share = static_cast<double>(++done) / static_cast<double>(list.size());
     tell(after_sizes + (after_separations - after_sizes) * share, "separations");
   });

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <random>
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
@@ -168,18 +170,22 @@ bool Rehearsal::leaves_a_rest(const firmware::PlacedEffect& hidden) const {
                                  static_cast<std::size_t>(thresholds::rehearsed_diagnosis * description_.sample_rate)));
   firmware::RigDescription with = description_;
   put_effect(with.rig, hidden);
-  std::vector<identification::Record> records;
-  try {
-    records.push_back({run(with, setting, firmware::SimulatedRig::Noise::as_described), identification::Use::shared});
-    for (const Channel channel : setting.without) records.front().recording[channel].clear();
-    identification::PreparedData data = identification::prepare(description_, std::move(records));
-    const Hypothesis given = identification::described_hypothesis(description_, data.recordings);
-    identification::IdentificationProblem problem(std::move(data.recordings), given);
-    const identification::SearchSpace space = identification::search_space(description_, problem.samples(), given);
-    return identification::leaves_a_rest(problem, identification::search(problem, space, {}));
-  } catch (const firmware::InputError&) {  // the rig cannot be driven with it
-    return false;
+  for (int noise = 0; noise < thresholds::rehearsed_noises; ++noise) {
+    ++setting.seed;
+    std::vector<identification::Record> records;
+    try {
+      records.push_back({run(with, setting, firmware::SimulatedRig::Noise::as_described), identification::Use::shared});
+      for (const Channel channel : setting.without) records.front().recording[channel].clear();
+      identification::PreparedData data = identification::prepare(description_, std::move(records));
+      const Hypothesis given = identification::described_hypothesis(description_, data.recordings);
+      identification::IdentificationProblem problem(std::move(data.recordings), given);
+      const identification::SearchSpace space = identification::search_space(description_, problem.samples(), given);
+      if (!identification::leaves_a_rest(problem, identification::search(problem, space, {}))) return false;
+    } catch (const firmware::InputError&) {  // the rig cannot be driven with it
+      return false;
+    }
   }
+  return true;
 }
 
 Change Rehearsal::as_change(const Eigen::VectorXd& whitened) const {
@@ -196,6 +202,28 @@ double Rehearsal::product(const Change& a, const Change& b) const {
 }
 
 double Rehearsal::significance(const Change& d) const { return std::sqrt(std::max(0.0, product(d, d))); }
+
+std::vector<std::unique_ptr<const Rehearsal>> within_tolerances(const firmware::RigDescription& description,
+                                                                const Setting& setting) {
+  const std::vector<FreeParameter> tolerated = identification::tolerated_parameters(description);
+  std::vector<std::unique_ptr<const Rehearsal>> rigs;
+  if (tolerated.empty()) return rigs;
+  std::mt19937 random(static_cast<std::uint32_t>(setting.seed));
+  for (int i = 0; i < thresholds::rigs_within_tolerances; ++i) {
+    Hypothesis moved;
+    moved.rig = description.rig;
+    for (const FreeParameter& parameter : tolerated) {
+      parameter.put(moved, random() % 2 == 0 ? parameter.lower : parameter.upper);
+    }
+    firmware::RigDescription other = description;
+    other.rig = moved.rig;
+    try {
+      rigs.push_back(std::make_unique<const Rehearsal>(other, setting));
+    } catch (const firmware::InputError&) {  // it is stopped, or grows without bound
+    }
+  }
+  return rigs;
+}
 
 std::vector<Channel> unrecorded_channels(const Rehearsal& rehearsal) {
   const auto& recorded = rehearsal.recorded();

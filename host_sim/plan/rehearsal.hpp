@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -80,6 +81,11 @@ class Rehearsal {
   identification::Fit base_;  ///< tolerated parameters, J
   Eigen::LDLT<Eigen::MatrixXd> tolerances_;
 };
+
+/// The experiment on other rigs of the same description, their tolerated parameters at random ends of their tolerances.
+/// Without those that cannot be driven, or all where nothing is tolerated.
+[[nodiscard]] std::vector<std::unique_ptr<const Rehearsal>> within_tolerances(
+    const firmware::RigDescription& description, const Setting& setting);
 
 /// Channels that a model of this rig computes and that its recorder does not write.
 [[nodiscard]] std::vector<model::Channel> unrecorded_channels(const Rehearsal& rehearsal);

@@ -46,8 +46,13 @@ inline constexpr int promise_trials = 4;
 /// which leaves as much luck as told_apart does: 10/6.3.
 inline constexpr double promise_step = 1.6;
 inline constexpr int promise_steps = 5;
+/// In so many recordings with other noise it must leave a rest: near its limit a test of a rest is luck.
+inline constexpr int rehearsed_noises = 2;
 /// [s] of the road that diagnose is rehearsed on at most; a longer one shows smaller sizes. Twice: twice the time.
 inline constexpr double rehearsed_diagnosis = 32.0;
+/// What only the largest deflections reach, a limit or a clearance, is promised where so many rigs at random ends of
+/// their tolerances reach it, too. Half: a rig in three misses it, if one parameter decides. Twice: twice the time.
+inline constexpr int rigs_within_tolerances = 4;
 
 /// [1] Half width of the relative 95 % interval from which a parameter counts as open: ± half of its value. Half and
 /// twice: other words for the same interval, which stands beside them.

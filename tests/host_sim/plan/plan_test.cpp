@@ -164,6 +164,28 @@ TEST(Plan, PromisesOfAnImitatingLawWhatLeavesARest) {
   EXPECT_FALSE(rehearsal.leaves_a_rest(hidden));
 }
 
+// A limit that only the highest peak reaches is promised where rigs within the tolerances reach it. On a bench the
+// deflection is what the command says; a car moves as its tolerances let it.
+TEST(Plan, PromisesALimitWithinTheTolerances) {
+  const auto limit_of = [](const std::string& tolerance) {
+    firmware::RigDescription rig = car();
+    if (!tolerance.empty()) rig.tolerance["suspension.damping"] = 0.2;
+    Setting setting = over(sines(8.0, 0.5));
+    const Rehearsal rehearsal(rig, setting);
+    const std::vector<Subject> list = subjects(rehearsal);
+    const Subject& limit = subject_named(list, "sensor_saturation of dz_b");
+    SizeSearch search(rehearsal, limit, 0);
+    EXPECT_TRUE(search.falls());
+    double least = search.with(10.0).value().value;
+    for (const auto& other : within_tolerances(rig, setting)) {
+      least = std::min(least, SizeSearch(*other, limit, 0).with(10.0).value().value);
+    }
+    return least;
+  };
+  EXPECT_LT(limit_of("damping"), 0.99 * limit_of(""));
+  EXPECT_TRUE(within_tolerances(car(), over(sines(8.0, 0.5))).empty());
+}
+
 // A clearance shows below the travel, a velocity limit below the peak velocity: effects that grow as a value falls.
 TEST(Plan, FindsSizesThatFall) {
   const PlannedEffect& stop = find(bench_plan(), "bump_stop");
