@@ -250,7 +250,8 @@ void expect_finite(const nlohmann::ordered_json& json) {
 }
 
 TEST(Plan, WritesFiniteNumbersAndAPage) {
-  const nlohmann::ordered_json json = to_json(bench_plan());
+  const Plan plan = make_plan(bench(), over(sines(6.0)));
+  const nlohmann::ordered_json json = to_json(plan);
   expect_finite(json);
   for (const char* key : {"effects", "parameters", "undetermined", "advice"}) EXPECT_TRUE(json.contains(key)) << key;
   for (const auto& effect : json["effects"]) {
@@ -258,7 +259,7 @@ TEST(Plan, WritesFiniteNumbersAndAPage) {
     EXPECT_TRUE(effect.contains("shows_at") || effect.contains("why")) << effect;
   }
   for (const auto& parameter : json["parameters"]) EXPECT_LE(parameter["determined_to"].get<double>(), 1.3);
-  const std::string page = report_html(bench_plan(), bench(), "four sines");
+  const std::string page = report_html(plan, bench(), "four sines");
   EXPECT_NE(page.find("What would help most"), std::string::npos);
   EXPECT_NE(page.find("What would be taken for what"), std::string::npos);
 }
