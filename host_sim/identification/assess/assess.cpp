@@ -155,7 +155,8 @@ Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
   return close ? Verdict::ambiguous : Verdict::named;
 }
 
-/// Parameters that are off: rated as an effect is.
+/// Parameters that are off: rated as an effect is. One that is described without a tolerance is fitted, and not off
+/// where it is as described but for the rounding of a number.
 std::vector<ParameterOff> parameters_off(const firmware::RigDescription& description, const SearchResult& found,
                                          const std::map<std::string, Interval>& parameters,
                                          const Certainty& certainty) {
@@ -170,6 +171,10 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
                      parameters.at(suspect.path),
                      0.0,
                      {}};
+    if (off.tolerance == 0.0 &&
+        std::abs(off.value.value - off.described) <= thresholds::rounding * std::abs(off.described)) {
+      continue;
+    }
     std::vector<double> odds;
     for (const Rival& rival : suspect.rivals) {
       odds.push_back(std::exp(
@@ -275,7 +280,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   for (const auto& faults : {noise_faults(problem), lost_samples(problem, after)}) {
     result.recording_faults.insert(result.recording_faults.end(), faults.begin(), faults.end());
   }
-  add_failed_relations(result);
+  if (found.freed.empty()) add_failed_relations(result);  // they hold with the parameters as described
   result.verdict = verdict_of(result, explained, close);
 
   locate(whole, found, !car.effects.empty(), result);

@@ -38,6 +38,26 @@ Diagnosis diagnosis_of(const truth::Truth& truth) {
         host_sim::identification::Use::shared}});
 }
 
+// Point. Without a tolerance a described value is exact to its rounding: a spring 0.3 % stiffer is fitted, and as
+// described though 2 N of noise show it; one 1 % stiffer is off.
+TEST(SuspectParameters, AnswerBeyondTheRoundingOfADescription) {
+  for (const double share : {0.003, 0.01}) {
+    truth::Truth truth = short_truth("none:component_bench", 21);
+    truth.tolerance.clear();
+    truth.actual = truth.nominal;
+    truth.noise["F"] = 2.0;
+    truth.actual["suspension.stiffness"] = (1.0 + share) * truth.nominal["suspension.stiffness"];
+    const Diagnosis found = diagnosis_of(truth);
+    EXPECT_TRUE(found.effects.empty()) << host_sim::identification::sentence(found);
+    EXPECT_FALSE(found.unexplained) << share << host_sim::identification::sentence(found);
+    EXPECT_EQ(found.parameters_off.empty(), share < 0.005) << host_sim::identification::sentence(found);
+    const auto fitted = found.parameters.find("suspension.stiffness");
+    ASSERT_NE(fitted, found.parameters.end());
+    EXPECT_LE(fitted->second.lower, truth.actual["suspension.stiffness"]);
+    EXPECT_GE(fitted->second.upper, truth.actual["suspension.stiffness"]);
+  }
+}
+
 // A car whose body is 10 kg lighter than described, without any tolerance: the mass is the answer, with its value, and
 // no effect is dressed up. Tolerance of the value: four times its own interval, which the noise makes.
 TEST(SuspectParameters, NameAMassThatIsNotAsDescribed) {
