@@ -106,9 +106,7 @@ double SizeSearch::direction_at(double middle) const {
   const auto at = [&](double factor) { return change(value_at(middle + std::log(factor))); };
   const auto half = at(0.5), whole = at(1.0), twice = at(2.0);
   if (!whole) return 1.0;
-  const auto between = [&](const Change& a, const Change& b) {
-    return rehearsal_.significance({a.whitened - b.whitened, a.tolerated - b.tolerated});
-  };
+  const auto between = [&](const Change& a, const Change& b) { return rehearsal_.significance(difference(a, b)); };
   if (half && twice) return between(*twice, *whole) >= between(*whole, *half) ? 1.0 : -1.0;
   // Next to a rig that the model refuses: the described rig has none of the effect.
   if (twice) return rehearsal_.significance(*twice) >= rehearsal_.significance(*whole) ? 1.0 : -1.0;

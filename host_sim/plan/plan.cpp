@@ -132,7 +132,7 @@ bool is_taken_for(const firmware::CatalogueEntry& effect, const firmware::Catalo
   return other.contains != effect.name && (effect.imitates || !other.imitates);
 }
 
-/// What is left of an effect beside one column of the matrix.
+/// One entry of the matrix: a rival, and what is left of the effect with it.
 struct Separation {
   std::string name;
   double left;
@@ -140,8 +140,7 @@ struct Separation {
   bool is_rival = true;
 };
 
-/// What a change of one effect would be taken for, column after column. The parameters of its nearest rivals are
-/// fitted.
+/// One row of the matrix, for a change that an effect makes. The parameters of its nearest rivals are fitted.
 std::vector<Separation> separations_of(const Rehearsal& rehearsal, const Sized& own, const Change& change,
                                        const std::vector<Sized>& all, const std::vector<ParameterRival>& parameters) {
   const double whole = own.growth * rehearsal.significance(change);

@@ -27,6 +27,11 @@ struct Change {
   Eigen::VectorXd tolerated;  ///< Jᵀd, J: columns of the tolerated parameters
 };
 
+/// What a changes more than b.
+[[nodiscard]] inline Change difference(const Change& a, const Change& b) {
+  return {a.whitened - b.whitened, a.tolerated - b.tolerated};
+}
+
 /// The described rig, driven through its firmware and diagnosed' way of looking at recordings: prepare/, predict/ and
 /// noise/ of identification, three quarters of the recording fitted.
 ///

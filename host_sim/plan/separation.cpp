@@ -15,8 +15,6 @@ bool either_sign(const Subject& subject) {
                      [](const model::EffectParameter& p) { return p.lower < 0.0; });
 }
 
-Change difference(const Change& a, const Change& b) { return {a.whitened - b.whitened, a.tolerated - b.tolerated}; }
-
 /// Squared (1) of one direction.
 double squared_left(const Rehearsal& rehearsal, const Change& a, const Direction& b) {
   const double whole = rehearsal.product(a, a);

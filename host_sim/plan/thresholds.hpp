@@ -50,8 +50,8 @@ inline constexpr int promise_steps = 5;
 inline constexpr int rehearsed_noises = 2;
 /// [s] of the road that diagnose is rehearsed on at most; a longer one shows smaller sizes. Twice: twice the time.
 inline constexpr double rehearsed_diagnosis = 32.0;
-/// What only the largest deflections reach, a limit or a clearance, is promised where so many rigs at random ends of
-/// their tolerances reach it, too. Half: a rig in three misses it, if one parameter decides. Twice: twice the time.
+/// Number of rigs, at random ends of their tolerances, that must reach a limit or a clearance, too, before it is
+/// promised. Half: a rig in three misses it, if one parameter decides. Twice: twice the time.
 inline constexpr int rigs_within_tolerances = 4;
 
 /// [1] Half width of the relative 95 % interval from which a parameter counts as open: ± half of its value. Half and
