@@ -30,6 +30,11 @@ template <class S>
 [[nodiscard]] RIGTWIN_INLINE std::array<S, 3> newest_three(const Recent<S>& load) {
   return {load.earlier, load.before, load.now};
 }
+/// The newest as if it were `more` larger.
+template <class S>
+[[nodiscard]] RIGTWIN_INLINE std::array<S, 3> newest_three(const Recent<S>& load, S more) {
+  return {load.earlier, load.before, load.now + more};
+}
 template <class S>
 [[nodiscard]] RIGTWIN_INLINE std::array<S, 4> newest_four(const Recent<S>& load) {
   return {load.earliest, load.earlier, load.before, load.now};

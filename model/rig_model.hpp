@@ -143,7 +143,8 @@ class RigModel {
     Stroke<S> delayed{};  ///< x_cmd behind the delay
     typename Machine<S>::State machine = Machine<S>::State::Zero();
     [[no_unique_address]] UnlessCarAlone<History> history{};
-    Recent<S> free_play{}, free_play_rate{};                                     ///< δ [m], δ̇ [m/s]
+    Recent<S> free_play{}, free_play_rate{};  ///< δ [m], δ̇ [m/s]
+    S free_play_jump{}, load_jump{};  ///< [m/s], [N] added to the newest δ̇ and load where they drive: jump_share()
     [[no_unique_address]] UnlessCarAlone<StrokeAcceleration<S>> acceleration{};  ///< ẍ_act, with a moving mass only
     [[no_unique_address]] IfSensors<typename Sensors<S>::State> sensors{};
     std::uint32_t steps = 0;
@@ -368,6 +369,13 @@ class RigModel {
     const S half = S(0.5) * equations_.suspension().free_play;
     const S taken = x.free_play.now;
     return taken < half && taken > -half;
+  }
+  [[nodiscard]] S jump_share(const State& x, const Stroke<S>& inner) const;
+  static void push_jumping(Recent<S>& samples, S& jump, S value, S share) {
+    const S next_jump = share * (samples.now - value);
+    samples.now += jump;
+    samples.push(value);
+    jump = next_jump;
   }
   template <int N>
   [[nodiscard]] RIGTWIN_INLINE static std::array<S, static_cast<std::size_t>(N)> entries(

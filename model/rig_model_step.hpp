@@ -302,11 +302,11 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_joined(const Join
                                                                       const Input& in) const {
   Packed<S, N> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
   m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
-  if (General && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load));
+  if (General && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load, x.load_jump));
   if (General && has_tyre_law_) m.tyre.add_to(next, newest_three(x.tyre_load));
   if (General && (has_free_play_ || lever_joined())) {
     m.free_play[0].add_to(next, newest_three(x.free_play));
-    m.free_play[1].add_to(next, newest_three(x.free_play_rate));
+    m.free_play[1].add_to(next, newest_three(x.free_play_rate, x.free_play_jump));
   }
   if (equations_.has_fdva()) m.losses.add_to(next, newest_four(x.ducts.losses()));
   next = next + m.state.times(entries<N>(x.core, CoreIndex::wheel_position));
@@ -547,10 +547,10 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_component(const C
     c = c + m.stroke.times(driven_by(x.reached, reached));
   }
   if (General && equations_.has_mount()) {  // laws and free play act on e, which is free
-    if (has_suspension_law_) m.laws.add_to(c, newest_three(x.suspension_load));
+    if (has_suspension_law_) m.laws.add_to(c, newest_three(x.suspension_load, x.load_jump));
     if (has_free_play_) {
       m.free_play[0].add_to(c, newest_three(x.free_play));
-      m.free_play[1].add_to(c, newest_three(x.free_play_rate));
+      m.free_play[1].add_to(c, newest_three(x.free_play_rate, x.free_play_jump));
     }
   }
   if (General && (contacts_.any() || law_forces())) {
@@ -625,6 +625,25 @@ Stroke<S> RigModel<S, D, variant, capacity>::offset(const Stroke<S>& inner) cons
           select(above || below, S(0), S(-inner.velocity))};
 }
 
+/// Where the play begins or ends inside a step, at the share θ of it, δ̇ and the laws of the component jump from a to b.
+/// A sample counts with a whole period, so that the samples at both ends of the step hold as much as a jump at θ = ½:
+///
+///   θ a + (1 − θ) b = (a + b)/2 + (θ − ½)(a − b),   1 − θ = |(|e| − g/2)/(ė h)|
+///
+/// The last term, added to the newest sample, makes the impulse of a knock right to second order. Returns θ − ½, and 0
+/// where the play neither begins nor ends.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+S RigModel<S, D, variant, capacity>::jump_share(const State& x, const Stroke<S>& inner) const {
+  const S half = S(0.5) * equations_.suspension().free_play;
+  const S distance = absolute(inner.position);
+  const auto outside = distance > half;
+  const S was = select(inside_free_play(x), S(1), S(0)), is = select(outside, S(0), S(1));
+  const S beyond = absolute(distance - half), moved = absolute(inner.velocity * period_);
+  const auto in_this_step = beyond < moved;
+  const S since = select(in_this_step, beyond / select(in_this_step, moved, S(1)), S(1));  // 1 − θ
+  return absolute(is - was) * (S(0.5) - since);
+}
+
 /// e and ė: behind the top mount, before the free play.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 Stroke<S> RigModel<S, D, variant, capacity>::inner_stroke(const State& x) const {
@@ -677,6 +696,7 @@ void RigModel<S, D, variant, capacity>::refresh_laws(State& x) const {
   if (has_tyre_law_ && joined()) x.tyre_load.push(tyre_law(x));
   if (has_suspension_law_ || has_free_play_) {
     Stroke<S> seen = inner_stroke(x);
+    S knock = S(0);  // θ − ½ of jump_share()
     if (lever_joined()) {
       const Stroke<S> travel = component_stroke(seen);
       x.free_play.push(travel.position - seen.position);
@@ -684,8 +704,9 @@ void RigModel<S, D, variant, capacity>::refresh_laws(State& x) const {
       seen = travel;
     } else if (has_free_play_) {
       const Stroke<S> taken = offset(seen);
+      knock = jump_share(x, seen);
       x.free_play.push(taken.position);
-      x.free_play_rate.push(taken.velocity);
+      push_jumping(x.free_play_rate, x.free_play_jump, taken.velocity, knock);
       seen = {seen.position + taken.position, seen.velocity + taken.velocity};
     }
     if (has_suspension_law_) {
@@ -697,7 +718,7 @@ void RigModel<S, D, variant, capacity>::refresh_laws(State& x) const {
       S load = suspension_law(seen) + history;
       if (has_air_spring()) load += air;
       if (lever_joined()) load += lever_law(x, load);
-      x.suspension_load.push(load);
+      push_jumping(x.suspension_load, x.load_jump, load, knock);
     }
   }
   if (law_forces()) finish_laws(x, false);

@@ -30,7 +30,9 @@ struct GaussNewtonOptions {
 ///   (2)  predicted fall of χ² = |r|²:  −2 gᵀd − dᵀH d
 ///   (3)  u ← u + s d with the first s = 1, 0.35, 0.35² … 0.35⁴ for which χ² falls
 ///   (4)  J is found anew where χ² fell by less than 70 % of (2), else kept
-///   (5)  a step that had to be shortened halves the trust region
+///   (5)  a step that had to be shortened halves the trust region; where no share of a step with a new J is better, the
+///        trust region shrinks to a fifth of it, down to its smallest, before the fit ends. One direction along which
+///        the slope says nothing (a state at the start while friction sticks) would end it for all others
 ///
 /// A Problem has
 ///
@@ -46,10 +48,10 @@ struct GaussNewtonOptions {
 /// with Newton's Method, 2003.
 template <class Problem>
 void gauss_newton(Problem& problem, const GaussNewtonOptions& options) {
-  constexpr int most_attempts = 5;         // of (3): the shortest step is 0.35⁴ = 1.5 % of d
-  constexpr double shorter = 0.35;         // (3)
-  constexpr double keeps_promise = 0.7;    // (4)
-  constexpr double smallest_trust = 0.05;  // (5)
+  constexpr int most_attempts = 5;                             // of (3): the shortest step is 0.35⁴ = 1.5 % of d
+  constexpr double shorter = 0.35;                             // (3)
+  constexpr double keeps_promise = 0.7;                        // (4)
+  constexpr double smallest_trust = 0.05, much_smaller = 0.2;  // (5)
   double trust = 1.0;
   int age = -1;  // steps for which J has been kept; −1: it is to be found
   for (int step = 0; step < options.most_steps; ++step) {
@@ -82,7 +84,12 @@ void gauss_newton(Problem& problem, const GaussNewtonOptions& options) {
       if (gained < keeps_promise * promised) age = -1;
       continue;
     }
-    if (!kept) return;
+    if (!kept) {
+      if (better || promised <= 0.1 * enough || trust <= smallest_trust) return;
+      trust = std::max(smallest_trust, much_smaller * trust);
+      age = 0;
+      continue;
+    }
     age = -1;  // with a kept Jacobian the fit ends where that Jacobian is right, which need not be the minimum
   }
 }

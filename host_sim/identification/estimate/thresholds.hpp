@@ -29,6 +29,15 @@ inline constexpr double least_share_of_value = 1e-3;
 /// says.
 inline constexpr double parameter_range = 3.0;
 
+// Lower minima beside a fit (lower_minimum.hpp) -----------------------------------------------------------------------
+
+/// Rounds of four tries, and steps of each. Half of the rounds: of a rig with free play (rough:no_road:2026122902) the
+/// minimum is missed. Twice: twice the time.
+inline constexpr int lower_rounds = 6, lower_steps = 6;
+/// [χ²] Where all tries of a round end as near, the valley is smooth and there is nothing to be found. Derivation: a
+/// smooth valley is found again to 0.01; a residual that jumps is worth tens.
+inline constexpr double smooth_valley = 1.0;
+
 // Faults of the recording (predict/recording_faults.hpp) --------------------------------------------------------------
 
 /// [s], [1] Scales of a clock's offset and rate, of which a fit moves as far in its first step: 2 ms are a phase of 1

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
@@ -63,10 +64,11 @@ bool IdentificationProblem::has_held_out() const {
 }
 
 bool IdentificationProblem::update_input_noise(const Hypothesis& hypothesis) {
+  const bool knocks = update_knocks(hypothesis);
   const bool channels = update_channel_noise(hypothesis);
   if (!samples_->front().input_noise.any()) {
     if (channels) whiten();
-    return channels;
+    return channels || knocks;
   }
   for_all(recordings_.size(), [&](std::size_t i) {
     // Over the whole window, not a truncated one: the covariance is the same, and better known.
@@ -116,6 +118,67 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
     }
   });
   return changed;
+}
+
+namespace {
+
+bool has_free_play(const model::RigParameters<double>& rig) {
+  bool has = false;
+  rig.effects.for_each(
+      [&has](const auto& slot) { has = has || (slot.active && slot.effect.card.corner == model::Corner::free_play); });
+  return has;
+}
+
+/// Behind a lag or a filter a jump is a slope over several samples, which says when it began.
+bool is_behind_low_pass(const Hypothesis& hypothesis, Channel channel) {
+  return hypothesis.rig.effects.sensor_paths()[index(channel)].lag > 0.0 ||
+         std::any_of(hypothesis.faults.begin(), hypothesis.faults.end(), [channel](const PlacedFault& fault) {
+           return fault.kind == FaultKind::common_filter && fault.is_of(channel);
+         });
+}
+
+/// Samples on both sides of the steps (1) of what is read, `step` apart.
+std::vector<std::size_t> knocks_in(const std::vector<double>& read, std::size_t step, double limit) {
+  std::vector<std::size_t> knocks;
+  const auto rise = [&](std::size_t k) { return read[(k + 1) * step] - read[k * step]; };
+  const std::size_t count = read.size() / step;
+  for (std::size_t k = 1; k + 2 < count; ++k) {
+    if (std::abs(rise(k) - 0.5 * (rise(k - 1) + rise(k + 1))) <= limit) continue;
+    if (knocks.empty() || knocks.back() != k * step) knocks.push_back(k * step);
+    knocks.push_back((k + 1) * step);
+  }
+  return knocks;
+}
+
+}  // namespace
+
+bool IdentificationProblem::update_knocks(const Hypothesis& hypothesis) {
+  const auto marked = [](const PreparedRecording& r) {
+    return std::any_of(r.knocks.begin(), r.knocks.end(), [](const auto& knocks) { return !knocks.empty(); });
+  };
+  const bool had = std::any_of(samples_->begin(), samples_->end(), marked), has = has_free_play(hypothesis.rig);
+  if (!had && !has) return false;
+  std::vector<PreparedRecording> samples = *samples_;
+  for_all(samples.size(), [&](std::size_t i) {
+    PreparedRecording& r = samples[i];
+    Response read;
+    if (has) read = read_channels(hypothesis, r, r.input, hypothesis.starts[i], 0, recordings_[i].resolution());
+    for (const Channel channel : r.channels) {
+      const auto c = index(channel);
+      for (const std::size_t k : r.knocks[c]) r.clipped[c][k] = false;
+      r.knocks[c].clear();
+      const double limit = thresholds::knock * recordings_[i].noise[c].level;
+      if (!has || !(limit > 0.0) || is_behind_low_pass(hypothesis, channel)) continue;
+      r.clipped[c].resize(r.size(), false);
+      for (const std::size_t k : knocks_in(read[c], r.step, limit)) {
+        if (r.clipped[c][k]) continue;
+        r.clipped[c][k] = true;
+        r.knocks[c].push_back(k);
+      }
+    }
+  });
+  replace_samples(std::move(samples));
+  return true;
 }
 
 IdentificationProblem IdentificationProblem::with_all_fitted() const {
@@ -187,6 +250,7 @@ void IdentificationProblem::leave_out(std::size_t recording, Window left_out) {
     clipped.resize(r.size(), false);
     std::fill(clipped.begin() + static_cast<std::ptrdiff_t>(left_out.from),
               clipped.begin() + static_cast<std::ptrdiff_t>(std::min(left_out.to, r.size())), true);
+    std::erase_if(r.knocks[index(channel)], [&](std::size_t k) { return k >= left_out.from && k < left_out.to; });
   }
   replace_samples(std::move(samples));
 }

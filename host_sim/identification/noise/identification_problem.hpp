@@ -44,8 +44,15 @@ class IdentificationProblem {
   [[nodiscard]] bool has_held_out() const;
 
   /// Weights residuals anew for what a hypothesis makes of the input's noise, and for the noise of channels that their
-  /// own samples did not tell from motion: what the hypothesis leaves of them (sensor_noise.hpp). false: nothing
-  /// changed.
+  /// own samples did not tell from motion: what the hypothesis leaves of them (sensor_noise.hpp). Where it has free
+  /// play, samples at its knocks are left out: a force that jumps by a hundred times the noise shows either side of the
+  /// jump, by a few microseconds which the noise of the input alone decides. These are the samples of a channel on both
+  /// sides of a step of what is read,
+  ///
+  ///   (1)  |Δ_k − (Δ_{k−1} + Δ_{k+1})/2| > thresholds::knock · σ,   Δ_k = y_{k+1} − y_k
+  ///
+  /// but not behind a lag or a filter, which make a slope over several samples of the jump.
+  /// false: nothing changed.
   bool update_input_noise(const Hypothesis& hypothesis);
   /// The same noises as another problem on these samples.
   void take_input_noise(const IdentificationProblem& other);
@@ -81,6 +88,7 @@ class IdentificationProblem {
   void replace_samples(std::vector<PreparedRecording> samples);
   [[nodiscard]] IdentificationProblem of(std::vector<PreparedRecording> samples) const;
   bool update_channel_noise(const Hypothesis& hypothesis);
+  bool update_knocks(const Hypothesis& hypothesis);
   void whiten();
 
   std::shared_ptr<const std::vector<PreparedRecording>> samples_;

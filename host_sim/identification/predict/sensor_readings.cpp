@@ -68,18 +68,24 @@ void add_acceleration(const PreparedRecording& recording, const SimulationInput&
   for (std::size_t k = 0; k < count; ++k) acceleration[k] = input.motion[k].acceleration;
 }
 
-/// F_w on a prescribed wheel. Its motion between samples is a cubic, at whose end a vibration of ω has (ωh)²/12 more
-/// acceleration than at the sample: m_w z̈_w is taken from there. Before the first sample there is no cubic.
+/// What is simulated: all that a rig answers, and of a wheel that is prescribed also how its simulation accelerates.
+std::vector<Channel> simulated_channels(const Rig& rig, const SimulationInput& input) {
+  std::vector<Channel> channels = response_channels(rig.kind, input);
+  if (input.wheel_prescribed) channels.push_back(Channel::zdd_w);
+  return channels;
+}
+
+/// F_w on a prescribed wheel: what the stiff tyre of the simulation carries, less what it takes to move the simulated
+/// wheel, leaves the forces on the wheel, and m_w z̈_w of the measured one is added. Without that F_w would hold how the
+/// tyre catches up with a wheel that moves as a cubic between samples, or that a knock has hit.
 void correct_wheel_load(const Rig& rig, const SimulationInput& input, Response& response) {
   if (!input.wheel_prescribed) return;
-  const double h = input.period;
+  std::vector<double>& simulated = response[index(Channel::zdd_w)];
   auto& load = response[index(Channel::F_w)];
-  for (std::size_t k = 1; k < load.size(); ++k) {
-    const auto& from = input.motion[k - 1];
-    const auto& to = input.motion[k];
-    const double at_end = (6.0 * (from.position - to.position) / h + 2.0 * from.velocity + 4.0 * to.velocity) / h;
-    load[k] += rig.wheel.mass * (to.acceleration - at_end);
+  for (std::size_t k = 0; k < load.size(); ++k) {
+    load[k] += rig.wheel.mass * (input.motion[k].acceleration - simulated[k]);
   }
+  simulated.clear();
 }
 
 /// What a simulation leaves to be done.
@@ -133,7 +139,7 @@ Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& re
   if (is_no_rig(bare, hypothesis.faults, input.period)) return no_answer(recording, input, samples);
   const RigVariation variation = variation_of(bare, hypothesis.faults, recording, input.period);
   const int steps = steps_of(bare, input.period, resolution);
-  Response response = simulate(bare, input, start, samples, steps, variation);
+  Response response = simulate(bare, input, start, samples, steps, simulated_channels(bare, input), variation);
   if (recording.machine) {
     const Rig rig = moved_by(bare, *recording.machine);
     const RigVariation moved = moved_by(variation, *recording.machine);
@@ -154,8 +160,8 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
     before[i] = true_input(*rigs[i].hypothesis, recording, *rigs[i].input, *rigs[i].start);
     if (before[i]) driven[i] = {rigs[i].hypothesis, &before[i]->start, &before[i]->input};
   }
-  std::vector<Channel> channels = response_channels(rigs.front().hypothesis->rig.kind, *rigs.front().input);
-  std::erase_if(channels, [&](Channel channel) { return !recording.explains(channel); });
+  std::vector<Channel> channels = simulated_channels(rigs.front().hypothesis->rig, *rigs.front().input);
+  std::erase_if(channels, [&](Channel channel) { return !recording.explains(channel) && channel != Channel::zdd_w; });
   std::vector<Rig> bare;
   std::vector<RigVariation> variations;
   std::vector<int> steps;  // 0: no rig

@@ -51,7 +51,9 @@ struct PreparedRecording {
   std::optional<NoiseColour> expected_colour{};                              ///< of the recorder: noise_spectrum.hpp
   /// How much louder the noise is than declared; nullopt: not known. Of all channels with samples, inputs too.
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
-  std::array<std::vector<bool>, model::channel_count> clipped{};         ///< samples not to be used; empty: none
+  std::array<std::vector<bool>, model::channel_count> clipped{};  ///< samples not to be used; empty: none
+  /// Of those, samples at the knocks of the present hypothesis (noise/identification_problem.hpp).
+  std::array<std::vector<std::size_t>, model::channel_count> knocks{};
   std::array<Outliers, model::channel_count> outliers{};                 ///< mended and not used; inputs too
   std::array<double, model::channel_count> rounding{};                   ///< step [SI] that makes noise louder; 0: none
   std::array<std::optional<Renewals>, model::channel_count> renewals{};  ///< of held channels

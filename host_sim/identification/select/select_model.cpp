@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host_sim/identification/estimate/left_by_fit.hpp"
+#include "host_sim/identification/estimate/lower_minimum.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
@@ -32,6 +33,7 @@ bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, c
   if (worth_comparing > 0.0 && leaves_more(problem, found, worth_comparing)) return false;
   compare(problem, space, options, found);
   compare_parameters(problem, space, progress, found);
+  found.simulations += find_lower_minimum(problem, found.best.fit);
   found.constancy = law_constancy(problem, found);
   return true;
 }
@@ -121,6 +123,7 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
     if (far && !replaced) compare(problem, space, options, found);
   }
   if (found.freed.empty()) compare_parameters(problem, space, progress, found);
+  found.simulations += find_lower_minimum(problem, found.best.fit);
   found.constancy = law_constancy(problem, found);
   const bool rest = leaves_a_rest(problem, found);
   if (!rest && !may_be_one_law(found)) return found;

@@ -61,6 +61,41 @@ TEST(GaussNewton, StopsAtABound) {
   EXPECT_NEAR(problem.chi_squared(), 0.25, 1e-8);
 }
 
+/// r = (1 − u, 0.01 − 0.001 v + 5000 v²): the slope along v says nothing of what a step along it does.
+struct Deceptive {
+  Eigen::Vector2d u = Eigen::Vector2d::Zero(), tried{};
+  Eigen::Matrix2d jacobian{};
+
+  static Eigen::Vector2d residual(const Eigen::Vector2d& x) {
+    return {1.0 - x(0), 0.01 - 0.001 * x(1) + 5000.0 * x(1) * x(1)};
+  }
+  bool find_jacobian() {
+    jacobian << -1.0, 0.0, 0.0, -0.001 + 10000.0 * u(1);
+    return true;
+  }
+  [[nodiscard]] NormalEquations normal_equations() const {
+    return {jacobian.transpose() * jacobian, jacobian.transpose() * residual(u)};
+  }
+  [[nodiscard]] StepBox box(double trust) const {
+    return {Eigen::Vector2d::Constant(-trust), Eigen::Vector2d::Constant(trust)};
+  }
+  [[nodiscard]] double chi_squared() const { return residual(u).squaredNorm(); }
+  std::optional<double> try_step(const Eigen::VectorXd& d) {
+    tried = u + d;
+    return residual(tried).squaredNorm();
+  }
+  void accept() { u = tried; }
+};
+
+// Law. One direction whose steps are all too long does not end the fit: in a smaller box the others go on. Even 1.5 %
+// of the first step, 0.015 along v, is worth 1.2, more than the 0.03 that it gains along u.
+TEST(GaussNewton, GoesOnInASmallerBox) {
+  Deceptive problem;
+  gauss_newton(problem, {.most_steps = 60, .enough = 1e-9, .enough_relative = 1e-9});
+  EXPECT_NEAR(problem.u(0), 1.0, 1e-3);
+  EXPECT_LT(problem.chi_squared(), 2e-4) << "0.01 squared and a little";
+}
+
 /// A line: r = A u − b. Its Jacobian is the same everywhere.
 struct Line {
   Eigen::Vector2d u = Eigen::Vector2d::Zero(), tried{};

@@ -55,6 +55,49 @@ double quarter_car_signal(const Rig& rig, Channel channel, const model::Column<d
   return model.signals(model.start(core, {}, {}))[index(channel)];
 }
 
+/// A quarter car with free play and quadratic damping on a road of 2 Hz, with steps of `h`: the largest error of z_b in
+/// 4 s [m], against Runge–Kutta steps of 2 µs of the equations of physics.md.
+double error_with_knocks(double gap, double quadratic, double h) {
+  constexpr double omega = 4.0 * std::numbers::pi, amplitude = 0.02, duration = 4.0, fine = 2e-6;
+  Rig rig = plain(RigKind::quarter_car);
+  rig.effects.add(model::Backlash<double>{gap});
+  if (quadratic > 0.0) rig.effects.add(model::QuadraticDamping<double>{quadratic});
+  const Model model(rig, h);
+  auto state = model.start();
+  using Four = std::array<double, 4>;  // z_w, v_w, z_b, v_b
+  const auto rates = [&](double t, const Four& x) {
+    const double e = x[0] - x[2], v = x[1] - x[3];
+    const double seen = e > 0.5 * gap ? e - 0.5 * gap : e + 0.5 * gap;
+    const bool touches = std::abs(e) > 0.5 * gap;
+    const double force =
+        touches ? rig.suspension.stiffness * seen + rig.suspension.damping * v + quadratic * v * std::abs(v) : 0.0;
+    const double road = amplitude * (1.0 - std::cos(omega * t)), rise = amplitude * omega * std::sin(omega * t);
+    const double tyre = rig.tyre.stiffness * (road - x[0]) + rig.tyre.damping * (rise - x[1]);
+    return Four{x[1], (tyre - force) / rig.wheel.mass, x[3], force / rig.body.mass};
+  };
+  const auto moved = [](const Four& x, const Four& rate, double by) {
+    Four sum = x;
+    for (std::size_t i = 0; i < 4; ++i) sum[i] += by * rate[i];
+    return sum;
+  };
+  Four x{};
+  double t = 0.0, most = 0.0;
+  for (std::size_t k = 1; h * static_cast<double>(k) < duration; ++k) {
+    const auto inside = static_cast<std::size_t>(std::lround(h / fine));
+    for (std::size_t i = 0; i < inside; ++i, t += fine) {
+      const Four a = rates(t, x), b = rates(t + 0.5 * fine, moved(x, a, 0.5 * fine)),
+                 c = rates(t + 0.5 * fine, moved(x, b, 0.5 * fine)), d = rates(t + fine, moved(x, c, fine));
+      for (std::size_t j = 0; j < 4; ++j) x[j] += fine / 6.0 * (a[j] + 2.0 * b[j] + 2.0 * c[j] + d[j]);
+    }
+    const double at = h * static_cast<double>(k);
+    const model::Motion<double> road{amplitude * (1.0 - std::cos(omega * at)), amplitude * omega * std::sin(omega * at),
+                                     amplitude * omega * omega * std::cos(omega * at)};
+    model.step(state, {.foot_point = road});
+    most = std::max(most, std::abs(model.signals(state)[index(Channel::z_b)] - x[2]));
+  }
+  return most;
+}
+
 // Forces here are some hundred newtons of order-one sums: 1e-9 is ten thousand roundings.
 constexpr double rounding = 1e-9;
 
@@ -91,6 +134,16 @@ TEST(Backlash, TakesHalfTheGapFromTheDeflection) {
   EXPECT_EQ(bench_force(rig, 0.0005, 0.3), 0.0);
   EXPECT_NEAR(bench_force(rig, 0.011, 0.3), 30e3 * 0.010 + 1000.0 * 0.3, rounding);
   EXPECT_NEAR(bench_force(rig, -0.011, 0.3), -30e3 * 0.010 + 1000.0 * 0.3, rounding);
+}
+
+// Order 2. A knock ends and begins inside a step. With the impulse right to second order the error falls by 16 from
+// 1 ms to 0.25 ms, and by 4 if it were right to first order only; eight lies between.
+TEST(Backlash, IsSteppedToSecondOrderAcrossItsKnocks) {
+  for (const double quadratic : {0.0, 500.0}) {
+    const double coarse = error_with_knocks(0.004, quadratic, 1e-3), fine = error_with_knocks(0.004, quadratic, 2.5e-4);
+    EXPECT_LT(fine, coarse / 8.0) << quadratic;
+    EXPECT_LT(coarse, 2e-4 * 0.02) << quadratic;  // (ωh)² of the wheel, 0.075 rad: 6e-3, of what a knock adds to 20 mm
+  }
 }
 
 // Point. At rest two springs in series: k k_m/(k + k_m) x. With damping the mount carries the same force once settled.
