@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/predict/sensor_readings.hpp"
 #include "host_sim/least_squares/gauss_newton.hpp"
 #include "host_sim/least_squares/gram.hpp"
 
@@ -147,6 +149,42 @@ StepBox step_box(const std::vector<FreeParameter>& parameters, const Hypothesis&
 void refresh_jacobian(const IdentificationProblem& problem, Fit& fit) {
   fit.jacobian.resize(fit.residual.size(), static_cast<Eigen::Index>(fit.parameters.size()));
   find_columns(problem, fit, 0);
+}
+
+std::vector<double> last_differences(const Fit& fit) {
+  std::vector<double> differences;
+  for (const FreeParameter& parameter : fit.parameters) differences.push_back(parameter.difference);
+  if (!has_corners(fit.hypothesis.rig) || fit.jacobian.cols() == 0 || !fit.jacobian.allFinite()) return differences;
+  const Eigen::VectorXd variances = fit.covariance().diagonal();
+  for (std::size_t i = 0; i < differences.size(); ++i) {
+    const double variance = variances(static_cast<Eigen::Index>(i));
+    if (!(variance > 0.0)) continue;
+    differences[i] = std::min(differences[i], thresholds::corner_difference * std::sqrt(variance));
+  }
+  return differences;
+}
+
+void refine_jacobian(const IdentificationProblem& problem, Fit& fit) {
+  const std::vector<double> differences = last_differences(fit);
+  std::vector<Variation> variations;
+  std::vector<double> apart(differences.size(), 0.0);
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    const FreeParameter& parameter = fit.parameters[i];
+    for (const double by : {differences[i], -differences[i]}) {
+      Hypothesis other = moved(fit.hypothesis, parameter, parameter.get(fit.hypothesis) + by);
+      const bool possible = is_rig(problem, other);
+      if (possible) apart[i] += differences[i];
+      variations.push_back({possible ? std::move(other) : fit.hypothesis, std::nullopt});
+      if (parameter.role == FreeParameter::Role::start) variations.back().recording = parameter.recording;
+    }
+  }
+  fit.simulations += variations.size();
+  const std::vector<Eigen::VectorXd> values = residuals_of_each(problem, variations, false, &fit.prediction);
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    if (!(apart[i] > 0.0)) continue;
+    const Eigen::VectorXd column = (values[2 * i] - values[2 * i + 1]) / apart[i];
+    if (column.allFinite()) fit.jacobian.col(static_cast<Eigen::Index>(i)) = column;
+  }
 }
 
 Eigen::MatrixXd Fit::covariance() const {

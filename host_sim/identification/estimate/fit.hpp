@@ -44,4 +44,12 @@ struct Fit {
 /// Finds J of a fit anew, at its minimum.
 void refresh_jacobian(const IdentificationProblem& problem, Fit& fit);
 
+/// Differences of each parameter's coordinate for slopes at the end of a fit: its own, and with corners no more than
+/// thresholds::corner_difference standard deviations, as far as the fit's Jacobian knows them. Over more, friction
+/// turns and free play ends in other samples, which is worth more than the slope.
+[[nodiscard]] std::vector<double> last_differences(const Fit& fit);
+
+/// J anew by central differences over ± last_differences(), with all steps.
+void refine_jacobian(const IdentificationProblem& problem, Fit& fit);
+
 }  // namespace host_sim::identification

@@ -46,11 +46,32 @@ Hypothesis beside(const Fit& fit, const Eigen::VectorXd& change) {
 
 }  // namespace
 
+namespace {
+
+/// As long as slopes over what the data cannot tell apart lead down.
+std::size_t follow_slopes(const IdentificationProblem& problem, Fit& fit) {
+  std::size_t simulations = 0;
+  for (int round = 0; round < thresholds::slope_rounds; ++round) {
+    const std::size_t before = fit.simulations;
+    refine_jacobian(problem, fit);
+    simulations += fit.simulations - before;
+    Fit on = identification::fit(problem, fit.hypothesis, fit.parameters, thresholds::lower_steps, fit.jacobian);
+    simulations += on.simulations;
+    const double gained = fit.chi_squared - on.chi_squared;
+    if (gained > 0.0) fit = std::move(on);
+    if (gained < thresholds::smooth_valley) break;
+  }
+  return simulations;
+}
+
+}  // namespace
+
 std::size_t find_lower_minimum(const IdentificationProblem& problem, Fit& fit) {
   if (fit.parameters.empty() || !has_corners(fit.hypothesis.rig)) return 0;
   std::size_t simulations = fit.parameters.size();
   refresh_jacobian(problem, fit);
   if (!fit.jacobian.allFinite()) return simulations;
+  simulations += follow_slopes(problem, fit);
   const Eigen::LLT<Eigen::MatrixXd> covariance(fit.covariance());
   if (covariance.info() != Eigen::Success) return simulations;
   const Eigen::MatrixXd spread = covariance.matrixL();
@@ -78,10 +99,7 @@ std::size_t find_lower_minimum(const IdentificationProblem& problem, Fit& fit) {
     found = true;
     fit = std::move(*best);
   }
-  if (!found) return simulations;
-  Fit on = identification::fit(problem, fit.hypothesis, fit.parameters, thresholds::lower_steps);
-  simulations += on.simulations;
-  if (on.chi_squared <= fit.chi_squared) fit = std::move(on);
+  if (found) simulations += follow_slopes(problem, fit);
   return simulations;
 }
 

@@ -29,11 +29,19 @@ inline constexpr double least_share_of_value = 1e-3;
 /// says.
 inline constexpr double parameter_range = 3.0;
 
+/// [standard deviations] Differences for the last Jacobian of a rig with corners. Derivation: within a standard
+/// deviation the data do not tell two rigs apart, so that hardly a corner falls into another sample. Measured: twice
+/// and half give the same minimum (drift:2026122802); a tenth the same, 1 % of a tolerance, which is ten of them, one
+/// that is 17 higher in χ².
+inline constexpr double corner_difference = 0.5;
+
 // Lower minima beside a fit (lower_minimum.hpp) -----------------------------------------------------------------------
 
 /// Rounds of four tries, and steps of each. Half of the rounds: of a rig with free play (rough:no_road:2026122902) the
 /// minimum is missed. Twice: twice the time.
 inline constexpr int lower_rounds = 6, lower_steps = 6;
+/// Jacobians of one descent at most; the second gains a few in χ², the third nothing.
+inline constexpr int slope_rounds = 3;
 /// [χ²] Where all tries of a round end as near, the valley is smooth and there is nothing to be found. Derivation: a
 /// smooth valley is found again to 0.01; a residual that jumps is worth tens.
 inline constexpr double smooth_valley = 1.0;

@@ -80,8 +80,10 @@ std::optional<Hypothesis> moved_in(const IdentificationProblem& problem, const H
 }
 
 /// Residuals and Jacobians of all blocks.
-std::vector<Block> blocks_of(const IdentificationProblem& problem, const Hypothesis& hypothesis,
-                             const std::vector<FreeParameter>& parameters) {
+std::vector<Block> blocks_of(const IdentificationProblem& problem, const Fit& fit) {
+  const Hypothesis& hypothesis = fit.hypothesis;
+  const std::vector<FreeParameter>& parameters = fit.parameters;
+  const std::vector<double> differences = last_differences(fit);
   std::vector<Block> blocks = cut_into_blocks(problem);
   const std::vector<Response> here = read_fitted(problem, hypothesis);
   std::vector<Whitening> whitenings;
@@ -92,7 +94,7 @@ std::vector<Block> blocks_of(const IdentificationProblem& problem, const Hypothe
     block.jacobian.setZero(block.residual.size(), static_cast<Index>(parameters.size()));
   }
   for_all(parameters.size(), [&](std::size_t p) {
-    const double step = parameters[p].difference;
+    const double step = differences[p];
     const auto above = moved_in(problem, hypothesis, parameters[p], step),
                below = moved_in(problem, hypothesis, parameters[p], -step);
     if (!above && !below) return;
@@ -395,7 +397,7 @@ Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<
   const auto fitted = static_cast<Index>(fit.parameters.size());
   result.half_widths = Eigen::VectorXd::Zero(fitted);
   if (fitted == 0) return result;
-  const std::vector<Block> blocks = blocks_of(problem, fit.hypothesis, fit.parameters);
+  const std::vector<Block> blocks = blocks_of(problem, fit);
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(fitted, fitted);
   for (const Block& block : blocks) whole += block.jacobian.transpose() * block.jacobian;
   Informed informed = informed_by(problem, every, fit, whole);

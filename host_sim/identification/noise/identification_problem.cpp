@@ -129,23 +129,34 @@ bool has_free_play(const model::RigParameters<double>& rig) {
   return has;
 }
 
-/// Behind a lag or a filter a jump is a slope over several samples, which says when it began.
-bool is_behind_low_pass(const Hypothesis& hypothesis, Channel channel) {
-  return hypothesis.rig.effects.sensor_paths()[index(channel)].lag > 0.0 ||
-         std::any_of(hypothesis.faults.begin(), hypothesis.faults.end(), [channel](const PlacedFault& fault) {
-           return fault.kind == FaultKind::common_filter && fault.is_of(channel);
-         });
+/// Behind a lag or a filter a jump is a slope over several samples, which says when it began. A held channel jumps
+/// whenever it is renewed.
+bool shows_knocks(const PreparedRecording& r, const Hypothesis& hypothesis, Channel channel) {
+  const auto path = hypothesis.rig.effects.sensor_paths()[index(channel)];
+  if (path.lag > 0.0 || path.hold > 0.0 || r.renewals[index(channel)]) return false;
+  return std::none_of(hypothesis.faults.begin(), hypothesis.faults.end(), [channel](const PlacedFault& fault) {
+    return fault.kind == FaultKind::common_filter && fault.is_of(channel);
+  });
 }
 
-/// Samples on both sides of the steps (1) of what is read, `step` apart.
-std::vector<std::size_t> knocks_in(const std::vector<double>& read, std::size_t step, double limit) {
-  std::vector<std::size_t> knocks;
-  const auto rise = [&](std::size_t k) { return read[(k + 1) * step] - read[k * step]; };
+/// Samples on both sides of the steps (1) of what is read, `step` apart. `least`: knock · σ.
+std::vector<std::size_t> knocks_in(const std::vector<double>& read, std::size_t step, double least) {
   const std::size_t count = read.size() / step;
-  for (std::size_t k = 1; k + 2 < count; ++k) {
-    if (std::abs(rise(k) - 0.5 * (rise(k - 1) + rise(k + 1))) <= limit) continue;
-    if (knocks.empty() || knocks.back() != k * step) knocks.push_back(k * step);
-    knocks.push_back((k + 1) * step);
+  if (count < 4) return {};
+  const auto rise = [&](std::size_t k) { return read[(k + 1) * step] - read[k * step]; };
+  std::vector<double> steps;
+  for (std::size_t k = 1; k + 2 < count; ++k) steps.push_back(std::abs(rise(k) - 0.5 * (rise(k - 1) + rise(k + 1))));
+  std::vector<double> sorted = steps;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  constexpr double deviations_of_median = 1.4826;  // of a normal distribution
+  const double limit = std::max(least, thresholds::knock * deviations_of_median * *middle);
+  std::vector<std::size_t> knocks;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i] <= limit) continue;
+    const std::size_t k = (i + 1) * step;
+    if (knocks.empty() || knocks.back() != k) knocks.push_back(k);
+    knocks.push_back(k + step);
   }
   return knocks;
 }
@@ -168,7 +179,7 @@ bool IdentificationProblem::update_knocks(const Hypothesis& hypothesis) {
       for (const std::size_t k : r.knocks[c]) r.clipped[c][k] = false;
       r.knocks[c].clear();
       const double limit = thresholds::knock * recordings_[i].noise[c].level;
-      if (!has || !(limit > 0.0) || is_behind_low_pass(hypothesis, channel)) continue;
+      if (!has || !(limit > 0.0) || !shows_knocks(r, hypothesis, channel)) continue;
       r.clipped[c].resize(r.size(), false);
       for (const std::size_t k : knocks_in(read[c], r.step, limit)) {
         if (r.clipped[c][k]) continue;

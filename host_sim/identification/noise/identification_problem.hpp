@@ -45,14 +45,15 @@ class IdentificationProblem {
 
   /// Weights residuals anew for what a hypothesis makes of the input's noise, and for the noise of channels that their
   /// own samples did not tell from motion: what the hypothesis leaves of them (sensor_noise.hpp). Where it has free
-  /// play, samples at its knocks are left out: a force that jumps by a hundred times the noise shows either side of the
-  /// jump, by a few microseconds which the noise of the input alone decides. These are the samples of a channel on both
-  /// sides of a step of what is read,
+  /// play, samples at its knocks are left out: where the play ends a force jumps by a hundred times the noise, and a
+  /// sample shows either side of the jump by a few microseconds, which the noise of the input alone decides. These are
+  /// the samples of a channel on both sides of a step of what is read,
   ///
-  ///   (1)  |Δ_k − (Δ_{k−1} + Δ_{k+1})/2| > thresholds::knock · σ,   Δ_k = y_{k+1} − y_k
+  ///   (1)  |d_k| > thresholds::knock · max(σ, σ_d),   d_k = Δ_k − (Δ_{k−1} + Δ_{k+1})/2,   Δ_k = y_{k+1} − y_k
   ///
-  /// but not behind a lag or a filter, which make a slope over several samples of the jump.
-  /// false: nothing changed.
+  /// σ_d: what d is anyway, by its median. Not of a channel behind a lag or a filter, which make a slope over several
+  /// samples of the jump, nor of one that is held. Not where friction turns: how it turns is what tells a smooth law
+  /// from a sharp one. false: nothing changed.
   bool update_input_noise(const Hypothesis& hypothesis);
   /// The same noises as another problem on these samples.
   void take_input_noise(const IdentificationProblem& other);

@@ -42,7 +42,7 @@ inline constexpr int noise_realisations = 3;
 /// [samples] A shorter window has no covariance.
 inline constexpr std::size_t shortest_covariance_window = 16;
 
-/// [standard deviations] of a channel's noise that a step of what is read is large: a knock of free play. Derivation: a
+/// [standard deviations] of a channel's noise that a step of what is read is large: a knock. Derivation: a
 /// sample on the wrong side of it is worth (step/σ)²/5 in χ², 0.18 of its power being below 90 Hz: 7 at 6 σ, as much as
 /// an effect costs. Half: more samples are left out. Twice: samples worth up
 /// to 29 stay.
