@@ -129,7 +129,7 @@ TEST(IdentificationProblem, LeavesOutSamplesAtKnocks) {
   };
   IdentificationProblem without = with;
   EXPECT_TRUE(without.update_input_noise(given));
-  const auto zdd_w = index(Channel::zdd_w);
+  constexpr auto zdd_w = index(Channel::zdd_w);
   const std::size_t left_out = without.samples()[0].knocks[zdd_w].size();
   EXPECT_GT(left_out, 100U);
   EXPECT_LT(left_out, 1000U) << "of 10 000";
@@ -143,7 +143,7 @@ TEST(IdentificationProblem, LeavesOutSamplesAtKnocks) {
   firmware::remove_effect(plain.rig, *firmware::find_effect("backlash"), std::nullopt);
   EXPECT_TRUE(without.update_input_noise(plain));
   EXPECT_TRUE(without.samples()[0].knocks[zdd_w].empty());
-  const auto left_out_of = [zdd_w](const IdentificationProblem& problem) {
+  const auto left_out_of = [](const IdentificationProblem& problem) {
     const std::vector<bool>& clipped = problem.samples()[0].clipped[zdd_w];
     return std::count(clipped.begin(), clipped.end(), true);
   };
