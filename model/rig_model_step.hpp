@@ -625,13 +625,14 @@ Stroke<S> RigModel<S, D, variant, capacity>::offset(const Stroke<S>& inner) cons
           select(above || below, S(0), S(-inner.velocity))};
 }
 
-/// Where the play begins or ends inside a step, at the share θ of it, δ̇ and the laws of the component jump from a to b.
-/// A sample counts with a whole period, so that the samples at both ends of the step hold as much as a jump at θ = ½:
+/// Returns θ − ½ where free play began or ended in this step, after the share θ of it, and 0 in all other steps.
+///
+/// There δ̇ and the laws of the component jump from a to b. A sample counts with a whole period, so that the samples at
+/// both ends of the step hold as much as a jump at θ = ½:
 ///
 ///   θ a + (1 − θ) b = (a + b)/2 + (θ − ½)(a − b),   1 − θ = |(|e| − g/2)/(ė h)|
 ///
-/// The last term, added to the newest sample, makes the impulse of a knock right to second order. Returns θ − ½, and 0
-/// where the play neither begins nor ends.
+/// The last term, added to the newest sample, makes the impulse of a knock right to second order.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 S RigModel<S, D, variant, capacity>::jump_share(const State& x, const Stroke<S>& inner) const {
   const S half = S(0.5) * equations_.suspension().free_play;

@@ -27,7 +27,7 @@ struct Change {
   Eigen::VectorXd tolerated;  ///< Jᵀd, J: columns of the tolerated parameters
 };
 
-/// What a changes more than b.
+/// The change a minus the change b.
 [[nodiscard]] inline Change difference(const Change& a, const Change& b) {
   return {a.whitened - b.whitened, a.tolerated - b.tolerated};
 }

@@ -44,10 +44,6 @@ Hypothesis beside(const Fit& fit, const Eigen::VectorXd& change) {
   return hypothesis;
 }
 
-}  // namespace
-
-namespace {
-
 /// As long as slopes over what the data cannot tell apart lead down.
 std::size_t follow_slopes(const IdentificationProblem& problem, Fit& fit) {
   std::size_t simulations = 0;

@@ -68,7 +68,8 @@ void add_acceleration(const PreparedRecording& recording, const SimulationInput&
   for (std::size_t k = 0; k < count; ++k) acceleration[k] = input.motion[k].acceleration;
 }
 
-/// What is simulated: all that a rig answers, and of a wheel that is prescribed also how its simulation accelerates.
+/// The channels to be simulated: those that a rig answers with, and where the wheel is prescribed also its
+/// acceleration.
 std::vector<Channel> simulated_channels(const Rig& rig, const SimulationInput& input) {
   std::vector<Channel> channels = response_channels(rig.kind, input);
   if (input.wheel_prescribed) channels.push_back(Channel::zdd_w);
