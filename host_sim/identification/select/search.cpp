@@ -123,8 +123,8 @@ void Search::forward(SearchResult& found) {
   std::vector<CandidateModel> beam{found.best};
   for (std::size_t depth = 0; found.best.effects.size() < thresholds::most_effects; ++depth) {
     if (depth > 0 && fitter_.leaves_noise(found.best)) {
-      if (!add_last_fault(found)) break;
-      continue;
+      if (add_last_fault(found)) continue;
+      beam = {found.best};  // for one more that every band hides
     }
     report(std::min(0.1 + 0.15 * static_cast<double>(depth), 0.55), depth == 0 ? "one effect" : "one more effect");
     std::vector<CandidateModel> next = one_effect_more(beam, found);

@@ -77,6 +77,7 @@ struct SearchOptions {
 ///
 ///   1  holds that the values themselves show
 ///   2  each model of the beam with one effect more, the best candidates fitted, as long as SelectionCriterion accepts
+///      also where a model leaves noise in every band: what is spread over all of them shows in none
 ///   2b a fault of the recordings instead of an effect, where that is better    fault_candidates.hpp
 ///   3  after each effect the noise of the input is passed through what was found, and all is refitted
 ///   4  where more than noise is left and there are corners: refit by continuation

@@ -37,6 +37,17 @@ Diagnosis of_bench(std::vector<truth::Effect> effects, std::uint64_t noise_seed,
       {{parse_recording_csv(truth::csv(truth, truth::simulate(truth)[0]), "rec.csv"), identification::Use::shared}});
 }
 
+// Journey. Beside a delay that explains nearly all, a spring that stiffens a little is worth its penalty and shows in
+// no band by four standard deviations: it is looked for all the same.
+TEST(Search, FindsAWeakEffectBesideAStrongOne) {
+  for (const std::uint64_t noise_seed : {1U, 2U}) {
+    const Diagnosis found = of_bench(
+        {{"sensor_delay", "F", {{"delay", 6e-3}}}, {"progressive_spring", "", {{"cubic_stiffness", 1e6}}}}, noise_seed);
+    ASSERT_EQ(found.effects.size(), 2U) << identification::sentence(found);
+    EXPECT_EQ(found.effects[1].effect.entry->name, "progressive_spring") << identification::sentence(found);
+  }
+}
+
 // Journey. A laser sensor that measures every 5 ms beside a recorder of 1 kHz is renewed with every fifth sample,
 // wherever between two of them it measures: only its values tell. Taken for another instant, by up to half a sample, it
 // would leave a delay.
