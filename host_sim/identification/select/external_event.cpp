@@ -9,6 +9,7 @@
 #include "host_sim/identification/estimate/left_by_fit.hpp"
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/parity/disturbed_span.hpp"
+#include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -47,6 +48,25 @@ std::optional<LoudStretches> loudest(const std::vector<StretchPower>& stretches,
                        powers[peak] / usual};
 }
 
+/// What an event of that duration [s] costs in (1), beside the residuals that are left out.
+double price_of(double duration) {
+  const SelectionCriterion criterion;
+  return criterion.effect + criterion.parameter * (2.0 + 2.0 * thresholds::event_bandwidth * duration);
+}
+
+/// Whether (1) holds for these stretches alone: beside a strong event nothing would be too weak to be one more.
+bool pays(const std::vector<StretchPower>& stretches, const LoudStretches& loud) {
+  double beyond = 0.0;
+  for (const StretchPower& stretch : stretches) {
+    if (stretch.recording != loud.recording || stretch.from < loud.from || stretch.to > loud.to) continue;
+    for (std::size_t c = 0; c < stretch.powers.size(); ++c) {
+      const Power power = stretch.of_channel(c);
+      beyond += power.squares - power.count;
+    }
+  }
+  return beyond > price_of(loud.peak_to - loud.from);
+}
+
 std::optional<LoudStretches> loud_stretches(const IdentificationProblem& problem, const Hypothesis& hypothesis) {
   const auto stretches = stretch_powers(problem, read_all(problem, hypothesis), thresholds::event_stretch);
   const std::size_t channels = problem.channels().size();
@@ -70,7 +90,7 @@ std::optional<LoudStretches> loud_stretches(const IdentificationProblem& problem
       powers.push_back(sum.ratio());
     }
     const auto loud = loudest(stretches, powers);
-    if (loud && (!best || loud->ratio > best->ratio)) best = loud;
+    if (loud && pays(stretches, *loud) && (!best || loud->ratio > best->ratio)) best = loud;
   }
   return best;
 }
@@ -165,9 +185,7 @@ bool leave_out_loudest(const firmware::RigDescription& description, Identificati
   // At its tapered end a stretch does not show the beginning of an event.
   const double from = std::min(loud->from, span.from - thresholds::event_margin);
   const Window samples = samples_of_stretch(recording, from, loud->to);
-  const SelectionCriterion criterion;
-  out.price +=
-      criterion.effect + criterion.parameter * (2.0 + 2.0 * thresholds::event_bandwidth * (span.to - span.from));
+  out.price += price_of(span.to - span.from);
   out.held_out = out.held_out || samples.to > problem.recordings()[loud->recording].fitted.to;
   out.stretches.push_back({from, loud->to, {loud->recording, span.from, span.to, 0.0}});
   problem.leave_out(loud->recording, samples);
@@ -257,22 +275,44 @@ LeftOut leave_out_all(const firmware::RigDescription& description, Identificatio
   return out;
 }
 
-/// Leaves out the slow motion behind the events too, a piece at a time, until the model leaves nothing but noise.
-void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& space, LeftOut& out) {
-  while (leaves_rest(problem, out.model.fit) && leave_out_tails(problem, out)) {
+/// Leaves out the slow motion behind the events too, a piece at a time, until the model leaves nothing but noise to
+/// `leaves_more`.
+void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& space,
+                          bool (*leaves_more)(const IdentificationProblem&, const Fit&), LeftOut& out) {
+  while (leaves_more(problem, out.model.fit) && leave_out_tails(problem, out)) {
     out.model = ModelFitter::refitted_in(problem, space, SelectionCriterion(), out.model);
   }
+}
+
+/// The same for the model that was selected beside the events: the body's motion long after a push is too weak for
+/// every stretch of time, and shows in the band of its resonance. Effects that explained it go. Taken back where more
+/// is left than such motion.
+void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
+                          LeftOut& out, SearchResult& found) {
+  const auto leaves_more = [](const IdentificationProblem& p, const Fit& fit) { return left_by(p, fit).any(); };
+  if (!leaves_more(problem, found.best.fit)) return;
+  IdentificationProblem shorter = problem;
+  LeftOut longer = out;
+  longer.model = found.best;
+  leave_out_what_lasts(shorter, space, leaves_more, longer);
+  if (leaves_more(shorter, longer.model.fit)) return;
+  problem = std::move(shorter);
+  out = std::move(longer);
+  refit_on(problem, space, SelectionCriterion(), found);
+  compare(problem, space, {{}, true, progress}, found);
+  found.constancy = law_constancy(problem, found);
 }
 
 /// The model selected again, `without` what was left out, takes the place of the other where it is better by (1) and
 /// (2) of external_event.hpp. false: it is not.
 bool select_without(const firmware::RigDescription& description, IdentificationProblem& problem,
-                    IdentificationProblem without, const LeftOut& out, const SearchSpace& space,
+                    IdentificationProblem without, LeftOut out, const SearchSpace& space,
                     const ProgressCallback& progress, SearchResult& found) {
   SearchResult again = select_in_noise(without, space, progress);
   found.simulations += again.simulations;
   found.candidates += again.candidates;
   if (leaves_rest(without, again.best.fit)) return false;
+  leave_out_what_lasts(without, space, progress, out, again);
   const SelectionCriterion criterion;
   const double gain = found.best.penalised_chi_squared(criterion) - again.best.penalised_chi_squared(criterion) -
                       residuals_in(problem, out.stretches) - out.price;
@@ -297,7 +337,7 @@ void leave_out_events(const firmware::RigDescription& description, Identificatio
   IdentificationProblem beside_effects = problem;
   LeftOut of_best = leave_out_all(description, beside_effects, space, found.best);
   if (of_best.stretches.empty()) return;
-  leave_out_what_lasts(beside_effects, space, of_best);
+  leave_out_what_lasts(beside_effects, space, leaves_rest, of_best);
   const double left = power_beyond_noise(beside_effects, of_best.model.fit.hypothesis);
   if (left > thresholds::left_beside_events * power_beyond_noise(problem, found.best.fit.hypothesis)) return;
   if (!leaves_rest(beside_effects, of_best.model.fit) &&

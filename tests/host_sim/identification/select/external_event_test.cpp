@@ -60,6 +60,21 @@ TEST(ExternalEvent, KnocksOfTheBodyAreToldFromTheMotionThatTheyLeave) {
   expect_events(found, knocks, 0.0);
 }
 
+// Beside a strong event, what stands out in 0.25 s by noise alone is none: it must be worth its own price.
+TEST(ExternalEvent, APushAddsNoSecondOne) {
+  const std::vector<truth::Event> pushes{{"body", 5.0, 5.822, 110.0}};
+  const Diagnosis found = diagnosis_with(with_events(sample::quarter_car(5), pushes));
+  expect_events(found, pushes, 0.1);
+}
+
+// Two seconds after a push of 0.8 s the body still moves by half of the noise. That is no law: it is left out.
+TEST(ExternalEvent, WhatAPushLeavesIsNoLaw) {
+  const Diagnosis found = sample::diagnosis_of_all(truth::draw_rough("events", 2026123001));
+  EXPECT_TRUE(found.laws.empty()) << host_sim::identification::sentence(found);
+  EXPECT_FALSE(found.unexplained) << host_sim::identification::sentence(found);
+  EXPECT_EQ(found.effects.size(), 2U) << host_sim::identification::sentence(found);
+}
+
 // A stretch of 0.25 s begins at 12.5 s: the knock stands at the end of the one before, where its window is nearly zero.
 TEST(ExternalEvent, AKnockAtTheEndOfAStretchIsLeftOutWhole) {
   const std::vector<truth::Event> knocks{{"body", 12.478, 12.494, 700.0}};
