@@ -12,9 +12,9 @@ namespace host_sim::identification::thresholds {
 inline constexpr std::size_t most_effects = 8;
 /// [standard deviations] of χ², in a band or altogether, up to which a model leaves nothing but noise: one more effect
 /// is looked for beside the best model alone, and no further minimum. Derivation: 91 bands and channels under noise
-/// reach 4 in one of 300 recordings. It is no proof that nothing is left: an effect that gains 300 of χ² in all may show
-/// in no band. Half: in two of three recordings twice the candidates, for nothing. Twice: a second minimum is not looked
-/// for. Derived.
+/// reach 4 in one of 300 recordings. It is no proof that nothing is left: an effect that gains 300 of χ² in all may
+/// show in no band. Half: in two of three recordings twice the candidates, for nothing. Twice: a second minimum is not
+/// looked for. Derived.
 inline constexpr double leaves_noise = 4.0;
 /// [χ²] by which another candidate must be better to replace an effect: above the solver's own 0.01 and below what any
 /// parameter costs. Half and twice: no difference expected.
