@@ -21,6 +21,25 @@ bool is_open(const PreparedRecording& r, Channel channel) {
   return !r.renewals[index(channel)] && (!noise.is_known() || !noise.colour.is_white());
 }
 
+/// The colour of noise behind the filter that a hypothesis has for this channel. Its signal says the corner a hundred
+/// times as exactly as noise does.
+std::optional<NoiseColour> filter_in(const Hypothesis& hypothesis, Channel channel) {
+  for (const PlacedFault& fault : hypothesis.faults) {
+    if (fault.kind != FaultKind::common_filter || !fault.is_of(channel)) continue;
+    return NoiseColour{fault.values.front(), fault.order,
+                       fault.digital ? NoiseColour::Filter::digital : NoiseColour::Filter::analogue};
+  }
+  return std::nullopt;
+}
+
+/// The highest level of noise of that colour that the channel's own spectrum holds; 0: not known.
+double highest_level_of(const PreparedRecording& r, Channel channel, const NoiseColour& colour) {
+  const ChannelNoise& own = r.channel_noise[index(channel)];
+  if (own.highest_level == 0.0 || own.colour == colour) return own.highest_level;
+  const ChannelNoise again = noise_in(r.recording[channel], r.recording.sample_period, channel, colour);
+  return again.colour == colour ? again.highest_level : own.highest_level;
+}
+
 /// Measured minus read, samples that are not to be used left out.
 std::vector<double> left_of(const PreparedRecording& r, Channel channel, const Response& read) {
   const auto c = index(channel);
@@ -104,15 +123,18 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
       if (!is_open(r, channel)) continue;
       const auto c = index(channel);
       const double period = r.compared_period();
-      ChannelNoise found = noise_in(left_of(r, channel, read), period, channel, r.expected_colour);
+      const std::optional<NoiseColour> filter = filter_in(hypothesis, channel);
+      ChannelNoise found = noise_in(left_of(r, channel, read), period, channel, filter ? filter : r.expected_colour);
+      problem.noise[c].on_signal = false;
       if (!found.is_known()) continue;
       // A corner that is a guess is what the model leaves of the motion.
       const bool is_guess = !found.colour.is_white() && !found.shows_a_filter();
       if (is_guess && r.channel_noise[c].shows_a_filter()) found = r.channel_noise[c];
-      const double highest = r.channel_noise[c].highest_level;
+      const double highest = highest_level_of(r, channel, found.colour);
       if (highest > 0.0) found.level = std::min(found.level, highest);
       // Behind a low-pass, what corners leave of the channel was filtered, and the simulation is not: no noise.
       if (r.expected_colour && r.declared_noise[c]) found.level = std::min(found.level, r.channel_noise[c].level);
+      found.on_signal = filter && found.colour == *filter;
       problem.noise[c] = with_declared(found, r.declared_noise[c], period).noise;
       changed = true;
     }
@@ -121,13 +143,6 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
 }
 
 namespace {
-
-bool has_free_play(const model::RigParameters<double>& rig) {
-  bool has = false;
-  rig.effects.for_each(
-      [&has](const auto& slot) { has = has || (slot.active && slot.effect.card.corner == model::Corner::free_play); });
-  return has;
-}
 
 /// Behind a lag or a filter a jump is a slope over several samples, which says when it began. A held channel jumps
 /// whenever it is renewed.

@@ -161,7 +161,8 @@ Eigen::MatrixXcd Whitening::covariance(const PreparedRecording& recording, std::
     sigma(i, i) += own.level * own.level * power_of_noise(recording, channel, own.colour, f) +
                    error * error * channel_power + 1e-300;
     if (!recording.renewals[index(channel)]) {
-      sigma(i, i) += std::pow(1.0 - own.colour.power(f, period_), 2) * channel_power;
+      const double unknown = own.on_signal ? thresholds::filter_error : 1.0;
+      sigma(i, i) += std::pow(unknown * (1.0 - own.colour.power(f, period_)), 2) * channel_power;
     }
     sigma(i, i) += model_error * model_error * mean_squares[c];
     // z_r alone says nothing of faster motion: the whole channel is uncertain.

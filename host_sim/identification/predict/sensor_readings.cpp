@@ -24,12 +24,23 @@ constexpr double drift_refresh = 0.05, drift_steps = 600.0;
 
 }  // namespace
 
+namespace {
+
+template <class Predicate>
+bool any_corner(const Rig& rig, Predicate is_it) {
+  bool any = false;
+  rig.effects.for_each([&](const auto& slot) { any = any || (slot.active && is_it(slot.effect.card.corner)); });
+  return any;
+}
+
+}  // namespace
+
 bool has_corners(const Rig& rig) {
-  bool corners = false;
-  rig.effects.for_each([&corners](const auto& slot) {
-    corners = corners || (slot.active && slot.effect.card.corner != model::Corner::none);
-  });
-  return corners;
+  return any_corner(rig, [](model::Corner corner) { return corner != model::Corner::none; });
+}
+
+bool has_free_play(const Rig& rig) {
+  return any_corner(rig, [](model::Corner corner) { return corner == model::Corner::free_play; });
 }
 
 bool is_stepped_finely(const Rig& rig) { return has_corners(rig) || rig.laws.any(); }

@@ -9,6 +9,8 @@ namespace host_sim::identification {
 
 /// Whether a rig has an effect with a corner (model::Corner): dry friction, free play, a stop, a limit of velocity.
 [[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
+/// Whether it has free play.
+[[nodiscard]] bool has_free_play(const model::RigParameters<double>& rig);
 
 /// Whether several model steps are taken per sample: a rig with corners, or with laws, which may bend as sharply.
 [[nodiscard]] bool is_stepped_finely(const model::RigParameters<double>& rig);

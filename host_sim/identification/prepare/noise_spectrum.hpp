@@ -30,6 +30,7 @@ struct NoiseColour {
   [[nodiscard]] bool is_white() const { return order == 0; }
   [[nodiscard]] double power(double f, double period) const;  ///< (1)
   [[nodiscard]] double mean_power(double period) const;       ///< of (1), 0 Hz to the Nyquist frequency
+  friend bool operator==(const NoiseColour&, const NoiseColour&) = default;
 };
 
 /// The noise of one channel. Its power at a frequency, per sample, is level² h(f); its rms is level √(mean of h).
@@ -38,7 +39,8 @@ struct ChannelNoise {
   NoiseColour colour{};
   double relative_error = 0.0;     ///< standard error of `level` ÷ level; 1: not known, `level` is a guess
   double corner_half_width = 0.0;  ///< [Hz] of the 95 % interval
-  double highest_level = 0.0;      ///< the channel's own spectrum holds no more; 0: not looked at
+  double highest_level = 0.0;      ///< the channel's own spectrum holds no more of this colour; 0: not looked at
+  bool on_signal = false;          ///< a hypothesis has this low-pass for the signal, too
 
   [[nodiscard]] double rms(double period) const;
   [[nodiscard]] bool is_known() const;        ///< to thresholds::noise_level_known

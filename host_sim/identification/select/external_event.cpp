@@ -290,7 +290,7 @@ void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& spa
 void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
                           LeftOut& out, SearchResult& found) {
   const auto leaves_more = [](const IdentificationProblem& p, const Fit& fit) { return left_by(p, fit).any(); };
-  if (!leaves_more(problem, found.best.fit)) return;
+  if (!found.freed.empty() || !leaves_more(problem, found.best.fit)) return;
   IdentificationProblem shorter = problem;
   LeftOut longer = out;
   longer.model = found.best;

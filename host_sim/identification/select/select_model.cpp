@@ -25,6 +25,18 @@ bool leaves_more(const IdentificationProblem& problem, const SearchResult& found
   return explained < share && unexplained_residual(problem, found.best.fit.hypothesis).significant;
 }
 
+/// The end of a selection. Free play that was found last was a guess when its knocks were looked for
+/// (noise/identification_problem.hpp), and its model may have lower minima.
+void settle(IdentificationProblem& problem, SearchResult& found) {
+  if (has_free_play(found.best.fit.hypothesis.rig) && problem.update_input_noise(found.best.fit.hypothesis)) {
+    for (Fit* const each : {&found.nothing.fit, &found.best.fit}) {
+      *each = fit(problem, each->hypothesis, each->parameters, 8);
+      found.simulations += each->simulations;
+    }
+  }
+  found.simulations += find_lower_minimum(problem, found.best.fit);
+}
+
 /// Steps 1, 2 and 4. false: the search was stopped behind step 1, since it explains less than `worth_comparing`.
 bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
                      const SelectionCriterion& criterion, double worth_comparing, SearchResult& found) {
@@ -33,7 +45,7 @@ bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, c
   if (worth_comparing > 0.0 && leaves_more(problem, found, worth_comparing)) return false;
   compare(problem, space, options, found);
   compare_parameters(problem, space, progress, found);
-  found.simulations += find_lower_minimum(problem, found.best.fit);
+  settle(problem, found);
   found.constancy = law_constancy(problem, found);
   return true;
 }
@@ -123,7 +135,7 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
     if (far && !replaced) compare(problem, space, options, found);
   }
   if (found.freed.empty()) compare_parameters(problem, space, progress, found);
-  found.simulations += find_lower_minimum(problem, found.best.fit);
+  settle(problem, found);
   found.constancy = law_constancy(problem, found);
   const bool rest = leaves_a_rest(problem, found);
   if (!rest && !may_be_one_law(found)) return found;
