@@ -85,16 +85,16 @@ bool IdentificationProblem::has_held_out() const {
 bool IdentificationProblem::update_input_noise(const Hypothesis& hypothesis) {
   const bool knocks = update_knocks(hypothesis);
   const bool channels = update_channel_noise(hypothesis);
-  if (!samples_->front().input_noise.any()) {
-    if (channels) whiten();
-    return channels || knocks;
+  const bool input = samples_->front().input_noise.any();
+  if (input) {
+    for_all(recordings_.size(), [&](std::size_t i) {
+      // Over the whole window, not a truncated one: the covariance is the same, and better known.
+      const PreparedRecording& r = *recordings_[i].samples;
+      recordings_[i].input_noise =
+          input_noise_covariance(r, hypothesis, hypothesis.starts[i], r.fitted.size() > 0 ? r.fitted : r.held_out);
+    });
   }
-  for_all(recordings_.size(), [&](std::size_t i) {
-    // Over the whole window, not a truncated one: the covariance is the same, and better known.
-    const PreparedRecording& r = *recordings_[i].samples;
-    recordings_[i].input_noise =
-        input_noise_covariance(r, hypothesis, hypothesis.starts[i], r.fitted.size() > 0 ? r.fitted : r.held_out);
-  });
+  if (!knocks && !channels && !input) return false;
   whiten();
   return true;
 }
@@ -144,11 +144,11 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
 
 namespace {
 
-/// Behind a lag or a filter a jump is a slope over several samples, which says when it began. A held channel jumps
-/// whenever it is renewed.
+/// Behind a lag or a filter a jump is a slope over several samples, which says when it began. A channel that is held
+/// and has no hold yet jumps whenever it is renewed.
 bool shows_knocks(const PreparedRecording& r, const Hypothesis& hypothesis, Channel channel) {
   const auto path = hypothesis.rig.effects.sensor_paths()[index(channel)];
-  if (path.lag > 0.0 || path.hold > 0.0 || r.renewals[index(channel)]) return false;
+  if (path.lag > 0.0 || (path.hold > 0.0) != r.renewals[index(channel)].has_value()) return false;
   return std::none_of(hypothesis.faults.begin(), hypothesis.faults.end(), [channel](const PlacedFault& fault) {
     return fault.kind == FaultKind::common_filter && fault.is_of(channel);
   });
@@ -176,6 +176,22 @@ std::vector<std::size_t> knocks_in(const std::vector<double>& read, std::size_t 
   return knocks;
 }
 
+/// The samples of a held channel whose values were taken beside one of the samples `knocks`, `step` apart: between two
+/// samples the jump is anywhere, and what is taken there is on either side of it.
+std::vector<std::size_t> taken_at_knocks(const std::vector<std::size_t>& knocks, const Renewals& renewals,
+                                         const HoldClock& clock, std::size_t step, std::size_t samples) {
+  std::vector<std::size_t> held;
+  for (std::size_t n = 0; n < renewals.at.size(); ++n) {
+    const double at = taken_at(renewals, n, clock), reach = clock.own ? static_cast<double>(step) : 0.5;
+    const auto next = std::lower_bound(knocks.begin(), knocks.end(), at - reach,
+                                       [](std::size_t k, double least) { return static_cast<double>(k) < least; });
+    if (next == knocks.end() || static_cast<double>(*next) > at + reach) continue;
+    const std::size_t end = n + 1 < renewals.at.size() ? renewals.at[n + 1] : samples;
+    for (std::size_t k = renewals.at[n]; k < end; ++k) held.push_back(k);
+  }
+  return held;
+}
+
 }  // namespace
 
 bool IdentificationProblem::update_knocks(const Hypothesis& hypothesis) {
@@ -187,8 +203,8 @@ bool IdentificationProblem::update_knocks(const Hypothesis& hypothesis) {
   std::vector<PreparedRecording> samples = *samples_;
   for_all(samples.size(), [&](std::size_t i) {
     PreparedRecording& r = samples[i];
-    Response read;
-    if (has) read = read_channels(hypothesis, r, r.input, hypothesis.starts[i], 0, recordings_[i].resolution());
+    Response truth;
+    if (has) truth = true_channels(hypothesis, r, r.input, hypothesis.starts[i], 0, recordings_[i].resolution());
     for (const Channel channel : r.channels) {
       const auto c = index(channel);
       for (const std::size_t k : r.knocks[c]) r.clipped[c][k] = false;
@@ -196,14 +212,19 @@ bool IdentificationProblem::update_knocks(const Hypothesis& hypothesis) {
       const double limit = thresholds::knock * recordings_[i].noise[c].level;
       if (!has || !(limit > 0.0) || !shows_knocks(r, hypothesis, channel)) continue;
       r.clipped[c].resize(r.size(), false);
-      for (const std::size_t k : knocks_in(read[c], r.step, limit)) {
+      std::vector<std::size_t> knocks =
+          knocks_in(readings_before_hold(hypothesis, r, channel, truth[c]), r.step, limit);
+      if (r.renewals[c]) {
+        knocks = taken_at_knocks(knocks, *r.renewals[c], hypothesis.clocks[c], r.step, r.size());
+      }
+      for (const std::size_t k : knocks) {
         if (r.clipped[c][k]) continue;
         r.clipped[c][k] = true;
         r.knocks[c].push_back(k);
       }
     }
   });
-  replace_samples(std::move(samples));
+  set_samples(std::move(samples));
   return true;
 }
 
@@ -238,9 +259,13 @@ IdentificationProblem IdentificationProblem::truncated_and_coarse(double share) 
   return part;
 }
 
-void IdentificationProblem::replace_samples(std::vector<PreparedRecording> samples) {
+void IdentificationProblem::set_samples(std::vector<PreparedRecording> samples) {
   samples_ = std::make_shared<const std::vector<PreparedRecording>>(std::move(samples));
   for (std::size_t i = 0; i < recordings_.size(); ++i) recordings_[i].samples = &(*samples_)[i];
+}
+
+void IdentificationProblem::replace_samples(std::vector<PreparedRecording> samples) {
+  set_samples(std::move(samples));
   whiten();
 }
 

@@ -52,8 +52,8 @@ class IdentificationProblem {
   ///   (1)  |d_k| > thresholds::knock · max(σ, σ_d),   d_k = Δ_k − (Δ_{k−1} + Δ_{k+1})/2,   Δ_k = y_{k+1} − y_k
   ///
   /// σ_d: what d is anyway, by its median. Not of a channel behind a lag or a filter, which make a slope over several
-  /// samples of the jump, nor of one that is held. Not where friction turns: how it turns is what tells a smooth law
-  /// from a sharp one. false: nothing changed.
+  /// samples of the jump. Of a held channel the values that were taken there. Not where friction turns: how it turns is
+  /// what tells a smooth law from a sharp one. false: nothing changed.
   bool update_input_noise(const Hypothesis& hypothesis);
   /// The same noises as another problem on these samples.
   void take_input_noise(const IdentificationProblem& other);
@@ -85,10 +85,12 @@ class IdentificationProblem {
 
  private:
   IdentificationProblem() = default;
-  /// Takes other samples of the same recordings, and weights residuals anew.
+  /// Takes other samples of the same recordings; replace_samples() weights residuals anew, too.
+  void set_samples(std::vector<PreparedRecording> samples);
   void replace_samples(std::vector<PreparedRecording> samples);
   [[nodiscard]] IdentificationProblem of(std::vector<PreparedRecording> samples) const;
   bool update_channel_noise(const Hypothesis& hypothesis);
+  /// Without weighting anew.
   bool update_knocks(const Hypothesis& hypothesis);
   void whiten();
 

@@ -261,17 +261,18 @@ std::vector<double> held_values(const std::vector<double>& values, const Renewal
   return shown;
 }
 
-/// A channel as its sensors give it, before the recorder.
-std::vector<double> through_sensors(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
-                                    const std::vector<double>& truth) {
-  const Rig& rig = hypothesis.rig;
+bool is_held(const Rig& rig, const PreparedRecording& recording, Channel channel) {
+  return rig.effects.sensor_paths()[index(channel)].hold > 0.0 && recording.renewals[index(channel)];
+}
+
+/// A channel as its sensors give it, but for a hold that is renewed where the recording was.
+std::vector<double> through_all_but_hold(const Rig& rig, const PreparedRecording& recording, Channel channel,
+                                         const std::vector<double>& truth) {
   if (!has_sensor_effect(rig, channel) || truth.empty()) return truth;
   const auto c = index(channel);
   std::array<model::SensorPath<double>, model::channel_count> paths{};
   paths[c] = rig.effects.sensor_paths()[c];
-  const std::optional<Renewals>& renewals = recording.renewals[c];
-  const bool held = paths[c].hold > 0.0 && renewals;
-  if (held) paths[c].hold = 0.0;
+  if (is_held(rig, recording, channel)) paths[c].hold = 0.0;
   std::vector<double> values = truth;
   const model::Sensors<double> sensors(paths, recording.input.period);
   if (sensors.any()) {
@@ -287,16 +288,25 @@ std::vector<double> through_sensors(const Hypothesis& hypothesis, const Prepared
       values[k] = sensors.reading(state, channel, truth[k]);
     }
   }
-  return held ? held_values(values, *renewals, hypothesis.clocks[c]) : values;
+  return values;
 }
 
 }  // namespace
 
+std::vector<double> readings_before_hold(const Hypothesis& hypothesis, const PreparedRecording& recording,
+                                         Channel channel, const std::vector<double>& truth) {
+  return through_all_but_hold(hypothesis.rig, recording, channel,
+                              before_filter_of_input(hypothesis.faults, channel, truth, recording.input.period));
+}
+
 std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
                                     const std::vector<double>& truth) {
-  const double period = recording.input.period;
-  const std::vector<double> on_the_rig = before_filter_of_input(hypothesis.faults, channel, truth, period);
-  return with_faults(hypothesis.faults, channel, through_sensors(hypothesis, recording, channel, on_the_rig), period);
+  std::vector<double> values = readings_before_hold(hypothesis, recording, channel, truth);
+  const auto c = index(channel);
+  if (!values.empty() && is_held(hypothesis.rig, recording, channel)) {
+    values = held_values(values, *recording.renewals[c], hypothesis.clocks[c]);
+  }
+  return with_faults(hypothesis.faults, channel, std::move(values), recording.input.period);
 }
 
 Response read_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,

@@ -58,6 +58,9 @@ struct SimulatedRig {
 /// Behind the sensors act the faults of the recording (recording_faults.hpp).
 [[nodiscard]] std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording,
                                                   model::Channel channel, const std::vector<double>& truth);
+/// The signal of which a held channel takes its values; of another one its readings without faults of the recording.
+[[nodiscard]] std::vector<double> readings_before_hold(const Hypothesis& hypothesis, const PreparedRecording& recording,
+                                                       model::Channel channel, const std::vector<double>& truth);
 
 /// true_channels(), then sensor_readings() of each explained channel.
 [[nodiscard]] Response read_channels(const Hypothesis& hypothesis, const PreparedRecording& recording,
