@@ -149,9 +149,7 @@ namespace {
 bool shows_knocks(const PreparedRecording& r, const Hypothesis& hypothesis, Channel channel) {
   const auto path = hypothesis.rig.effects.sensor_paths()[index(channel)];
   if (path.lag > 0.0 || (path.hold > 0.0) != r.renewals[index(channel)].has_value()) return false;
-  return std::none_of(hypothesis.faults.begin(), hypothesis.faults.end(), [channel](const PlacedFault& fault) {
-    return fault.kind == FaultKind::common_filter && fault.is_of(channel);
-  });
+  return !filter_in(hypothesis, channel);
 }
 
 /// Samples on both sides of the steps (1) of what is read, `step` apart. `least`: knock · σ.

@@ -27,8 +27,8 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 ///   (5)  h_c(f): the colour of the channel's noise, prepare/noise_spectrum.hpp (1)
 ///   (6)  (1 − h_c)² S_c is added to Σ: the low-pass acts on the signal, too, and on what corners leave of it not as on
 ///        the input that drives the simulation. |1 − H|² of a Butterworth filter, less its delay, is of that order.
-///        Where the hypothesis has the filter (ChannelNoise::on_signal) thresholds::filter_error of its amplitude is
-///        left.
+///        Of a filter that the hypothesis has (ChannelNoise::on_signal) only (thresholds::filter_error · (1 − h_c))²
+///        S_c is added.
 ///
 /// Where the mean of the input is unknown (PreparedRecording::mean_unknown) each channel is freed from its own, x̄ = Σ w
 /// x / Σ w. Of an acceleration's mean one thing is known, since the mass stays near the road: it is the change of a

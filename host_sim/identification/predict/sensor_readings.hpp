@@ -9,7 +9,7 @@ namespace host_sim::identification {
 
 /// Whether a rig has an effect with a corner (model::Corner): dry friction, free play, a stop, a limit of velocity.
 [[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
-/// Whether it has free play.
+/// True if a rig has an effect with free play (model::Corner::free_play).
 [[nodiscard]] bool has_free_play(const model::RigParameters<double>& rig);
 
 /// Whether several model steps are taken per sample: a rig with corners, or with laws, which may bend as sharply.

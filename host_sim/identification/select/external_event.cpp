@@ -48,7 +48,7 @@ std::optional<LoudStretches> loudest(const std::vector<StretchPower>& stretches,
                        powers[peak] / usual};
 }
 
-/// What an event of that duration [s] costs in (1), beside the residuals that are left out.
+/// Returns the penalties of (1) for one event of that duration [s].
 double price_of(double duration) {
   const SelectionCriterion criterion;
   return criterion.effect + criterion.parameter * (2.0 + 2.0 * thresholds::event_bandwidth * duration);
@@ -286,7 +286,7 @@ void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& spa
 
 /// The same for the model that was selected beside the events: the body's motion long after a push is too weak for
 /// every stretch of time, and shows in the band of its resonance. Effects that explained it go. Taken back where more
-/// is left than such motion.
+/// is left than such motion; not tried where described values were freed, which this refit would bind again.
 void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
                           LeftOut& out, SearchResult& found) {
   const auto leaves_more = [](const IdentificationProblem& p, const Fit& fit) { return left_by(p, fit).any(); };
