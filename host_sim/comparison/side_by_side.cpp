@@ -124,9 +124,11 @@ void simulate_group(const std::vector<SideBySideRig>& rigs, const std::vector<st
       .channel_count = channels.size(),
       .channels = channels.data(),
       .out = out.data()};
-#if defined(RIGTWIN_LANES)
+#if RIGTWIN_LANES >= 8
   if (lanes == 8) return simulate_eight(simulation);
-  return simulate_four(simulation);
+#endif
+#if RIGTWIN_LANES >= 4
+  simulate_four(simulation);
 #else
   static_cast<void>(simulation);
 #endif
@@ -135,13 +137,13 @@ void simulate_group(const std::vector<SideBySideRig>& rigs, const std::vector<st
 }  // namespace
 
 bool has_lanes(LaneUse use) {
-#if defined(RIGTWIN_LANES)
+#if RIGTWIN_LANES >= 8
   if (use == LaneUse::eight) return __builtin_cpu_supports("avx512f") != 0;
-  if (use == LaneUse::four) return __builtin_cpu_supports("avx2") != 0;
-  return true;
-#else
-  return use == LaneUse::one || use == LaneUse::automatic;
 #endif
+#if RIGTWIN_LANES >= 4
+  if (use == LaneUse::four) return __builtin_cpu_supports("avx2") != 0;
+#endif
+  return use == LaneUse::one || use == LaneUse::automatic;
 }
 
 bool alike(const model::RigParameters<double>& a, const model::RigParameters<double>& b) {

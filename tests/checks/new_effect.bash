@@ -40,7 +40,7 @@ if "$made_by" new-effect helper_spring --tree "$tree" 2>"$folder/again" || ! gre
 fi
 
 cmake -S "$tree" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" \
-  -DCMAKE_UNITY_BUILD=ON -DBUILD_TESTING=OFF >"$folder/log" ||
+  -DCMAKE_UNITY_BUILD=ON -DBUILD_TESTING=OFF -DRIGTWIN_LANES=1 >"$folder/log" ||
   { cat "$folder/log"; exit 1; }
 cmake --build "$folder/build" --parallel "$jobs" --target rigtwin rig_controller >"$folder/log" || { tail -n 50 "$folder/log"; exit 1; }
 rigtwin=$folder/build/bin/rigtwin

@@ -22,12 +22,21 @@ double butterworth_power(int order, double x) { return 1.0 / (1.0 + std::pow(x *
 /// Images k = −folds … folds of (1). Those beyond have 1e-3 of the amplitude at the Nyquist frequency.
 constexpr int folds = 8;
 
-/// (1), held; corner and f in units of the sample rate.
-double held_power(int order, double corner, double f) {
+/// (2); corner and f in units of the sample rate. Of first order in closed form: its images fall too slowly for a sum.
+double held_power(int order, double corner, double f, double late) {
+  using std::numbers::pi;
   if (f < 1e-9) return 1.0;
+  if (order == 1) {
+    const double forgets = std::exp(-2.0 * pi * corner);
+    const double forgets_since = std::exp(-2.0 * pi * corner * (late < 0.0 ? 1.0 + late : late));
+    const std::complex<double> before = std::polar(1.0, -2.0 * pi * f);
+    return std::norm(1.0 - forgets_since + forgets_since * (1.0 - forgets) * before / (1.0 - forgets * before));
+  }
   std::complex<double> sum = 0.0;
-  for (int k = -folds; k <= folds; ++k) sum += butterworth(order, (f + k) / corner) / (f + k);
-  return std::norm(sum * std::sin(std::numbers::pi * f) / std::numbers::pi);
+  for (int k = -folds; k <= folds; ++k) {
+    sum += butterworth(order, (f + k) / corner) * std::polar(1.0, 2.0 * pi * late * k) / (f + k);
+  }
+  return std::norm(sum * std::sin(pi * f) / pi);
 }
 
 /// Power of a channel in a narrow band: the median over its lines.
@@ -41,6 +50,13 @@ struct ChannelBands {
   bool begin_above_motion = false;  ///< at noise_begins; at a low sample rate motion may reach beyond
 };
 
+/// Of an even number of values the mean of the two in the middle.
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return values.size() % 2 == 1 ? *middle : 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
 std::vector<BandLevel> band_levels(const PowerSpectrum& spectrum, double period, bool is_position, double first,
                                    double last, double bands) {
   const double rate = 1.0 / period;
@@ -53,16 +69,18 @@ std::vector<BandLevel> band_levels(const PowerSpectrum& spectrum, double period,
   for (int b = 0; b < static_cast<int>(bands); ++b) {
     const double end = first + width * (b + 1);
     lines.clear();
-    for (; k < spectrum.frequency.size() && spectrum.frequency[k] < end; ++k) lines.push_back(spectrum.density[k]);
+    double sum = 0.0;  // of the lines' frequencies: where noise falls, half a line of one side is 2 % of its power
+    for (; k < spectrum.frequency.size() && spectrum.frequency[k] < end; ++k) {
+      lines.push_back(spectrum.density[k]);
+      sum += spectrum.frequency[k];
+    }
     if (lines.empty()) continue;
-    const auto middle = lines.begin() + static_cast<std::ptrdiff_t>(lines.size() / 2);
-    std::nth_element(lines.begin(), middle, lines.end());
+    const double f = sum / static_cast<double>(lines.size());
     // A line is a χ² of 2 · averages degrees of freedom ÷ that number; its median is (1 − 1/(9 averages))³ of its mean.
     const double median_of_mean = std::pow(1.0 - 1.0 / (9.0 * averages), 3);
-    const double power = *middle * 0.5 * rate / median_of_mean;
+    const double power = median(lines) * 0.5 * rate / median_of_mean;
     // Hann: neighbouring lines share 35/18; the median of many scatters as the mean of 1/1.57 as many.
     const double freedom = averages * std::max(1.0, static_cast<double>(lines.size()) / (35.0 / 18.0 * 1.57));
-    const double f = end - 0.5 * width;
     const double step = 1.0 / (4.0 * std::pow(std::sin(std::numbers::pi * f * period), 2));
     levels.push_back({f, power, freedom, is_position ? step * step : step});
   }
@@ -110,10 +128,11 @@ double freedom_of(const BandLevel& level, double loose, double period) {
   return 1.0 / (1.0 / level.freedom + form * form);
 }
 
-/// level² and b for one h: Fisher scoring, since (3) is linear in both.
-LevelFit fit_level(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, Tail tail) {
+/// level² and b for one h: Fisher scoring, since (3) is linear in both. `is_read`: d of (2) is known.
+LevelFit fit_level(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, Tail tail,
+                   bool is_read = false) {
   LevelFit fit;
-  const bool is_exact = colour.is_white() || colour.filter != NoiseColour::Filter::held;
+  const bool is_exact = is_read || colour.is_white() || colour.filter != NoiseColour::Filter::held;
   std::vector<double> h, expected, freedom;
   for (const BandLevel& l : levels) {
     h.push_back(colour.power(l.frequency, period));
@@ -168,16 +187,21 @@ struct ColourFit {
   double corner_error = 0.0;                               ///< relative standard error
 };
 
-/// Relative standard error of a corner from the curvature of the deviance, which rises by 1 at one of them; at most 1.
-double corner_error(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, Tail tail) {
+/// Relative standard error of a corner from the curvature of the deviance over its logarithm, which rises by 1 at one
+/// of them; at most 1.
+template <class Deviance>
+double corner_error(const Deviance& deviance_at) {
   constexpr double difference = 0.02;
-  const auto deviance_at = [&](double logarithm) {
+  const double curvature = (deviance_at(difference) + deviance_at(-difference) - 2.0 * deviance_at(0.0)) / 2.0;
+  return curvature > 0.0 ? std::min(difference / std::sqrt(curvature), 1.0) : 1.0;
+}
+
+double corner_error(const std::vector<BandLevel>& levels, const NoiseColour& colour, double period, Tail tail) {
+  return corner_error([&](double logarithm) {
     NoiseColour tried = colour;
     tried.corner *= std::exp(logarithm);
     return fit_level(levels, tried, period, tail).deviance;
-  };
-  const double curvature = (deviance_at(difference) + deviance_at(-difference) - 2.0 * deviance_at(0.0)) / 2.0;
-  return curvature > 0.0 ? std::min(difference / std::sqrt(curvature), 1.0) : 1.0;
+  });
 }
 
 /// true: in each band below noise_begins the noise has less than thresholds::most_noise_of_power times the channel's
@@ -231,7 +255,7 @@ double NoiseColour::power(double f, double period) const {
     case Filter::folded:
       return butterworth_power(order, std::sin(pi * turns) / std::sin(pi * edge));
     case Filter::held:
-      return held_power(order, edge, turns);
+      return held_power(order, edge, turns, late);
     case Filter::digital:
       break;
   }
@@ -285,6 +309,43 @@ ColourFit best_colour(const ChannelBands& bands, double period, const std::optio
   return best;
 }
 
+/// Held noise behind a low-pass of one order, with the instant d of (2) at which it is read, and the corner near
+/// `start` that goes with it. d is no part of what is to be known, so it costs nothing.
+ColourFit read_at_its_instant(const std::vector<BandLevel>& levels, double period, double start, int order) {
+  constexpr double range = 0.5;  // of the corner's logarithm
+  constexpr int rounds = 12;     // to 3e-3 of a range
+  const auto colour_at = [&](double logarithm, double late) {
+    return NoiseColour{start * std::exp(logarithm), order, NoiseColour::Filter::held, late};
+  };
+  const auto level_at = [&](const NoiseColour& colour) { return fit_level(levels, colour, period, Tail::none, true); };
+  const auto best_instant = [&](double logarithm) {
+    return golden_section([&](double late) { return level_at(colour_at(logarithm, late)).deviance; },
+                          -thresholds::latest_reading, thresholds::latest_reading, rounds);
+  };
+  const double at = golden_section([&](double x) { return best_instant(x).value; }, -range, range, rounds).at;
+  ColourFit read{colour_at(at, best_instant(at).at), {}, 0.0, 0.0};
+  read.level = level_at(read.colour);
+  read.corner_error = corner_error([&](double more) { return best_instant(at + more).value; });
+  return read;
+}
+
+/// The same colour, or held noise of this order or a lower one without a tail where that is better: when it is read,
+/// its form is near those of other kinds, orders and tails.
+void set_instant(const ChannelBands& bands, double period, ColourFit& fit) {
+  const bool is_digital = fit.colour.order > 1 && fit.colour.filter == NoiseColour::Filter::digital;
+  if (fit.colour.is_white() || is_digital || !bands.begin_above_motion) return;
+  const NoiseColour before = fit.colour;
+  const bool has_tail = fit.level.tail > 0.0;
+  double of_parameters = fit.price - fit.level.deviance;
+  if (!has_tail) fit.price = of_parameters + fit_level(bands.levels, before, period, Tail::none, true).deviance;
+  if (has_tail) of_parameters -= thresholds::colour_price;
+  for (int order = before.order + (has_tail ? 1 : 0); order >= 1; --order) {
+    ColourFit read = read_at_its_instant(bands.levels, period, before.corner, order);
+    read.price = of_parameters + read.level.deviance;
+    if (read.price < fit.price && holds_noise(bands.below, read.colour, read.level.square, period)) fit = read;
+  }
+}
+
 /// The cheapest tail of (4′) over white noise that is seen.
 ColourFit best_floor(const std::vector<BandLevel>& levels, double period) {
   constexpr double tail_and_order = 2.0;
@@ -323,6 +384,7 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
     drop_rounding(levels);
     if (levels.size() < fewest) return std::nullopt;
     best = best_colour(bands, period, expected);
+    if (!expected || best.colour != *expected) set_instant(bands, period, best);
   }
   NoiseSpectrumFit fit;
   fit.noise.colour = best.colour;

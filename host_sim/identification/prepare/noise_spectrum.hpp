@@ -17,15 +17,16 @@ namespace host_sim::identification {
 ///          = f/corner                    analogue: computed for more samples than were kept
 ///          = sin(πfT)/sin(π corner T)    folded: before the converter; noise above the Nyquist frequency came back
 ///                                        (order 1: exactly, of one time constant)
-///   (2)  h(f) = |Σ_k H((f + k/T)/corner) (1 − e^{−2πi fT})/(2πi (fT + k))|²
-///                                        held: before the converter, of noise that is a value a sample; of first
-///                                        order it is folded noise
+///   (2)  h(f) = |Σ_k H((f + k/T)/corner) (1 − e^{−2πi fT})/(2πi (fT + k)) e^{2πi kd}|²
+///                                        held: before the converter, of noise that is a value a sample and is read
+///                                        d samples after it was renewed; with d = 0 of first order it is folded noise
 struct NoiseColour {
   enum class Filter : unsigned char { digital, analogue, folded, held };
 
   double corner = 0.0;  ///< [Hz]; 0: white
   int order = 0;
   Filter filter = Filter::digital;
+  double late = 0.0;  ///< [samples] d of held noise; −0.1 … 0.1
 
   [[nodiscard]] bool is_white() const { return order == 0; }
   [[nodiscard]] double power(double f, double period) const;  ///< (1)
@@ -73,6 +74,9 @@ using ChannelNoises = std::array<ChannelNoise, model::channel_count>;
 /// only. Its power, and that of (4′), is known to a share e(f) (thresholds::form_known_to), and for both
 ///
 ///   (6)  1/ν′ = 1/ν + e²       takes the place of ν in (5), with ln(ν/ν′) added for each band
+///
+/// until the kind of low-pass is found. Then d of (2) is fitted with the corner, and the form is known; so it is for
+/// every noise of first order, of which (2) is nearly each kind.
 ///
 /// `level` is thresholds::least_of_tail of the lowest power of a band, ÷ h, at least: below a tail, noise is not seen.
 /// `expected`: the colour of other channels, which one recorder has filtered; it costs nothing, and another corner

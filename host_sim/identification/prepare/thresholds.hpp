@@ -93,11 +93,15 @@ inline constexpr double noise_ends_share = 0.49;
 /// Hz says of 20 Hz is off by a factor of two. At 1.5 a digital filter was rejected for a level 8 % too high.
 inline constexpr double slowest_noise_seen = 2.0, motion_spectrum_bands = 22.0, most_noise_of_power = 4.0;
 /// [1] Share of its power to which the form of a low-pass is known at 0 Hz; at f it is this ÷ (1 − 2fT), since near
-/// the Nyquist frequency there depends on what noise is between samples. Derivation: noise that is a value a sample and
-/// read a fortieth of a sample early has 0.88 of the power of (2) at 0.40/T, 0.77 at 0.45/T, 0.5 at 0.48/T, so the
-/// share is 0.12, 0.24 and 0.6 there. At none such noise behind 73 Hz was noise of 1.8 times the level behind 54 Hz.
-/// Half and twice were not measured.
+/// the Nyquist frequency there depends on what noise is between samples: until d of (2) is fitted. Derivation: noise
+/// that is a value a sample and read a fortieth of a sample early has 0.88 of the power of (2) at 0.40/T, 0.77 at
+/// 0.45/T, 0.5 at 0.48/T, so the share is 0.12, 0.24 and 0.6 there. At none such noise behind 73 Hz was noise of 1.8
+/// times the level behind 54 Hz. Half and twice were not measured.
 inline constexpr double form_known_to = 0.024;
+/// [samples] How much sooner or later than it is renewed noise that is a value a sample may be read: twice the largest
+/// that was seen. Taken for none, a twentieth makes 98 Hz and 0.92 of the level of 93 Hz of second order, and 80 Hz and
+/// 1.12 of the level of 93 Hz of first order. Half and twice were not measured.
+inline constexpr double latest_reading = 0.1;
 /// Bands of that range: 8 Hz at 1 kHz, half of the lowest corner's slope. Half: the colour of one noise is not said.
 /// Twice: the same names.
 inline constexpr double noise_spectrum_bands = 50.0;
