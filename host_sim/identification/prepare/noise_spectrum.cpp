@@ -212,6 +212,15 @@ bool holds_noise(const std::vector<BandLevel>& below, const NoiseColour& colour,
   });
 }
 
+double lowest_corner(const std::vector<BandLevel>& levels) {
+  return thresholds::lowest_corner_share * levels.front().frequency;
+}
+
+/// Below the lowest corner only the product of level and corner is seen.
+bool is_unseen(const std::vector<BandLevel>& levels, const NoiseColour& colour) {
+  return colour.corner < 1.01 * lowest_corner(levels);
+}
+
 /// The best corner of one kind of low-pass that the channel can hold: a scan, then golden section.
 ColourFit fit_corner(const ChannelBands& bands, NoiseColour colour, double period, Tail tail) {
   const std::vector<BandLevel>& levels = bands.levels;
@@ -222,7 +231,7 @@ ColourFit fit_corner(const ChannelBands& bands, NoiseColour colour, double perio
     const bool held = holds_noise(bands.below, tried, level.square, period);
     return held ? level.deviance : std::numeric_limits<double>::infinity();
   };
-  const double lowest = std::log(thresholds::lowest_corner_share * levels.front().frequency);
+  const double lowest = std::log(lowest_corner(levels));
   const double highest = std::log(0.49 / period);
   constexpr int scanned = 24;
   const double step = (highest - lowest) / scanned;
@@ -310,38 +319,39 @@ ColourFit best_colour(const ChannelBands& bands, double period, const std::optio
 }
 
 /// Held noise behind a low-pass of one order, with the instant d of (2) at which it is read, and the corner near
-/// `start` that goes with it. d is no part of what is to be known, so it costs nothing.
+/// `start` that goes with it. Of d is known what is usual, thresholds::usual_reading; to its price, without those of
+/// parameters, it adds what that costs.
 ColourFit read_at_its_instant(const std::vector<BandLevel>& levels, double period, double start, int order) {
   constexpr double range = 0.5;  // of the corner's logarithm
   constexpr int rounds = 12;     // to 3e-3 of a range
-  const auto colour_at = [&](double logarithm, double late) {
-    return NoiseColour{start * std::exp(logarithm), order, NoiseColour::Filter::held, late};
+  const auto fit_at = [&](double logarithm, double late) {
+    ColourFit fit{{start * std::exp(logarithm), order, NoiseColour::Filter::held, late}, {}, 0.0, 0.0};
+    fit.level = fit_level(levels, fit.colour, period, Tail::none, true);
+    fit.price = fit.level.deviance + std::pow(late / thresholds::usual_reading, 2);
+    return fit;
   };
-  const auto level_at = [&](const NoiseColour& colour) { return fit_level(levels, colour, period, Tail::none, true); };
   const auto best_instant = [&](double logarithm) {
-    return golden_section([&](double late) { return level_at(colour_at(logarithm, late)).deviance; },
-                          -thresholds::latest_reading, thresholds::latest_reading, rounds);
+    return golden_section([&](double late) { return fit_at(logarithm, late).price; }, -thresholds::latest_reading,
+                          thresholds::latest_reading, rounds);
   };
   const double at = golden_section([&](double x) { return best_instant(x).value; }, -range, range, rounds).at;
-  ColourFit read{colour_at(at, best_instant(at).at), {}, 0.0, 0.0};
-  read.level = level_at(read.colour);
+  ColourFit read = fit_at(at, best_instant(at).at);
   read.corner_error = corner_error([&](double more) { return best_instant(at + more).value; });
   return read;
 }
 
-/// The same colour, or held noise of this order or a lower one without a tail where that is better: when it is read,
-/// its form is near those of other kinds, orders and tails.
+/// The same colour, or held noise of this order or a lower one where that is better: when it is read, its form is near
+/// those of other kinds and orders. Not what may be a tail as well.
 void set_instant(const ChannelBands& bands, double period, ColourFit& fit) {
   const bool is_digital = fit.colour.order > 1 && fit.colour.filter == NoiseColour::Filter::digital;
-  if (fit.colour.is_white() || is_digital || !bands.begin_above_motion) return;
+  const bool may_be_tail = fit.level.tail > 0.0 || is_unseen(bands.levels, fit.colour);
+  if (fit.colour.is_white() || is_digital || may_be_tail || !bands.begin_above_motion) return;
   const NoiseColour before = fit.colour;
-  const bool has_tail = fit.level.tail > 0.0;
-  double of_parameters = fit.price - fit.level.deviance;
-  if (!has_tail) fit.price = of_parameters + fit_level(bands.levels, before, period, Tail::none, true).deviance;
-  if (has_tail) of_parameters -= thresholds::colour_price;
-  for (int order = before.order + (has_tail ? 1 : 0); order >= 1; --order) {
+  const double of_parameters = fit.price - fit.level.deviance;
+  fit.price = of_parameters + fit_level(bands.levels, before, period, Tail::none, true).deviance;
+  for (int order = before.order; order >= 1; --order) {
     ColourFit read = read_at_its_instant(bands.levels, period, before.corner, order);
-    read.price = of_parameters + read.level.deviance;
+    read.price += of_parameters;
     if (read.price < fit.price && holds_noise(bands.below, read.colour, read.level.square, period)) fit = read;
   }
 }
@@ -401,9 +411,7 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
   fit.tail = best.level.tail;
   const bool is_expected = expected && best.colour.corner == expected->corner;
   if (fit.tail > 0.0 && !is_expected) fit.noise.corner_half_width = best.colour.corner;
-  // Below the lowest corner only the product of level and corner is seen.
-  const double lowest_corner = thresholds::lowest_corner_share * levels.front().frequency;
-  if (!is_expected && best.colour.corner < 1.01 * lowest_corner) {
+  if (!is_expected && is_unseen(levels, best.colour)) {
     fit.noise.corner_half_width = thresholds::unseen_corner * best.colour.corner;
   }
   return fit;

@@ -75,8 +75,8 @@ using ChannelNoises = std::array<ChannelNoise, model::channel_count>;
 ///
 ///   (6)  1/ν′ = 1/ν + e²       takes the place of ν in (5), with ln(ν/ν′) added for each band
 ///
-/// until the kind of low-pass is found. Then d of (2) is fitted with the corner, and the form is known; so it is for
-/// every noise of first order, of which (2) is nearly each kind.
+/// until the kind of low-pass is found. Then d of (2) is fitted with the corner and (d/thresholds::usual_reading)²
+/// added to (5), and the form is known; so it is for every noise of first order, of which (2) is nearly each kind.
 ///
 /// `level` is thresholds::least_of_tail of the lowest power of a band, ÷ h, at least: below a tail, noise is not seen.
 /// `expected`: the colour of other channels, which one recorder has filtered; it costs nothing, and another corner

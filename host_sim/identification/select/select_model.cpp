@@ -9,6 +9,7 @@
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
+#include "host_sim/identification/select/model_fitter.hpp"
 #include "host_sim/identification/select/search_apart.hpp"
 #include "host_sim/identification/select/search_under_model_error.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
@@ -25,9 +26,54 @@ bool leaves_more(const IdentificationProblem& problem, const SearchResult& found
   return explained < share && unexplained_residual(problem, found.best.fit.hypothesis).significant;
 }
 
+/// Whether χ² falls in one step, and not on the way to the size of an effect (thresholds::on_the_way): dry friction of
+/// 40 N turns in another sample, which is worth 200. Asked of effects that have one size.
+bool comes_in_a_step(const IdentificationProblem& problem, const Fit& best, const firmware::PlacedEffect& effect) {
+  if (effect.values.size() != 1 || effect.entry->parameters.front().neutral != 0.0) return false;
+  const auto chi_squared = [&](double share) {
+    Hypothesis hypothesis = best.hypothesis;
+    firmware::PlacedEffect smaller = effect;
+    smaller.values.front() *= share;
+    firmware::remove_effect(hypothesis.rig, *effect.entry, effect.channel);
+    if (share > 0.0) firmware::put_effect(hypothesis.rig, smaller);
+    return residuals(problem, predict(problem, hypothesis)).squaredNorm();
+  };
+  const double without = chi_squared(0.0), gain = without - best.chi_squared;
+  double come = 0.0, shares = 0.0;
+  for (const double share : {0.25, 0.5, 0.75}) {
+    come += (without - chi_squared(share)) / (1.0 - std::pow(1.0 - share, 2));
+    shares += 1.0;
+  }
+  return come < thresholds::on_the_way * gain * shares;
+}
+
+/// Leaves out weak effects of friction and free play elsewhere, which a step of χ² has let in.
+void leave_out_steps(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
+                     SearchResult& found) {
+  if (!found.freed.empty() || found.gains.size() != found.best.effects.size()) return;
+  Effort effort;
+  const ModelFitter fitter(problem, space.common, criterion, effort);
+  for (std::size_t i = 0; i < found.gains.size();) {
+    const firmware::PlacedEffect& effect = found.best.effects[i];
+    model::RigParameters<double> others = found.best.fit.hypothesis.rig;
+    firmware::remove_effect(others, *effect.entry, effect.channel);
+    if (found.gains[i] >= thresholds::gain_of_steps || fitter.is_seen(effect) || !has_corners(others) ||
+        !comes_in_a_step(problem, found.best.fit, effect)) {
+      ++i;
+      continue;
+    }
+    found.best = fitter.without(found.best, i);
+    found.gains.erase(found.gains.begin() + static_cast<std::ptrdiff_t>(i));
+    if (i < found.rivals.size()) found.rivals.erase(found.rivals.begin() + static_cast<std::ptrdiff_t>(i));
+    i = 0;
+  }
+  found.simulations += effort.simulations;
+}
+
 /// The end of a selection. Free play that was found last was a guess when its knocks were looked for
 /// (noise/identification_problem.hpp), and its model may have lower minima.
-void settle(IdentificationProblem& problem, SearchResult& found) {
+void settle(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
+            SearchResult& found) {
   if (has_free_play(found.best.fit.hypothesis.rig) && problem.update_input_noise(found.best.fit.hypothesis)) {
     for (Fit* const each : {&found.nothing.fit, &found.best.fit}) {
       *each = fit(problem, each->hypothesis, each->parameters, 8);
@@ -35,6 +81,7 @@ void settle(IdentificationProblem& problem, SearchResult& found) {
     }
   }
   found.simulations += find_lower_minimum(problem, found.best.fit);
+  leave_out_steps(problem, space, criterion, found);
 }
 
 /// Steps 1, 2 and 4. false: the search was stopped behind step 1, since it explains less than `worth_comparing`.
@@ -45,7 +92,7 @@ bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, c
   if (worth_comparing > 0.0 && leaves_more(problem, found, worth_comparing)) return false;
   compare(problem, space, options, found);
   compare_parameters(problem, space, progress, found);
-  settle(problem, found);
+  settle(problem, space, criterion, found);
   found.constancy = law_constancy(problem, found);
   return true;
 }
@@ -135,7 +182,7 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
     if (far && !replaced) compare(problem, space, options, found);
   }
   if (found.freed.empty()) compare_parameters(problem, space, progress, found);
-  settle(problem, found);
+  settle(problem, space, {}, found);
   found.constancy = law_constancy(problem, found);
   const bool rest = leaves_a_rest(problem, found);
   if (!rest && !may_be_one_law(found)) return found;

@@ -174,6 +174,15 @@ inline constexpr double line_above_neighbours = 5.0, least_line = 5.0;
 /// diagnosis takes a third longer. Half and twice: the same names.
 inline constexpr double far_behind = 10.0;
 
+// Steps of χ² ---------------------------------------------------------------------------------------------------------
+
+/// [χ²] Effects that gain less beside friction or free play are looked at: twice the step of a sample in which 40 N of
+/// friction turn. Half and twice were not measured.
+inline constexpr double gain_of_steps = 400.0;
+/// [1] Share of what a parabola gains at a quarter, half and three quarters of an effect's size, in the mean, below
+/// which it is a step. Derivation: half way between both; 0.13 for the step that was seen.
+inline constexpr double on_the_way = 0.5;
+
 // Events from outside (external_event.hpp) ----------------------------------------------------------------------------
 
 /// Events of one diagnosis at most: each costs a refit, all together one or two searches. A record with more of them is
