@@ -47,12 +47,14 @@ bool comes_in_a_step(const IdentificationProblem& problem, const Fit& best, cons
   return come < thresholds::on_the_way * gain * shares;
 }
 
-/// Leaves out weak effects of friction and free play elsewhere, which a step of χ² has let in.
+/// Leaves out weak effects beside friction and free play that a step of χ² has let in. Not where the model leaves more
+/// than noise: there each effect may stand in for a part of what is missing.
 void leave_out_steps(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
                      SearchResult& found) {
   if (!found.freed.empty() || found.gains.size() != found.best.effects.size()) return;
   Effort effort;
   const ModelFitter fitter(problem, space.common, criterion, effort);
+  if (!fitter.leaves_noise(found.best)) return;
   for (std::size_t i = 0; i < found.gains.size();) {
     const firmware::PlacedEffect& effect = found.best.effects[i];
     model::RigParameters<double> others = found.best.fit.hypothesis.rig;
