@@ -7,7 +7,8 @@ build sanitize all
 
 export ASAN_OPTIONS=halt_on_error=1:strict_string_checks=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
-# Left out: eight rigs side by side, which are not built here; and tests that take more than a second without sanitizers or ten seconds with them, and whose code a shorter test or a fuzzer runs as
+# Left out: eight rigs side by side, which are not built here; and tests that take more than a second without sanitizers or ten seconds with
+# them, and whose code a shorter test or a fuzzer runs as
 # well (fuzz.diagnose runs whole diagnoses).
 LEFT_OUT=-$(xargs <<'END' | tr ' ' ':'
 *RoundTrip.OfEveryEffectThroughEveryCommand/0 *RoundTrip.OfEveryEffectThroughEveryCommand/1 *RoundTrip.OfEveryEffectThroughEveryCommand/2
@@ -23,7 +24,7 @@ RecordingFaults.TheInputs* RecordingFaults.WhatOnly* RecordingMat.SurvivesDamage
 SampledLoop.TendsTo* Search.* SearchApart.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityMap.IsExact* StabilityMap.TakesAny*
 StabilityReport.IsWhole* StackFit.Diagnosis* SuspectParameters.A* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand* SuspectParameters.Take*
 SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is* TransferPosterior.StaysAt*
-TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthNeighbours.DifferentiateBy* TruthSimulation.*
+NoiseSpectrum.FindsWhen* TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthNeighbours.DifferentiateBy* TruthSimulation.*
 Uncertainty.HoldsTheTruth* UnitCheck.AreNotSeen* UnitCheck.FindTheChannel*
 END
 )
