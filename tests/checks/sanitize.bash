@@ -1,6 +1,7 @@
 #!/bin/bash
 # Product, tests and fuzzers build with clang++, whose warnings differ from g++'s; the tests pass under the address and undefined-behaviour
-# sanitizers, whose first finding ends them. Four rigs side by side are those that eight are, in code of a template that takes a minute to compile.
+# sanitizers, whose first finding ends them. Rigs are simulated four side by side at most: eight are the same template, which takes a minute to
+# compile.
 . "$(dirname "$0")/common.bash"
 need clang++
 build sanitize all
@@ -8,8 +9,7 @@ build sanitize all
 export ASAN_OPTIONS=halt_on_error=1:strict_string_checks=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 # Left out: eight rigs side by side, which are not built here; and tests that take more than a second without sanitizers or ten seconds with
-# them, and whose code a shorter test or a fuzzer runs as
-# well (fuzz.diagnose runs whole diagnoses).
+# them, and whose code a shorter test or a fuzzer runs as well (fuzz.diagnose runs whole diagnoses).
 LEFT_OUT=-$(xargs <<'END' | tr ' ' ':'
 *RoundTrip.OfEveryEffectThroughEveryCommand/0 *RoundTrip.OfEveryEffectThroughEveryCommand/1 *RoundTrip.OfEveryEffectThroughEveryCommand/2
 AirSpringDiagnosis.* Calibration.* CharacteristicRoots.AgreeWith* Classics.* CompensatedStability.Judges* CompensatedStability.Margins*

@@ -1,6 +1,7 @@
 #include "host_sim/identification/select/select_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -39,12 +40,10 @@ bool comes_in_a_step(const IdentificationProblem& problem, const Fit& best, cons
     return residuals(problem, predict(problem, hypothesis)).squaredNorm();
   };
   const double without = chi_squared(0.0), gain = without - best.chi_squared;
-  double come = 0.0, shares = 0.0;
-  for (const double share : {0.25, 0.5, 0.75}) {
-    come += (without - chi_squared(share)) / (1.0 - std::pow(1.0 - share, 2));
-    shares += 1.0;
-  }
-  return come < thresholds::on_the_way * gain * shares;
+  constexpr std::array shares{0.25, 0.5, 0.75};
+  double come = 0.0;
+  for (const double share : shares) come += (without - chi_squared(share)) / (1.0 - std::pow(1.0 - share, 2));
+  return come < thresholds::on_the_way * gain * static_cast<double>(shares.size());
 }
 
 /// Leaves out weak effects beside friction and free play that a step of χ² has let in. Not where the model leaves more
