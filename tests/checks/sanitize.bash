@@ -13,9 +13,9 @@ export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 LEFT_OUT=-$(xargs <<'END' | tr ' ' ':'
 *RoundTrip.OfEveryEffectThroughEveryCommand/0 *RoundTrip.OfEveryEffectThroughEveryCommand/1 *RoundTrip.OfEveryEffectThroughEveryCommand/2
 AirSpringDiagnosis.* Calibration.* CharacteristicRoots.AgreeWith* Classics.* CompensatedStability.Judges* CompensatedStability.Margins*
-CompensatedStability.Says* CompensationCommand.* DiagnoseCommand.ReadsTheEnds* Diagnosis.DoesNotJudge* Diagnosis.FindsANegative* Diagnosis.IsLess* Diagnosis.Learns* Diagnosis.Names* Diagnosis.Reads*
+CompensatedStability.Says* CompensatedStability.MapOf* CompensationCommand.* DiagnoseCommand.ReadsTheEnds* Diagnosis.DoesNotJudge* Diagnosis.FindsANegative* Diagnosis.IsLess* Diagnosis.Learns* Diagnosis.Names* Diagnosis.Reads*
 Diagnosis.SaysOfNo* Diagnosis.Weighs* DiagnosisAtAnyRate.* DiagnosisWithoutRoad.* DuctPolicy.Beats* DuctPolicy.LosesLittle* DuctPolicy.Reaches*
-Backlash.IsStepped* EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Finite.Verdict* HeldOut.TakesAway* HowMade.*
+Backlash.IsStepped* EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Faults.AHundred* Finite.Verdict* HeldOut.TakesAway* HowMade.*
 *SideBySide.*/Eight Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.ReachesTheBounds* LawBand.Holds* LawConstancy.Doubts* LearnLaws.* LowerMinimum.IsFound* Manual.*
 ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstReference.Follows*Delay ModelAgainstReference.Follows*Friction
 ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N* Plan.P*

@@ -42,6 +42,7 @@ const std::vector<Known>& known_laws() {
       {"degressive_damper", false, {"degressive", "power law"}},
       {"leaf_friction", false, {"follows the load"}},
       {"stroke_damping", false, {"along the stroke"}},
+      {"bypass_damper", false, {"surface"}},
       {"fading_damping", false, {"drift"}},
       {"hysteresis", true, {"hysteresis", "bouc_wen"}},
       {"iwan", true, {"hysteresis"}},

@@ -118,7 +118,7 @@ bool is_hidden_law(const truth::Truth& truth, const host_sim::identification::De
   if (law.law.place != host_sim::identification::CurvePlace::suspension) return false;
   for (const char* value :
        {"wen_force", "stribeck_force", "cubic_damping", "asymmetry", "leaf_friction", "lopsided", "stroke_damping",
-        "power", "smooth_friction", "bristle", "blow_off", "degressive", "iwan", "fractional"}) {
+        "power", "smooth_friction", "bypass", "bristle", "blow_off", "degressive", "iwan", "fractional"}) {
     if (truth.unknown_parameters.contains(value)) return true;
   }
   return false;

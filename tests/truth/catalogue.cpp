@@ -295,6 +295,15 @@ const std::vector<Candidate>& laws() {
                     3000,
                     false,
                     "damping whose slope falls with velocity all along"});
+    list.push_back({"bypass_damper",
+                    "qhb",
+                    {{"bypass", 0.3, 0.9}, {"bypass_width", 2e-3, 6e-3}},
+                    "bypass",
+                    1,
+                    0.1,
+                    0.95,
+                    false,
+                    "damping that is higher on one side of the stroke, as of a damper with a bypass"});
     list.push_back({"iwan",
                     "qhb",
                     {{"iwan", 30, 150}, {"iwan_travel", 2e-3, 10e-3}},

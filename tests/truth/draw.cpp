@@ -435,7 +435,7 @@ Truth draw(const std::string& group, std::uint64_t seed, const Wanted& wanted) {
   truth.fdva = name == "seal_friction" || random.chance(0.5);
   // fading or lopsided damping needs some
   const auto needs_damping = [](const std::string& n) {
-    return n == "fading_damping" || n == "asymmetric_damper" || n == "stroke_damping";
+    return n == "fading_damping" || n == "asymmetric_damper" || n == "stroke_damping" || n == "bypass_damper";
   };
 
   // Which effects.

@@ -107,6 +107,8 @@ void put_outside(const Truth& truth, Numbers& n) {
   n.leaf = outside("leaf_friction");
   n.lopsided = outside("lopsided");
   n.stroke_damping = outside("stroke_damping");
+  n.bypass = outside("bypass");
+  n.bypass_width = outside("bypass_width", 1.0);
   n.tyre_maxwell = outside("tyre_maxwell");
   n.tyre_time = outside("tyre_time", 1.0);
   n.imbalance = outside("imbalance");
@@ -413,7 +415,8 @@ double Rig::undamped_behind_mount(const State& s, double deflection, double spri
 void Rig::dissipative(const State& s, double e, double ev, double spring, double damping, Rates& r) const {
   double& force = r.force;
   const double along_stroke = e * e / (large_stroke * large_stroke);
-  force += damping * ev * (1.0 + n_.asymmetry * sign(ev) + n_.stroke_damping * along_stroke);
+  const double bypass = n_.bypass * std::tanh(e / n_.bypass_width);
+  force += damping * ev * (1.0 + n_.asymmetry * sign(ev) + n_.stroke_damping * along_stroke + bypass);
   constexpr double slow = 1e-3;  // [m/s] below it leaves creep
   if (n_.leaf > 0.0) force += n_.leaf * spring * std::abs(e) * std::tanh(ev / slow);
   force += 0.5 * n_.lopsided_damping * std::abs(ev);

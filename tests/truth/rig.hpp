@@ -42,6 +42,7 @@ struct Numbers {
   double iwan = 0, iwan_travel = 1;  ///< eight equal elastic sliders: force of all, travel at which the last one slips
   double fractional = 0, fractional_exponent = 0.5;  ///< F = c dᵅx/dtᵅ [N s^α/m]
   double degressive = 0, degressive_velocity = 1;    ///< F = c v/(1 + |v|/w)
+  double bypass = 0, bypass_width = 1;               ///< F = damping · bypass · v tanh(x/w)
   double machine_play = 0;                           ///< [m] whole width
   double tyre_drift = 0;                             ///< relative, over the record
   std::vector<Event> events;                         ///< times since the run's begin

@@ -399,6 +399,8 @@ TEST(TruthSimulation, HasTheLawsOutsideTheCatalogue) {
         [&](double x, double v, double) { return plain(x, v) + 0.2 * 31500.0 * x * x / stroke; });
   check(bench_outside({{"stroke_damping", 2.0}}),
         [&](double x, double v, double) { return plain(x, v) + 2.0 * 1140.0 * v * x * x / (stroke * stroke); });
+  check(bench_outside({{"bypass", 0.5}, {"bypass_width", 4e-3}}),
+        [&](double x, double v, double) { return plain(x, v) + 0.5 * 1140.0 * v * std::tanh(x / 4e-3); });
   check(bench_outside({{"machine_curve", 0.1}}), [&](double x, double v, double) {
     const double share = 0.1 * x * x / (stroke * stroke);
     return plain(x * (1.0 - share), v * (1.0 - 3.0 * share));

@@ -14,8 +14,9 @@ namespace {
 
 using model::Channel;
 
-/// Three figures, as a reader writes them: "9800", not "9.8e+03".
+/// Three figures, as a reader writes them: "9800", not "9.8e+03", "−5", not "-5".
 std::string figures(double value) {
+  if (value < 0.0) return "−" + figures(-value);
   if (!(std::abs(value) >= 1000.0)) return formatted("%.3g", value);
   const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
   return formatted("%.0f", unit * std::round(value / unit));
@@ -41,6 +42,7 @@ class LawDescription {
     DescribedLaw out;
     out.law = law_;
     add_curve(out);
+    if (is_surface(law_.family)) add_sections(out);
     switch (law_.family) {
       case LawFamily::points:
         free_curve(out);
@@ -76,6 +78,9 @@ class LawDescription {
         break;
       case LawFamily::along_stroke:
         along_stroke(out);
+        break;
+      case LawFamily::free_surface:
+        free_surface(out);
         break;
     }
     return out;
@@ -288,26 +293,71 @@ class LawDescription {
                   figures(std::abs(more)).c_str(), more > 0.0 ? "more" : "less", 1e3 * law_.largest, law_.values[1]);
   }
 
+  /// Where most of the stroke ends.
+  [[nodiscard]] double end_of_stroke() const { return std::min(2.0 * law_.rms, law_.largest); }
+
+  /// By what it adds to damping and spring at both ends of what is mostly excited, and at rest.
+  void free_surface(DescribedLaw& out) const {
+    out.shape = "surface";
+    const double end = end_of_stroke(), q = law_.rms_velocity;
+    const auto damping = [q](double x) {
+      return [x, q](const PlacedLaw& law) { return (law.force(x, q) - law.force(x, -q)) / (2.0 * q); };
+    };
+    const auto spring = [](double x) { return [x](const PlacedLaw& law) { return law.force(x, 0.0); }; };
+    out.numbers = {known_of("damping_extended", damping(-end)), known_of("damping_at_rest", damping(0.0)),
+                   known_of("damping_compressed", damping(end)), known_of("force_extended", spring(-end)),
+                   known_of("force_compressed", spring(end))};
+    out.words = formatted("depends on deflection and velocity: adds %s N s/m at −%.3g mm, %s at rest, %s at %.3g mm",
+                          figures(out.numbers[0].value).c_str(), 1e3 * end, figures(out.numbers[1].value).c_str(),
+                          figures(out.numbers[2].value).c_str(), 1e3 * end);
+  }
+
+  /// Half of the 95 % interval of a number that the law gives.
+  template <class NumberOf>
+  [[nodiscard]] double half_width(const NumberOf& number_of) const {
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(half_widths_.size());
+    for (const std::size_t p : own_) {
+      PlacedLaw moved = law_;
+      const FreeParameter& parameter = fit_.parameters[p];
+      moved.value(parameter.number) = parameter.value(parameter.get(fit_.hypothesis) + parameter.difference);
+      change(static_cast<Eigen::Index>(p)) = (number_of(moved) - number_of(law_)) / parameter.difference;
+    }
+    const double half = known_.half_width_of(change);
+    return std::isfinite(half) ? half : thresholds::widest_band * std::max(law_.size, std::abs(number_of(law_)));
+  }
+
+  template <class NumberOf>
+  [[nodiscard]] LawNumber known_of(std::string name, const NumberOf& number_of) const {
+    const double value = number_of(law_), half = half_width(number_of);
+    return {std::move(name), value, value - half, value + half};
+  }
+
   void add_curve(DescribedLaw& out) const {
     const LawTable table = table_of(law_);
     out.at = table.at;
     out.force = table.value;
-    std::vector<Eigen::VectorXd> change(table.at.size(), Eigen::VectorXd::Zero(half_widths_.size()));
-    for (const std::size_t p : own_) {
-      PlacedLaw moved = law_;
-      const FreeParameter& parameter = fit_.parameters[p];
-      const double u = parameter.get(fit_.hypothesis);
-      moved.value(parameter.number) = parameter.value(u + parameter.difference);
-      for (std::size_t k = 0; k < table.at.size(); ++k) {
-        const double force = law_.family == LawFamily::points ? moved.values[k] : moved.force(table.at[k]);
-        change[k](static_cast<Eigen::Index>(p)) = (force - table.value[k]) / parameter.difference;
-      }
-    }
     for (std::size_t k = 0; k < table.at.size(); ++k) {
-      double half = known_.half_width_of(change[k]);
-      if (!std::isfinite(half)) half = thresholds::widest_band * std::max(law_.size, std::abs(table.value[k]));
+      const double half = half_width([x = table.at[k]](const PlacedLaw& law) { return law.force(x); });
       out.lower.push_back(table.value[k] - half);
       out.upper.push_back(table.value[k] + half);
+    }
+  }
+
+  void add_sections(DescribedLaw& out) const {
+    const model::SurfaceTable<double> table = surface_of(law_);
+    const double slowest = table.velocity.front(), fastest = table.velocity[table.columns - 1U];
+    constexpr int shown = 32;
+    for (const double x : {-end_of_stroke(), 0.0, end_of_stroke()}) {
+      LawSection section{x};
+      for (int i = 0; i <= shown; ++i) {
+        const double v = slowest + (fastest - slowest) * i / shown;
+        const LawNumber force = known_of("", [x, v](const PlacedLaw& law) { return law.force(x, v); });
+        section.at.push_back(v);
+        section.force.push_back(force.value);
+        section.lower.push_back(force.lower);
+        section.upper.push_back(force.upper);
+      }
+      out.sections.push_back(std::move(section));
     }
   }
 

@@ -30,6 +30,7 @@ namespace host_sim::identification {
 /// |                      |                  | largest T_i                                                           |
 /// | follows the load     | follows_load     | share c/(k r) of the spring's load, velocity w                        |
 /// | along the stroke     | along_stroke     | exponent p, damping at the end of the stroke                          |
+/// | surface              | free_surface     | damping that is added at −2r, 0 and 2r, force at v = 0 at both ends   |
 /// | degressive,          | points           | slope_at_rest, slope_at_end: where those of both sides differ alike by |
 /// | progressive          |                  | more than their intervals; rebound_harder_by_per_cent                  |
 /// | asymmetric           | points           | rebound_harder_by_per_cent, where only that is more than its interval  |

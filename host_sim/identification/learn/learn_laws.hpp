@@ -14,6 +14,7 @@ namespace host_sim::identification {
 ///      explains as much
 ///   3  the law is kept where it explains more than the effects did (SelectionCriterion, and the held-out windows) and
 ///      nothing but noise is left beside it
+///   4  where none is, a free surface over deflection and velocity is tried as they were (surface_fit.hpp)
 ///
 /// A law that is kept stands in found.best, in the place of the effects that it makes needless. Where it leaves a rest
 /// a second one is learned beside it: a curve beside branches with memory, or over the other variable.

@@ -35,6 +35,12 @@ struct LawNumber {
   double value, lower, upper;
 };
 
+/// Force over velocity of a surface at one deflection, with its 95 % band.
+struct LawSection {
+  double deflection;
+  std::vector<double> at{}, force{}, lower{}, upper{};
+};
+
 /// A law in the words of verdict.json and of the report.
 struct DescribedLaw {
   PlacedLaw law;
@@ -42,6 +48,7 @@ struct DescribedLaw {
   std::string words;                            ///< "grows with |v|^1.61 ± 0.04"
   std::vector<LawNumber> numbers;               ///< exponent …
   std::vector<double> at, force, lower, upper;  ///< curve with its 95 % band
+  std::vector<LawSection> sections{};           ///< of a surface: at −2r, 0 and 2r
   double lowest = 0.0, highest = 0.0;           ///< x that was excited: beyond it the law is continued straight
   double confidence = 0.0;
   /// Force at the place minus the model's own, thinned, and the force the rig as described has there.

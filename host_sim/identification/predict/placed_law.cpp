@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/laws/branch.hpp"
+#include "model/laws/surface.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -93,14 +94,22 @@ const std::vector<LawValue>& values_of(LawFamily family) {
                                                                        {},
                                                                        {},
                                                                        {c, width},
-                                                                       {c, exponent}}};
+                                                                       {c, exponent},
+                                                                       {}}};
   return values[static_cast<std::size_t>(family)];
 }
 
 std::vector<double> PlacedLaw::forces_along(const std::vector<double>& x, double period) const {
   std::vector<double> forces(x.size(), 0.0);
   if (is_surface(family)) {
-    for (std::size_t k = 1; k + 1 < x.size(); ++k) forces[k] = force(x[k], (x[k + 1] - x[k - 1]) / (2.0 * period));
+    const auto follow = [&](const auto& surface) {
+      for (std::size_t k = 1; k + 1 < x.size(); ++k) forces[k] = surface(x[k], (x[k + 1] - x[k - 1]) / (2.0 * period));
+    };
+    if (family == LawFamily::free_surface) {
+      follow(model::Surface<double>(surface_of(*this)));
+    } else {
+      follow([this](double deflection, double v) { return force(deflection, v); });
+    }
     return forces;
   }
   if (!has_memory(family)) {
@@ -141,6 +150,7 @@ double PlacedLaw::force(double x) const {
       return values[0] * x / (rms * (1.0 + a / values[1]));
     case LawFamily::follows_load:
     case LawFamily::along_stroke:
+    case LawFamily::free_surface:
       return force(x, rms_velocity);
     case LawFamily::sliders:
     case LawFamily::maxwell:
@@ -154,14 +164,50 @@ double PlacedLaw::force(double x) const {
   return sum;
 }
 
+namespace {
+
+/// Some rows of (14).
+model::SurfaceTable<double> free_surface_of(const PlacedLaw& law, std::size_t first, std::size_t rows) {
+  const model::SurfaceTable<double>& from = law.basis->from;
+  model::SurfaceTable<double> table;
+  table.place = place_of(law);
+  table.rows = static_cast<std::uint8_t>(rows);
+  table.columns = from.columns;
+  table.velocity = from.velocity;
+  for (std::size_t i = 0; i < rows; ++i) {
+    table.deflection[i] = from.deflection[first + i];
+    for (std::size_t j = 0; j < table.columns; ++j) {
+      double force = from.value[first + i][j];
+      for (std::size_t k = 0; k < law.values.size(); ++k) {
+        force += law.values[k] * law.basis->directions[k].value[first + i][j];
+      }
+      table.value[i][j] = force;
+    }
+  }
+  return table;
+}
+
+/// (14) at one place: of its rows only the two around x.
+double free_force(const PlacedLaw& law, double x, double v) {
+  const model::SurfaceTable<double>& from = law.basis->from;
+  const auto end = from.deflection.begin() + from.rows;
+  const auto above = std::upper_bound(from.deflection.begin(), end, x) - from.deflection.begin();
+  const auto first = std::clamp<std::ptrdiff_t>(above - 1, 0, from.rows - 2);
+  return model::Surface<double>(free_surface_of(law, static_cast<std::size_t>(first), 2))(x, v);
+}
+
+}  // namespace
+
 double PlacedLaw::force(double x, double v) const {
   const double along = std::abs(x) / rms;
   if (family == LawFamily::follows_load) return values[0] * along * std::tanh(v / values[1]);
+  if (family == LawFamily::free_surface) return free_force(*this, x, v);
   if (family == LawFamily::along_stroke) return values[0] * std::pow(along, values[1]) * v / rms_velocity;
   return force(x);
 }
 
 model::SurfaceTable<double> surface_of(const PlacedLaw& law) {
+  if (law.family == LawFamily::free_surface) return free_surface_of(law, 0, law.basis->from.rows);
   constexpr int each_side = (static_cast<int>(model::surface_points) - 1) / 2;
   const bool load = law.family == LawFamily::follows_load;
   // Straight over |x| and straight over v: three points are enough there.

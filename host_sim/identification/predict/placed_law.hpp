@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -31,6 +32,7 @@ namespace host_sim::identification {
 ///
 ///   follows_load (12)  F = c |x|/r · tanh(v/w)                            values: c, w: friction, times the load
 ///   along_stroke (13)  F = c |x/r|^p · v/q                                values: c, p: damping along the stroke
+///   free_surface (14)  F = F_0 + Σ_k u_k E_k on a grid of x and v           values: u_k
 enum class LawFamily : unsigned char {
   points,
   power,
@@ -44,23 +46,33 @@ enum class LawFamily : unsigned char {
   sliders,
   maxwell,
   follows_load,
-  along_stroke
+  along_stroke,
+  free_surface
 };
-inline constexpr std::size_t law_families = 13;
+inline constexpr std::size_t law_families = 14;
 [[nodiscard]] constexpr bool has_memory(LawFamily family) {
   return family == LawFamily::sliders || family == LawFamily::maxwell;
 }
 [[nodiscard]] constexpr bool is_surface(LawFamily family) {
-  return family == LawFamily::follows_load || family == LawFamily::along_stroke;
+  return family == LawFamily::follows_load || family == LawFamily::along_stroke || family == LawFamily::free_surface;
 }
-/// Whether its values are forces that belong to the numbers of PlacedLaw::at.
-[[nodiscard]] constexpr bool has_grid(LawFamily family) { return family == LawFamily::points || has_memory(family); }
+/// Whether its values are forces on a grid, as many as the grid asks for.
+[[nodiscard]] constexpr bool has_grid(LawFamily family) {
+  return family == LawFamily::points || family == LawFamily::free_surface || has_memory(family);
+}
 
 /// The guides hold body and wheel against the ground: laws over ż_b and ż_w.
 enum class CurvePlace : unsigned char { suspension, tyre, body_guide, wheel_guide };
 enum class CurveOver : unsigned char { velocity, deflection, both };
 [[nodiscard]] std::string_view name(CurvePlace place);
 [[nodiscard]] std::string_view name(CurveOver over);
+
+/// F_0 [N] and E_k [1] of (14), on one grid.
+struct SurfaceBasis {
+  model::SurfaceTable<double> from;
+  std::vector<model::SurfaceTable<double>> directions;
+  std::vector<double> deflections{}, velocities{};  ///< while its values are forces at nodes: where these are
+};
 
 struct PlacedLaw {
   CurvePlace place = CurvePlace::suspension;
@@ -71,7 +83,8 @@ struct PlacedLaw {
   double size = 1.0;         ///< a force [N] that matters here: unit of the values that are forces, in a fit
   std::vector<double> at{};  ///< x_i of (1), d_i [m] of (10), T_i [s] of (11)
   std::vector<double> values{};
-  double gap = 0.0;       ///< [m] of (10): lost motion; 0: none
+  std::shared_ptr<const SurfaceBasis> basis{};  ///< of (14)
+  double gap = 0.0;                             ///< [m] of (10): lost motion; 0: none
   double farthest = 0.0;  ///< the table of a family goes on as far as this, beyond X; straight from there
   std::size_t slot = 0;   ///< of the rig's laws, curve, surface or first branch: behind those of its description
 

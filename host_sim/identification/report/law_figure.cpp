@@ -55,6 +55,29 @@ Figure figure_of_learned(const DescribedLaw& law) {
                    std::move(curves));
 }
 
+Figure figure_of_sections(const DescribedLaw& law) {
+  Figure figure;
+  figure.title = "The same law over the velocity";
+  figure.note =
+      "Sections of the surface at three deflections, with their 95 % bands: where they differ, the damping depends on "
+      "the stroke. A band grows where the rig was seldom.";
+  figure.x = {"velocity", "m/s"};
+  Panel panel;
+  panel.y = {"force", "N"};
+  int colour = 0;
+  for (const LawSection& section : law.sections) {
+    panel.curves.push_back(
+        {"at " + figure_text(1e3 * section.deflection, 3) + " mm", section.at, section.force, colour, Dash::solid});
+    for (const std::vector<double>* end : {&section.lower, &section.upper}) {
+      panel.curves.push_back({"95 % band", section.at, *end, colour, Dash::dotted});
+      panel.curves.back().in_legend = false;
+    }
+    ++colour;
+  }
+  figure.panels.push_back(std::move(panel));
+  return figure;
+}
+
 Figure figure_of_described(const DescribedLaw& law) {
   return figure_of(
       law, "[laws." + law.words + "]",
@@ -100,7 +123,10 @@ void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws) {
     if (law.numbers.empty()) table.rows.push_back({words(law), "–", "", "", "", figure_text(law.confidence, 3)});
   }
   page.add_table(table);
-  for (const DescribedLaw& law : laws) page.add_figure(figure_of_learned(law));
+  for (const DescribedLaw& law : laws) {
+    page.add_figure(figure_of_learned(law));
+    if (!law.sections.empty()) page.add_figure(figure_of_sections(law));
+  }
 }
 
 }  // namespace host_sim::identification

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "host_sim/identification/learn/surface_fit.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/identification/report/shape_words.hpp"
@@ -15,8 +16,7 @@ using namespace host_sim::identification;
 using testing::StartsWith;
 
 /// A law of a bench with its values known to 0.1 in their coordinates.
-DescribedLaw described(LawFamily family, CurveOver over, std::vector<double> values, std::vector<double> at = {},
-                       double gap = 0.0, double friction = 0.0) {
+DescribedLaw described(const PlacedLaw& law, double friction = 0.0) {
   const firmware::RigDescription bench = sample::bench();
   std::vector<PreparedRecording> recordings = sample::prepared(bench, bench);
   const Hypothesis given = described_hypothesis(bench, recordings);
@@ -25,6 +25,19 @@ DescribedLaw described(LawFamily family, CurveOver over, std::vector<double> val
   fit.hypothesis = given;
   if (friction > 0.0)
     firmware::put_effect(fit.hypothesis.rig, {firmware::find_effect("coulomb_friction"), std::nullopt, {friction}});
+  fit.hypothesis.laws = {law};
+  put_laws(fit.hypothesis.laws, fit.hypothesis.rig);
+  fit.parameters = law_parameters(fit.hypothesis.laws);
+  const auto n = static_cast<Eigen::Index>(fit.parameters.size());
+  Uncertainty known;
+  known.half_widths = Eigen::VectorXd::Constant(n, 0.025);
+  known.covariance = Eigen::MatrixXd::Identity(n, n) * 1e-4;
+  known.step_shift = Eigen::VectorXd::Zero(n);
+  return describe_laws(problem, fit, known).front();
+}
+
+DescribedLaw described(LawFamily family, CurveOver over, std::vector<double> values, std::vector<double> at = {},
+                       double gap = 0.0, double friction = 0.0) {
   PlacedLaw law;
   law.family = family;
   law.over = over;
@@ -36,15 +49,7 @@ DescribedLaw described(LawFamily family, CurveOver over, std::vector<double> val
   law.at = std::move(at);
   law.values = std::move(values);
   law.gap = gap;
-  fit.hypothesis.laws = {law};
-  put_laws(fit.hypothesis.laws, fit.hypothesis.rig);
-  fit.parameters = law_parameters(fit.hypothesis.laws);
-  const auto n = static_cast<Eigen::Index>(fit.parameters.size());
-  Uncertainty known;
-  known.half_widths = Eigen::VectorXd::Constant(n, 0.025);
-  known.covariance = Eigen::MatrixXd::Identity(n, n) * 1e-4;
-  known.step_shift = Eigen::VectorXd::Zero(n);
-  return describe_laws(problem, fit, known).front();
+  return described(law, friction);
 }
 
 std::string of_effect(const char* name, std::vector<double> values) {
@@ -75,6 +80,34 @@ TEST(DescribeLaw, SaysEachShapeInWordsWithNumbers) {
   // 4 N at r and 0.1 m/s: 40 N s/m; at 4 r with a square 640
   EXPECT_EQ(described(LawFamily::along_stroke, both, {4.0, 2.0}).words,
             "damping grows along the stroke: 640 N s/m more at 40 mm, with |x|^2");
+}
+
+// Point. A surface by hand, 500 x + 3000 x v N with r = 10 mm and q = 0.1 m/s: 60 N s/m more or less at 2 r, and 10 N
+// of spring. One value, a share of x v that is 1 at 40 mm and 0.4 m/s, has a standard deviation of 0.01 of 100 N.
+TEST(DescribeLaw, SaysASurfaceByItsDampingOverTheStroke) {
+  const ExcitedRange stroke{-0.04, 0.04, 0.01, 0.04}, speed{-0.4, 0.4, 0.1, 0.4};
+  PlacedLaw law = surface_through(stroke, speed, [](double x, double v) { return 500.0 * x + 3000.0 * x * v; });
+  SurfaceBasis basis{
+      surface_of(law),
+      {surface_of(surface_through(stroke, speed, [](double x, double v) { return x * v / (0.04 * 0.4); }))}};
+  law.basis = std::make_shared<const SurfaceBasis>(std::move(basis));
+  law.values = {0.0};
+  law.size = 100.0;
+  const DescribedLaw surface = described(law);
+  EXPECT_EQ(surface.shape, "surface");
+  EXPECT_EQ(surface.words, "depends on deflection and velocity: adds −60 N s/m at −20 mm, 0 at rest, 60 at 20 mm");
+  ASSERT_EQ(surface.numbers.size(), 5U);
+  EXPECT_NEAR(surface.numbers[2].value, 60.0, 1e-9);
+  EXPECT_NEAR(surface.numbers[2].upper - surface.numbers[2].value, 1.96 * 0.01 * 100.0 * 0.02 / (0.04 * 0.4), 1e-3);
+  EXPECT_NEAR(surface.numbers[4].value, 10.0, 1e-9);
+  EXPECT_NEAR(surface.numbers[4].upper, 10.0, 1e-9);
+  // The page shows it over the velocity, too: at 2 r and 0.4 m/s 10 + 24 N, known to 1.96 · 0.01 · 100 N · ½.
+  ASSERT_EQ(surface.sections.size(), 3U);
+  EXPECT_NEAR(surface.sections[2].force.back(), 34.0, 1e-9);
+  EXPECT_NEAR(surface.sections[2].upper.back(), 34.0 + 0.98, 1e-3);
+  host_sim::report::Report page("page");
+  add_laws(page, {surface});
+  EXPECT_NE(page.html().find("The same law over the velocity"), std::string::npos);
 }
 
 // Point. Curves whose slope falls all along, by hand: 1000 + 500 N s/m at rest, a quarter of the 500 at 0.1 m/s, a

@@ -141,4 +141,24 @@ TEST(LearnLaws, FindsFrictionThatFollowsTheLoad) {
   EXPECT_EQ(json["laws"][0]["surface"]["force"].size(), json["laws"][0]["surface"]["deflection"].size());
 }
 
+// Truth by construction. Damping that is higher on one side of the stroke is no family's: a free surface tells what it
+// adds on either side within its intervals, what is left is said, and the rig that is written holds the surface.
+TEST(LearnLaws, LearnsASurfaceThatHasNoName) {
+  const std::string group = "law:hil:bypass_damper";
+  const Diagnosis found = diagnosed(group, 100, 20.0);
+  ASSERT_EQ(found.laws.size(), 1U);
+  const DescribedLaw& law = found.laws.front();
+  EXPECT_EQ(law.shape, "surface");
+  const nlohmann::json truth = nlohmann::json::parse(truth::truth_json(truth::draw(group, 100, {})));
+  const double damping = truth["true"]["suspension.damping"], more = damping * hidden(group, 100, "bypass");
+  for (const auto& [name, side] : {std::pair("damping_extended", -1.0), std::pair("damping_compressed", 1.0)}) {
+    EXPECT_NEAR(number(law, name), side * more, 0.15 * more) << name;
+  }
+  EXPECT_EQ(found.rig.rig.laws.surface_count, 1);
+  const PredictionError& gap = found.prediction_errors.at(model::Channel::F);
+  ASSERT_TRUE(gap.catalogue);
+  EXPECT_LT(gap.after, 1.2 * gap.noise_floor);
+  EXPECT_GT(*gap.catalogue, gap.after);
+}
+
 }  // namespace

@@ -75,6 +75,32 @@ TEST(PlacedLaw, SurfacesByHand) {
   EXPECT_NEAR(forces[1], 10.0 * 1.0 * (0.2 / 1.0) / 0.2, 1e-12);
 }
 
+// Point. A free surface by hand: two rows of a plane, and a direction that lifts one corner by a quarter of its value;
+// in and beyond its rows, and along a motion.
+TEST(PlacedLaw, AFreeSurfaceIsASumOfTables) {
+  model::SurfaceTable<double> plane;
+  plane.rows = 3;
+  plane.columns = 2;
+  plane.deflection = {-0.1, 0.0, 0.2};
+  plane.velocity = {0.0, 1.0};
+  plane.value[0] = {-10.0, -5.0};
+  plane.value[1] = {0.0, 5.0};
+  plane.value[2] = {20.0, 25.0};
+  model::SurfaceTable<double> corner = plane;
+  corner.value = {};
+  corner.value[2][1] = 0.25;
+  PlacedLaw law = law_of(LawFamily::free_surface, {8.0});
+  law.over = CurveOver::both;
+  law.basis = std::make_shared<const SurfaceBasis>(SurfaceBasis{plane, {corner}});
+  EXPECT_NEAR(law.force(-0.05, 0.5), -2.5, 1e-12);
+  EXPECT_NEAR(law.force(0.1, 0.0), 10.0, 1e-12);
+  EXPECT_NEAR(law.force(0.1, 1.0), 16.0, 1e-12);
+  EXPECT_NEAR(law.force(0.3, 1.0), 38.0, 1e-12);
+  EXPECT_NEAR(law.force(-0.2, 0.0), -20.0, 1e-12);
+  EXPECT_NEAR(surface_of(law).value[2][1], 27.0, 1e-12);
+  EXPECT_NEAR(law.forces_along({0.0, 0.1, 0.2}, 0.1)[1], 16.0, 1e-12);
+}
+
 // Law. A law of a guide stands at that guide, over the velocity.
 TEST(PlacedLaw, GuidesAreTheirOwnPlace) {
   PlacedLaw law = law_of(LawFamily::power, {50.0, 1.5});
