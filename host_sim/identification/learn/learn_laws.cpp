@@ -129,6 +129,7 @@ bool LawSearch::is_kept(const Candidate& law, Learned& learned) const {
   const bool is_free = curve.family == LawFamily::free_surface;  // it could take a share of any error
   if (before > 0.0 && after < share * before && !is_free && !draws_friction(curve, all, kept)) return true;
   const auto noise = static_cast<double>(held_out_count(problem_));
+  if (is_free && before > noise && after - noise < thresholds::surface_leaves * (before - noise)) return true;
   if (before > noise && after - noise < thresholds::refines_error * (before - noise) && refines(curve, all, kept))
     return true;
   const Explained now{law.model.fit.chi_squared, static_cast<double>(law.model.fit.residual.size()), after};

@@ -114,6 +114,10 @@ inline constexpr double steps_like_friction = 0.5;
 /// sets in, so that its own truth leaves a rest (0.59 and 0.73, seed 100 of rigtwin_confusion --laws). Half: neither is
 /// learned.
 inline constexpr double refines_error = 0.8;
+/// [1] and a free surface, whose nodes are coarse beside a law that changes within a few millimetres: the middle, as a
+/// ratio, between what it left of such laws (0.001 to 0.013, seed 20270105 of bypass_damper) and of a positioning
+/// system whose friction it would have replaced (0.5). Half and twice: the same.
+inline constexpr double surface_leaves = 0.1;
 /// Values of the simplest family of curves: what a free curve is expected to cost in the end.
 inline constexpr double fewest_values = 2.0;
 /// [ln] Odds are capped, so that they stay finite numbers.
