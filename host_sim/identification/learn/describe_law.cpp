@@ -307,7 +307,7 @@ class LawDescription {
     out.numbers = {known_of("damping_extended", damping(-end)), known_of("damping_at_rest", damping(0.0)),
                    known_of("damping_compressed", damping(end)), known_of("force_extended", spring(-end)),
                    known_of("force_compressed", spring(end))};
-    out.words = formatted("depends on deflection and velocity: adds %s N s/m at −%.3g mm, %s at rest, %s at %.3g mm",
+    out.words = formatted("adds %s N s/m of damping at −%.3g mm, %s at rest, %s at %.3g mm",
                           figures(out.numbers[0].value).c_str(), 1e3 * end, figures(out.numbers[1].value).c_str(),
                           figures(out.numbers[2].value).c_str(), 1e3 * end);
   }

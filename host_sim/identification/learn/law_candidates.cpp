@@ -63,10 +63,15 @@ bool LawSearch::is_possible(const Candidate& candidate) {
   return friction != effects.end() && fall > 0.0 && fall < friction->values.front();
 }
 
-std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
-  Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, beside.effects);
-  // A described value that was freed stood in for the law.
+/// What was found, with these effects alone. A described value that was freed stood in for the law.
+Hypothesis LawSearch::start_beside(const EffectsBeside& effects) const {
+  Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, effects);
   for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
+  return start;
+}
+
+std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
+  Hypothesis start = start_beside(beside.effects);
   const auto range = excited_range(problem_, start, beside.place, beside.over);
   if (!range) return std::nullopt;
   start.laws.push_back(flat_curve(beside.place, beside.over, *range));
@@ -213,8 +218,7 @@ std::vector<LawSearch::Candidate> LawSearch::candidates(const std::vector<Curve>
 
 /// `gap`: as a share of the deflection's range.
 std::optional<Hypothesis> LawSearch::start_of_stack(LawFamily family, const EffectsBeside& effects, double gap) const {
-  Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, effects);
-  for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
+  Hypothesis start = start_beside(effects);
   const auto range = excited_range(problem_, start, CurvePlace::suspension, CurveOver::deflection);
   const std::size_t slot = space_.given.rig.laws.branch_count;
   if (!range || slot == model::usual_laws.branches) return std::nullopt;
@@ -279,8 +283,7 @@ std::vector<LawSearch::Candidate> LawSearch::stacks() const {
 }
 
 std::optional<Hypothesis> LawSearch::start_of_surface(LawFamily family, const EffectsBeside& effects) const {
-  Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, effects);
-  for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
+  Hypothesis start = start_beside(effects);
   const auto deflection = excited_range(problem_, start, CurvePlace::suspension, CurveOver::deflection);
   const auto velocity = excited_range(problem_, start, CurvePlace::suspension, CurveOver::velocity);
   if (!deflection || !velocity) return std::nullopt;
@@ -346,8 +349,7 @@ std::vector<LawSearch::Candidate> LawSearch::surfaces() const {
 }
 
 std::optional<Hypothesis> LawSearch::start_of_free_surface(const EffectsBeside& effects) const {
-  Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, effects);
-  for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
+  Hypothesis start = start_beside(effects);
   const auto deflection = excited_range(problem_, start, CurvePlace::suspension, CurveOver::deflection);
   const auto velocity = excited_range(problem_, start, CurvePlace::suspension, CurveOver::velocity);
   if (!deflection || !velocity) return std::nullopt;

@@ -41,6 +41,7 @@ class LawSearch {
   };
 
   [[nodiscard]] std::vector<Beside> places() const;
+  [[nodiscard]] Hypothesis start_beside(const EffectsBeside& effects) const;
   [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
   [[nodiscard]] std::vector<Curve> curves() const;
   void grow(Curve& curve) const;

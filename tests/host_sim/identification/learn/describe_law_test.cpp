@@ -95,7 +95,7 @@ TEST(DescribeLaw, SaysASurfaceByItsDampingOverTheStroke) {
   law.size = 100.0;
   const DescribedLaw surface = described(law);
   EXPECT_EQ(surface.shape, "surface");
-  EXPECT_EQ(surface.words, "depends on deflection and velocity: adds −60 N s/m at −20 mm, 0 at rest, 60 at 20 mm");
+  EXPECT_EQ(surface.words, "adds −60 N s/m of damping at −20 mm, 0 at rest, 60 at 20 mm");
   ASSERT_EQ(surface.numbers.size(), 5U);
   EXPECT_NEAR(surface.numbers[2].value, 60.0, 1e-9);
   EXPECT_NEAR(surface.numbers[2].upper - surface.numbers[2].value, 1.96 * 0.01 * 100.0 * 0.02 / (0.04 * 0.4), 1e-3);
