@@ -283,7 +283,7 @@ TEST(Confusion, KnowsWhatIsRightOfLaws) {
   EXPECT_TRUE(outcome("none:hil", d).wrong_law);
   d.laws.clear();
   EXPECT_FALSE(outcome("none:hil", d).wrong_law);
-  EXPECT_EQ(laws_plan(1, 2).size(), 3 * (17 * 2 + 2 + 9));
+  EXPECT_EQ(laws_plan(1, 2).size(), 3 * (18 * 2 + 2 + 9));
   EXPECT_NE(laws_text({outcome("law:hil:iwan", d)}).find("with memory"), std::string::npos);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host_sim/identification/learn/excited_range.hpp"
+#include "host_sim/identification/learn/sliding_sides.hpp"
 #include "host_sim/identification/learn/thresholds.hpp"
 #include "host_sim/report/formatted.hpp"
 #include "model/laws/curve.hpp"
@@ -401,6 +402,18 @@ void add_loop(const std::vector<double>& x, const std::vector<double>& force, Wi
   }
 }
 
+/// Which way sliders pull harder, from what the law leaves of the force.
+void add_sides(const std::vector<double>& law, const std::vector<double>& error, Window window, DescribedLaw& out) {
+  std::vector<double> measured = law;
+  for (std::size_t k = 0; k < std::min(law.size(), error.size()); ++k) measured[k] += error[k];
+  const auto sides = sliding_sides(law, measured, window, out.force.back());
+  if (!sides) return;
+  out.numbers.push_back(sides->more);
+  const double more = sides->more.value;
+  out.words += formatted("; rebound %.0f %% %s than compression, or F is off by %s N", std::abs(more),
+                         more > 0.0 ? "harder" : "softer", figures(sides->offset).c_str());
+}
+
 /// Points behind the curve, of a window that is held out, else fitted: the law's force at the simulated motion plus
 /// what the residual says.
 void add_points(const IdentificationProblem& problem, const Hypothesis& hypothesis, DescribedLaw& out) {
@@ -420,6 +433,7 @@ void add_points(const IdentificationProblem& problem, const Hypothesis& hypothes
       out.seen_force.push_back(force[k] + error[k]);
     }
     if (has_memory(out.law.family)) add_loop(x, force, {window.from, std::min(window.to, x.size())}, out);
+    if (out.law.family == LawFamily::sliders) add_sides(force, error, window, out);
     return;
   }
 }

@@ -125,6 +125,11 @@ inline constexpr double most_odds = 300.0;
 
 // What is shown -------------------------------------------------------------------------------------------------------
 
+/// [1] Share of the largest force of sliders beyond which all of them are said to slide, and passes of a side that tell
+/// its mean and scatter. Derivation: sliders on a grid of halves reach nine tenths where the last but one slides; the
+/// scatter of three values is known to a half. Half of the passes: no scatter.
+inline constexpr double sliding = 0.9;
+inline constexpr std::size_t fewest_passes = 3;
 /// [1] Exponents this far from that of an effect are its own, if the effect explains as much: that decides.
 inline constexpr double exponent_of_effect = 0.3;
 /// [1] Slope beyond a knee, relative to that before it, up to which the fall of friction is tried as Stribeck's. Half
