@@ -313,23 +313,19 @@ class LawDescription {
                           figures(out.numbers[2].value).c_str(), 1e3 * end);
   }
 
-  /// Half of the 95 % interval of a number that the law gives.
+  /// A number that follows from the law, with its interval.
   template <class NumberOf>
-  [[nodiscard]] double half_width(const NumberOf& number_of) const {
+  [[nodiscard]] LawNumber known_of(std::string name, const NumberOf& number_of) const {
+    const double value = number_of(law_);
     Eigen::VectorXd change = Eigen::VectorXd::Zero(half_widths_.size());
     for (const std::size_t p : own_) {
       PlacedLaw moved = law_;
       const FreeParameter& parameter = fit_.parameters[p];
       moved.value(parameter.number) = parameter.value(parameter.get(fit_.hypothesis) + parameter.difference);
-      change(static_cast<Eigen::Index>(p)) = (number_of(moved) - number_of(law_)) / parameter.difference;
+      change(static_cast<Eigen::Index>(p)) = (number_of(moved) - value) / parameter.difference;
     }
-    const double half = known_.half_width_of(change);
-    return std::isfinite(half) ? half : thresholds::widest_band * std::max(law_.size, std::abs(number_of(law_)));
-  }
-
-  template <class NumberOf>
-  [[nodiscard]] LawNumber known_of(std::string name, const NumberOf& number_of) const {
-    const double value = number_of(law_), half = half_width(number_of);
+    double half = known_.half_width_of(change);
+    if (!std::isfinite(half)) half = thresholds::widest_band * std::max(law_.size, std::abs(value));
     return {std::move(name), value, value - half, value + half};
   }
 
@@ -338,9 +334,9 @@ class LawDescription {
     out.at = table.at;
     out.force = table.value;
     for (std::size_t k = 0; k < table.at.size(); ++k) {
-      const double half = half_width([x = table.at[k]](const PlacedLaw& law) { return law.force(x); });
-      out.lower.push_back(table.value[k] - half);
-      out.upper.push_back(table.value[k] + half);
+      const LawNumber force = known_of("", [x = table.at[k]](const PlacedLaw& law) { return law.force(x); });
+      out.lower.push_back(force.lower);
+      out.upper.push_back(force.upper);
     }
   }
 

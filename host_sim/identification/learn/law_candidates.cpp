@@ -63,7 +63,8 @@ bool LawSearch::is_possible(const Candidate& candidate) {
   return friction != effects.end() && fall > 0.0 && fall < friction->values.front();
 }
 
-/// What was found, with these effects alone. A described value that was freed stood in for the law.
+/// The model that the search found, with only these effects. Parameters that the search freed go back to their
+/// described values: they stood in for the law.
 Hypothesis LawSearch::start_beside(const EffectsBeside& effects) const {
   Hypothesis start = with_effects(space_, found_.best.fit.hypothesis, effects);
   for (const FreeParameter& freed : found_.freed) freed.put(start, freed.get(space_.given));
@@ -172,7 +173,7 @@ std::optional<LawSearch::Candidate> LawSearch::fitted_as(LawFamily family, const
   }
   CandidateModel model = fitted_with_laws(problem, space_, start, effects, thresholds::family_steps);
   if (!std::isfinite(model.fit.chi_squared)) return std::nullopt;
-  const double cost = cost_of(model, static_cast<double>(values_of(family).size()));
+  const double cost = cost_of(model, static_cast<double>(start.laws.back().values.size()));
   return Candidate{std::move(model), cost, family};
 }
 
@@ -313,20 +314,13 @@ bool LawSearch::may_have_surface() const {
 /// Families of surfaces on the whole: of each the one beside the right effects.
 std::vector<LawSearch::Candidate> LawSearch::surfaces() const {
   if (!may_have_surface()) return {};
-  const auto fit_on = [&](const IdentificationProblem& problem, LawFamily family, const EffectsBeside& effects,
-                          const Hypothesis& start) -> std::optional<Candidate> {
-    CandidateModel model = fitted_with_laws(problem, space_, start, effects, thresholds::family_steps);
-    if (!std::isfinite(model.fit.chi_squared)) return std::nullopt;
-    const double cost = cost_of(model, static_cast<double>(values_of(family).size()));
-    return Candidate{std::move(model), cost, family};
-  };
   const std::vector<EffectsBeside> beside =
       effects_beside(found_.best.effects, CurvePlace::suspension, CurveOver::velocity);
   std::vector<std::optional<Candidate>> tried(2 * beside.size());
   const auto family_of = [](std::size_t i) { return i % 2 == 0 ? LawFamily::follows_load : LawFamily::along_stroke; };
   for_all(tried.size(), [&](std::size_t i) {
     if (const auto start = start_of_surface(family_of(i), beside[i / 2]))
-      tried[i] = fit_on(part_, family_of(i), beside[i / 2], *start);
+      tried[i] = fitted_as(family_of(i), part_, *start, beside[i / 2]);
   });
   std::vector<std::size_t> best;
   for (std::size_t family = 0; family < 2; ++family) {
@@ -339,7 +333,7 @@ std::vector<LawSearch::Candidate> LawSearch::surfaces() const {
   std::vector<std::optional<Candidate>> fitted(best.size());
   for_all(best.size(), [&](std::size_t i) {
     const std::size_t b = best[i];
-    fitted[i] = fit_on(problem_, family_of(b), beside[b / 2], tried[b]->model.fit.hypothesis);
+    fitted[i] = fitted_as(family_of(b), problem_, tried[b]->model.fit.hypothesis, beside[b / 2]);
   });
   std::vector<Candidate> list;
   for (auto& candidate : fitted) {
@@ -391,16 +385,12 @@ std::optional<LawSearch::Candidate> LawSearch::free_surface(const std::vector<Ca
   if (!best) return std::nullopt;
   const auto on_part = fitted(beside[*best], thresholds::curve_steps);
   if (!on_part) return std::nullopt;
-  const Hypothesis& start = on_part->model.fit.hypothesis;
-  CandidateModel model = fitted_with_laws(problem_, space_, start, beside[*best], thresholds::family_steps);
-  if (!std::isfinite(model.fit.chi_squared)) return std::nullopt;
-  if (!others.empty()) {
-    const double left = held_out_chi_squared(problem_, others.front().model.fit.hypothesis);
-    const double margin = thresholds::law_margin_held_out * temper_of(model.fit);
-    if (left > 0.0 && held_out_chi_squared(problem_, model.fit.hypothesis) + margin > left) return std::nullopt;
-  }
-  const double cost = cost_of(model, static_cast<double>(start.laws.back().values.size()));
-  return Candidate{std::move(model), cost, LawFamily::free_surface};
+  auto whole = fitted_as(LawFamily::free_surface, problem_, on_part->model.fit.hypothesis, beside[*best]);
+  if (!whole || others.empty()) return whole;
+  const double left = held_out_chi_squared(problem_, others.front().model.fit.hypothesis);
+  const double margin = thresholds::law_margin_held_out * temper_of(whole->model.fit);
+  if (left > 0.0 && held_out_chi_squared(problem_, whole->model.fit.hypothesis) + margin > left) return std::nullopt;
+  return whole;
 }
 
 }  // namespace host_sim::identification

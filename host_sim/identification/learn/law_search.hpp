@@ -1,4 +1,4 @@
-// What learn_laws() does, step by step: candidates in law_candidates.cpp, the choice in learn_laws.cpp.
+// The search for laws: law_candidates.cpp fits the candidates, learn_laws.cpp chooses one of them.
 #pragma once
 
 #include <cstddef>

@@ -8,7 +8,7 @@
 
 namespace host_sim::identification {
 
-/// What the data say of the K free values F of a law, linearised, while everything else makes way:
+/// χ² as a quadratic function of the K free values F of a law, with all other parameters at their best for each F:
 ///
 ///   (1)  χ²/2 = const + gᵀd + ½ dᵀM d,   d: a change of F
 ///
@@ -63,8 +63,8 @@ class PenalisedFit {
   LawInformation known_;
 };
 
-/// How far each point but the first and last lies off the straight line between its neighbours, as a matrix on the
-/// values at x_i.
+/// The matrix that takes the values at x_i to the distance of each inner value from the straight line between its two
+/// neighbours.
 [[nodiscard]] Eigen::MatrixXd bends(const std::vector<double>& at);
 
 }  // namespace host_sim::identification

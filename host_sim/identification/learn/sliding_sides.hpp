@@ -1,4 +1,4 @@
-// How much harder elastic sliders pull one way than the other.
+// The difference between the forces of elastic sliders in compression and in rebound.
 #pragma once
 
 #include <optional>

@@ -111,20 +111,6 @@ Eigen::MatrixXd penalty_of(const std::vector<double>& deflections, const std::ve
   return along(bends(velocities), row, column) + along(bends(deflections), column, row);
 }
 
-/// Σ c_k E_k, without F_0.
-Grid combined(const std::vector<Grid>& directions, const Eigen::VectorXd& weights) {
-  Grid sum = directions.front();
-  sum.value = {};
-  for (std::size_t k = 0; k < directions.size(); ++k) {
-    for (std::size_t i = 0; i < sum.rows; ++i) {
-      for (std::size_t j = 0; j < sum.columns; ++j) {
-        sum.value[i][j] += weights(static_cast<Eigen::Index>(k)) * directions[k].value[i][j];
-      }
-    }
-  }
-  return sum;
-}
-
 double largest(const Grid& table) {
   double most = 0.0;
   for (const auto& row : table.value) {
@@ -133,16 +119,20 @@ double largest(const Grid& table) {
   return most;
 }
 
-/// (3): the surface as F_0, and what the data know of it.
+/// (3): the surface as F_0, and what the data know of it. `law` is free at its nodes.
 PlacedLaw determined(const PlacedLaw& law, const LawInformation& known) {
-  const std::vector<Grid>& nodes = law.basis->directions;
-  SurfaceBasis basis{combined(nodes, known.now * known.scale), {}};
+  const auto surface = [&](const Eigen::VectorXd& forces) {
+    PlacedLaw other = law;
+    other.values.assign(forces.begin(), forces.end());
+    return surface_of(other);
+  };
+  SurfaceBasis basis{surface(known.now * known.scale), {}};
   const Eigen::MatrixXd m = known.matrix / known.temper;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(m, m + known.lambda * known.penalty);
   if (solver.info() == Eigen::Success) {
     for (Eigen::Index k = solver.eigenvalues().size(); k-- > 0 && solver.eigenvalues()(k) > 0.5;) {
-      const Grid direction = combined(nodes, solver.eigenvectors().col(k));
-      basis.directions.push_back(combined(nodes, solver.eigenvectors().col(k) / std::max(largest(direction), 1e-300)));
+      const Eigen::VectorXd direction = solver.eigenvectors().col(k);
+      basis.directions.push_back(surface(direction / std::max(largest(surface(direction)), 1e-300)));
     }
   }
   PlacedLaw few = law;

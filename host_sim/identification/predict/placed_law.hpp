@@ -56,7 +56,7 @@ inline constexpr std::size_t law_families = 14;
 [[nodiscard]] constexpr bool is_surface(LawFamily family) {
   return family == LawFamily::follows_load || family == LawFamily::along_stroke || family == LawFamily::free_surface;
 }
-/// Whether its values are forces on a grid, as many as the grid asks for.
+/// True if the values of a family are forces, whose number depends on its grid.
 [[nodiscard]] constexpr bool has_grid(LawFamily family) {
   return family == LawFamily::points || family == LawFamily::free_surface || has_memory(family);
 }
