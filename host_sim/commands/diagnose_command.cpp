@@ -77,9 +77,14 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
       std::printf("    %s = %.5g (%.5g … %.5g)\n", number.name.c_str(), number.value, number.lower, number.upper);
   }
   for (const identification::ParameterOff& off : diagnosis.parameters_off) {
-    std::printf("  %s is %.6g (%.6g … %.6g), described as %.6g ± %.3g %%   confidence %.3f\n", off.path.c_str(),
-                off.value.value, off.value.lower, off.value.upper, off.described, 100.0 * off.tolerance,
-                off.confidence);
+    std::printf("  %s is %.6g (%.6g … %.6g), described as %.6g", off.path.c_str(), off.value.value, off.value.lower,
+                off.value.upper, off.described);
+    if (off.tolerance > 0.0) std::printf(" ± %.3g %%", 100.0 * off.tolerance);
+    std::printf("%s   confidence %.3f\n", off.tolerance > 0.0 ? "" : " without a tolerance", off.confidence);
+    for (const identification::AlternativeParameter& other : off.parameters) {
+      std::printf("    rather than %s, then %.6g: odds %s\n", other.path.c_str(), other.value,
+                  identification::odds_text(other.odds_against).c_str());
+    }
     for (std::size_t a = 0; a < std::min<std::size_t>(2, off.alternatives.size()); ++a) {
       std::printf("    rather than %s: odds %s\n", identification::words(off.alternatives[a].effect).c_str(),
                   identification::odds_text(off.alternatives[a].odds_against).c_str());

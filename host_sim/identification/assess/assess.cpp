@@ -104,6 +104,22 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
                                             car.tyre_error.with_effects, 0.0};
 }
 
+/// Numbers of the virtual car that are not as described: nothing of the rig does that.
+void add_numbers_off(const firmware::RigDescription& description, const VirtualCarEstimate& car, double price,
+                     Diagnosis& result) {
+  for (const VirtualNumberOff& off : car.off) {
+    const auto tolerance = description.tolerance.find(off.path);
+    const double odds = std::exp(std::clamp(0.5 * (off.gain - price), 0.0, thresholds::most_logarithmic_odds));
+    result.parameters_off.push_back({off.path,
+                                     off.described,
+                                     tolerance != description.tolerance.end() ? tolerance->second : 0.0,
+                                     interval_of(car.parameters.at(off.path)),
+                                     thresholds::highest_confidence * odds / (1.0 + odds),
+                                     {},
+                                     {}});
+  }
+}
+
 /// Something is there that the catalogue does not hold; `text` joins what is said of it.
 void add_unexplained(const std::string& text, Diagnosis& result) {
   result.unexplained = true;
@@ -182,6 +198,11 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
       if (off.alternatives.size() < thresholds::most_alternatives) {
         off.alternatives.push_back({rival.effect, odds.back(), {}});
       }
+    }
+    for (const RivalParameter& rival : suspect.parameters) {
+      odds.push_back(std::exp(
+          std::min(rival.penalised_chi_squared / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
+      off.parameters.push_back({rival.path, rival.value, odds.back()});
     }
     off.confidence = confidence(odds, suspect.gain, certainty);
     list.push_back(std::move(off));
@@ -273,10 +294,13 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close) ||
                      std::any_of(result.effects.begin(), result.effects.end(), has_lookalike) ||
                      std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close) ||
+                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(),
+                                 [](const ParameterOff& off) { return has_close_rival(off.parameters); }) ||
                      std::any_of(result.recording_faults.begin(), result.recording_faults.end(), has_close);
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
   add_tyre_effects(car, criterion, result);
+  add_numbers_off(description, car, criterion.effect + criterion.parameter + thresholds::violation, result);
   for (const auto& faults : {noise_faults(problem), lost_samples(problem, after)}) {
     result.recording_faults.insert(result.recording_faults.end(), faults.begin(), faults.end());
   }

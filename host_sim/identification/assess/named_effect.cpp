@@ -76,10 +76,19 @@ std::vector<Interval> intervals(const Fit& fit, const Eigen::VectorXd& half_widt
   return list;
 }
 
-bool has_close_rival(const std::vector<Alternative>& alternatives) {
+namespace {
+
+template <class Rivals>
+bool any_is_close(const Rivals& alternatives) {
   return std::any_of(alternatives.begin(), alternatives.end(),
-                     [](const Alternative& other) { return other.odds_against < thresholds::close_odds; });
+                     [](const auto& other) { return other.odds_against < thresholds::close_odds; });
 }
+
+}  // namespace
+
+bool has_close_rival(const std::vector<Alternative>& alternatives) { return any_is_close(alternatives); }
+
+bool has_close_rival(const std::vector<AlternativeParameter>& alternatives) { return any_is_close(alternatives); }
 
 std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, const SearchResult& found,
                                        const SelectionCriterion& criterion, const std::vector<Interval>& parameters,

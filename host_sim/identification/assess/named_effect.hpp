@@ -20,6 +20,13 @@ struct Alternative {
   std::string separate_by;  ///< the experiment, where the two are close
 };
 
+/// Another parameter that may be off in the place of one.
+struct AlternativeParameter {
+  std::string path;
+  double value;  ///< [SI]
+  double odds_against;
+};
+
 /// A law outside the catalogue that an effect may be (model::Lookalike).
 struct PossibleLaw {
   std::string_view law{};
@@ -75,6 +82,7 @@ struct Certainty {
 
 /// Whether a rival is so near that the two count as not told apart (thresholds::close_odds).
 [[nodiscard]] bool has_close_rival(const std::vector<Alternative>& alternatives);
+[[nodiscard]] bool has_close_rival(const std::vector<AlternativeParameter>& alternatives);
 /// The same of the law that it may be.
 [[nodiscard]] bool is_close(const PossibleLaw& other);
 

@@ -135,6 +135,10 @@ inline constexpr int equal_lowest_loads = 4;
 inline constexpr double lift_off_distance = 0.05;
 /// Neighbouring samples of the tyre's residual are off alike (differences over five samples): one in so many counts.
 inline constexpr double correlated_samples = 10.0;
+/// [1] From here on a number of the virtual car is off that is described without a tolerance: as rounding of a
+/// description. And the share of what the equations leave that is left with the right number: they are exact, so less
+/// than a millionth is. Half and twice: the same, where a mass is off by 8 % and leaves 1e-6.
+inline constexpr double number_off = 0.005, freed_number_leaves = 0.1;
 /// [1] What velocities by differences of fourth order are off, relative to the values estimated from them.
 inline constexpr double difference_error = 3e-5, law_difference_error = 1e-4;
 

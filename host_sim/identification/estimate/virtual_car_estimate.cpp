@@ -327,6 +327,63 @@ void add_equations(const PreparedRecording& prepared, const TyreLaw& law, Normal
   load.add_to(all);
 }
 
+/// (1)–(3) with one law of the tyre, solved within bounds.
+struct CarFit {
+  Normal equations;
+  Row values = Row::Zero();
+  double left = 0.0;  ///< Σ residual², in units of the equations
+
+  /// Standard error of a value, and what its differences are off.
+  [[nodiscard]] double error(Eigen::Index i) const {
+    const double variance = std::max(left, 0.0) / equations.samples;
+    return std::sqrt(variance / std::max(equations.matrix(i, i), 1e-300)) +
+           thresholds::difference_error * std::abs(values(i));
+  }
+};
+CarFit fit_car(const Normal& equations, const Given& given) {
+  CarFit fit{equations, given.value, 0.0};
+  // In deviations from the given values, each in units of the value, so that all are of one size.
+  const Row scale = given.value.cwiseAbs().cwiseMax(1e-9);
+  const Eigen::MatrixXd h = scale.asDiagonal() * equations.matrix * scale.asDiagonal();
+  const Eigen::VectorXd g = scale.asDiagonal() * (equations.matrix * given.value - equations.right);
+  fit.values +=
+      bounded_step(h, g, {given.lower.cwiseQuotient(scale), given.upper.cwiseQuotient(scale)}).cwiseProduct(scale);
+  fit.left = fit.values.dot(equations.matrix * fit.values) - 2.0 * fit.values.dot(equations.right) + equations.square;
+  return fit;
+}
+
+/// The same with these values bound by no tolerance: within a factor of thresholds::parameter_range.
+Given freed(Given given, const std::vector<Eigen::Index>& which) {
+  for (const Eigen::Index i : which) {
+    given.lower(i) = (1.0 / thresholds::parameter_range - 1.0) * given.value(i);
+    given.upper(i) = (thresholds::parameter_range - 1.0) * given.value(i);
+  }
+  return given;
+}
+
+/// The values with which the program does not compute as described: beyond their tolerance and the error of the
+/// estimate, where freeing them takes away nearly all that is left without.
+std::vector<Eigen::Index> values_off(const Normal& equations, const Given& given) {
+  std::vector<Eigen::Index> seen, off;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (given.value(i) > 0.0 && equations.matrix(i, i) > 0.0) seen.push_back(i);
+  }
+  const CarFit wide = fit_car(equations, freed(given, seen));
+  for (const Eigen::Index i : seen) {
+    const double allowed = std::max(given.upper(i), thresholds::number_off * given.value(i));
+    if (std::abs(wide.values(i) - given.value(i)) > allowed + 3.0 * wide.error(i)) off.push_back(i);
+  }
+  if (off.empty()) return off;
+  const double left = fit_car(equations, freed(given, off)).left, without = fit_car(equations, given).left;
+  return left < thresholds::freed_number_leaves * without ? off : std::vector<Eigen::Index>();
+}
+
+Normal equations_of(const std::vector<PreparedRecording>& recordings, const TyreLaw& law) {
+  Normal all;
+  for (const PreparedRecording& r : recordings) add_equations(r, law, all);
+  return all;
+}
+
 }  // namespace
 
 VirtualCarEstimate estimate_virtual_car(const firmware::RigDescription& description,
@@ -334,27 +391,30 @@ VirtualCarEstimate estimate_virtual_car(const firmware::RigDescription& descript
   VirtualCarEstimate car;
   if (description.rig.kind != model::RigKind::hil) return car;
   const Given given = given_values(description);
+  // A tyre that is softer than described is no law of the tyre: the law is asked for beside free numbers, too.
+  const Given free = freed(given, {k_t, b_t});
   TyreLaw law;
-  find_tyre_effects(description, recordings, given, law, car);
-  if (!given.any) return car;
-
-  Normal all;
-  for (const PreparedRecording& r : recordings) add_equations(r, law, all);
+  find_tyre_effects(description, recordings, free, law, car);
+  Normal all = equations_of(recordings, law);
   if (!(all.samples > 0.0)) return car;
-  // In deviations from the given values, each in units of the value, so that all are of one size.
-  const Row scale = given.value.cwiseAbs().cwiseMax(1e-9);
-  const Eigen::MatrixXd h = scale.asDiagonal() * all.matrix * scale.asDiagonal();
-  const Eigen::VectorXd g = scale.asDiagonal() * (all.matrix * given.value - all.right);
-  const Eigen::VectorXd d =
-      bounded_step(h, g, {given.lower.cwiseQuotient(scale), given.upper.cwiseQuotient(scale)}).cwiseProduct(scale);
-  const Row values = given.value + d;
-  const double left = values.dot(all.matrix * values) - 2.0 * values.dot(all.right) + all.square;
-  const double variance = std::max(left, 0.0) / all.samples;
+  const std::vector<Eigen::Index> off = values_off(all, given);
+  const auto is_off = [&](Eigen::Index i) { return std::find(off.begin(), off.end(), i) != off.end(); };
+  if (!is_off(k_t) && !is_off(b_t)) {
+    car = {};
+    law = {};
+    find_tyre_effects(description, recordings, given, law, car);
+    all = equations_of(recordings, law);
+  }
+  const CarFit fit = fit_car(all, freed(given, off));
+  const double without = off.empty() ? 0.0 : fit_car(all, given).left;
+  const double variance = std::max(fit.left, 1e-30 * all.square) / all.samples;
   for (Eigen::Index i = 0; i < count; ++i) {
-    if (!(given.upper(i) > 0.0)) continue;
-    const double scatter = std::sqrt(variance / std::max(all.matrix(i, i), 1e-300));
-    car.parameters[std::string(parameter_paths[static_cast<std::size_t>(i)])] = {
-        values(i), scatter + thresholds::difference_error * values(i)};
+    if (!(given.upper(i) > 0.0) && !is_off(i)) continue;
+    const std::string path(parameter_paths[static_cast<std::size_t>(i)]);
+    car.parameters[path] = {fit.values(i), fit.error(i)};
+    if (is_off(i)) {
+      car.off.push_back({path, given.value(i), (without - fit.left) / variance / thresholds::correlated_samples});
+    }
   }
   return car;
 }

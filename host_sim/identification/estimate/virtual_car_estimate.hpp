@@ -29,8 +29,16 @@ struct TyreError {
   double described = 0.0, refitted = 0.0, with_effects = 0.0;
 };
 
+/// A number of the virtual car with which the program does not compute as described.
+struct VirtualNumberOff {
+  std::string path;
+  double described;  ///< [SI]
+  double gain;  ///< fall of Σ(residual of (1) to (3))²/σ² with it and the others of its kind, in independent samples
+};
+
 struct VirtualCarEstimate {
-  std::map<std::string, Estimate> parameters;  ///< tolerated ones, by path
+  std::map<std::string, Estimate> parameters;  ///< tolerated ones and those that are off, by path
+  std::vector<VirtualNumberOff> off{};
   std::vector<TyreEffect> effects;
   TyreError tyre_error;
 };
@@ -44,7 +52,8 @@ struct VirtualCarEstimate {
 /// side. Velocities are differences of fourth order. Laws of the virtual tyre show in (3) alone: one that is
 /// proportional to its only parameter p where it takes away half the power that a linear tyre leaves and moves F_w by a
 /// thousandth; one without parameters that bounds F_w where the lowest F_w is repeated exactly near the bound. The laws
-/// are asked on their cards.
+/// are asked on their cards. A number that is not as described, with or without a tolerance, is `off` where freeing it
+/// takes away nearly all that is left of the equations (thresholds::freed_number_leaves).
 [[nodiscard]] VirtualCarEstimate estimate_virtual_car(const firmware::RigDescription& description,
                                                       const std::vector<PreparedRecording>& recordings);
 

@@ -5,6 +5,11 @@
 
 namespace host_sim::identification::thresholds {
 
+/// [1] Variance of the channel that moves most, in units of its noise, below which a recording is refused: 1.25 is a
+/// motion of half of the noise. Of such a recording no error can fall by more than a tenth, and effects that are as
+/// large as the signals passed for named ones where a rig stood still. Half of what is beyond 1, 12 %: the noise's
+/// level may be off by 5 %. Twice: a motion of 0.7 of the noise is refused.
+inline constexpr double least_motion = 1.25;
 /// [Hz] Residuals are compared from 0 up to here: roads, guides and dampers act below 30 Hz, a tyre's wheel hop is at
 /// 12 Hz, and lags and delays of sensors still show. Half: lags of 1 ms are hardly told from delays; the
 /// same names, in 0.7 of the time. Twice: twice the residuals, mostly noise; the same names.

@@ -93,7 +93,11 @@ SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, do
     return {{*declared / std::sqrt(colour.mean_power(period)), colour, 1.0, 0.0, found.highest_level}, std::nullopt};
   }
   const double rms = found.rms(period), factor = rms / *declared;
-  double believed = std::clamp(factor, 1.0 / thresholds::most_noise_factor, thresholds::most_noise_factor);
+  const double declared_to = std::log(thresholds::usual_noise_factor), seen_to = found.relative_error;
+  double believed = std::pow(factor, 1.0 / (1.0 + std::pow(seen_to / declared_to, 2)));
+  if (!found.colour.is_white()) {  // or the tail of a motion
+    believed = std::clamp(believed, 1.0 / thresholds::usual_noise_factor, thresholds::usual_noise_factor);
+  }
   if (std::abs(std::log(factor)) <= thresholds::noise_as_declared) believed = 1.0;
   found.level = found.colour.is_white() ? believed * *declared : found.level * (believed * *declared / rms);
   return {found, NoiseFactor{factor, 1.96 * factor * found.relative_error}};

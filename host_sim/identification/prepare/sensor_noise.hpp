@@ -46,8 +46,9 @@ struct SensorNoise {
 [[nodiscard]] ChannelNoise noise_in(const std::vector<double>& samples, double period, model::Channel channel,
                                     const std::optional<NoiseColour>& expected = {});
 
-/// Noise that was found in samples, with what was declared, an rms, as a prior: it is corrected beyond
-/// thresholds::noise_as_declared and by a factor of thresholds::most_noise_factor at most, and stands where the samples
+/// Noise that was found in samples, with what was declared, an rms, as a prior. Beyond thresholds::noise_as_declared
+/// its level is the mean of both in logarithms, weighted by what is known of each (thresholds::usual_noise_factor, the
+/// relative error of what was found), of coloured noise within that factor. What was declared stands where the samples
 /// do not tell noise from motion, with the colour of the other channels.
 [[nodiscard]] SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, double period,
                                         const std::optional<NoiseColour>& expected = {});

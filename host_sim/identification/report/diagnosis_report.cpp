@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "firmware/description/rig_writer.hpp"
@@ -78,10 +79,16 @@ void add_parameters_off(Report& page, const Diagnosis& diagnosis) {
       "", {"parameter", "described", "tolerance [%]", "fitted, 95 % interval", "confidence", "nearest rival"}, {}, 3};
   for (const ParameterOff& off : diagnosis.parameters_off) {
     std::string rival;
+    double odds = std::numeric_limits<double>::infinity();
     if (!off.alternatives.empty()) {
-      rival =
-          words(off.alternatives.front().effect) + ", " + odds_text(off.alternatives.front().odds_against) + " against";
+      odds = off.alternatives.front().odds_against;
+      rival = words(off.alternatives.front().effect);
     }
+    if (!off.parameters.empty() && off.parameters.front().odds_against < odds) {
+      odds = off.parameters.front().odds_against;
+      rival = off.parameters.front().path + " of " + figure_text(off.parameters.front().value, 6);
+    }
+    if (!rival.empty()) rival += ", " + odds_text(odds) + " against";
     table.rows.push_back({off.path, figure_text(off.described, 6), figure_text(100.0 * off.tolerance, 3),
                           with_interval(off.value, ""), figure_text(off.confidence, 3), rival});
   }
@@ -322,6 +329,10 @@ std::string sentence(const Diagnosis& diagnosis) {
   for (const ParameterOff& parameter : diagnosis.parameters_off) {
     off.push_back(parameter.path + " is " + figure_text(parameter.value.value, 5) + ", not " +
                   figure_text(parameter.described, 5));
+    if (has_close_rival(parameter.parameters)) {
+      const AlternativeParameter& other = parameter.parameters.front();
+      off.back() += " (or " + other.path + " is " + figure_text(other.value, 5) + ")";
+    }
   }
   const std::string causes = causes_in_recording(diagnosis);
   if (off.empty() && names.empty() && !causes.empty() && diagnosis.verdict != Verdict::unexplained) {

@@ -1,5 +1,6 @@
 #include "host_sim/identification/report/verdict_json.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -164,6 +165,13 @@ ordered_json to_json(const Diagnosis& diagnosis) {
     one.update(to_json(off.value));
     one["confidence"] = off.confidence;
     one["alternatives"] = to_json(off.alternatives);
+    for (const AlternativeParameter& other : off.parameters) {
+      one["alternatives"].push_back(
+          {{"name", other.path}, {"value", other.value}, {"odds_against", other.odds_against}});
+    }
+    std::stable_sort(one["alternatives"].begin(), one["alternatives"].end(), [](const auto& a, const auto& b) {
+      return a["odds_against"].template get<double>() < b["odds_against"].template get<double>();
+    });
     json["parameters_off"].push_back(std::move(one));
   }
   json["recording"] = ordered_json::array();

@@ -16,11 +16,19 @@ struct Rival {
   Hypothesis hypothesis;         ///< that model
 };
 
+/// Another parameter in the place of one that is off.
+struct RivalParameter {
+  std::string path;
+  double value;                  ///< [SI]
+  double penalised_chi_squared;  ///< relative to the model's own
+};
+
 /// A parameter outside its tolerance, or without one and not as described.
 struct SuspectParameter {
   std::string path;
   double gain;                ///< how much larger χ² is with it as described, all else refitted
   std::vector<Rival> rivals;  ///< effects in its place; their penalised χ² is relative to the model's own
+  std::vector<RivalParameter> parameters;  ///< others in its place, the nearest first
 };
 
 /// How much a fault of the recordings in `best` gains, and what could stand in its place.

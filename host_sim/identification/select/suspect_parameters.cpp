@@ -146,7 +146,8 @@ class ParameterSearch {
     return ModelFitter(problem_, space_.common, criterion_, effort_).leaves_noise(model);
   }
 
-  /// What could stand in the place of the freed parameter i: single effects, everything else refitted.
+  /// What could stand in the place of the freed parameter i: single effects and other parameters, everything else
+  /// refitted.
   [[nodiscard]] SuspectParameter suspect(const CandidateModel& best, const std::vector<FreeParameter>& freed,
                                          std::size_t i, const Scales& scales) {
     std::vector<FreeParameter> others = freed;
@@ -155,11 +156,18 @@ class ParameterSearch {
     freed[i].put(start, freed[i].get(space_.given));
     const ModelFitter fitter(problem_, untied(space_, others).common, criterion_, effort_);
     const CandidateModel reduced = fitter.refitted(start, best.effects);
-    SuspectParameter result{freed[i].path, reduced.fit.chi_squared - best.fit.chi_squared, {}};
+    SuspectParameter result{freed[i].path, reduced.fit.chi_squared - best.fit.chi_squared, {}, {}};
     const double to_best = best.penalised_chi_squared(criterion_) + price(1);
     for (const CandidateModel& other : fitter.extended(reduced, scales, thresholds::suspect_rivals)) {
       result.rivals.push_back(
           {other.effects.back(), other.penalised_chi_squared(criterion_) - to_best, other.fit.hypothesis});
+    }
+    // A length of a duct and its diameter may be one number to these channels.
+    for (const FreedModel& other : one_more({reduced, others}, 0.5 * result.gain)) {
+      const FreeParameter& parameter = other.freed.back();
+      if (is_same(parameter, freed[i])) continue;
+      result.parameters.push_back({parameter.path, parameter.value(parameter.get(other.model.fit.hypothesis)),
+                                   other.model.fit.chi_squared - best.fit.chi_squared});
     }
     return result;
   }

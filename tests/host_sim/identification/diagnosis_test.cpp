@@ -5,12 +5,15 @@
 
 #include <cmath>
 #include <map>
+#include <string>
 #include <utility>
 
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
+#include "tests/host_sim/identification/faulty_recording.hpp"
 #include "tests/host_sim/identification/truth_recording.hpp"
 #include "tests/support/reference_rig.hpp"
 #include "tests/support/reference_road.hpp"
@@ -210,6 +213,27 @@ TEST(Diagnosis, SaysOfNoParameterWithinItsToleranceThatItIsOff) {
   for (const identification::ParameterOff& off : found.parameters_off) {
     EXPECT_GT(std::abs(off.value.value / off.described - 1.0), off.tolerance) << off.path;
   }
+}
+
+// Edge. A rig that stands still is refused in one line; with nothing but noise, effects as large as the signals were
+// named with 0.8. A motion of three times the noise is diagnosed.
+TEST(Diagnosis, RefusesARecordingOfNothingButNoise) {
+  const truth::Truth truth = sample::quarter_car(31);
+  const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
+  const auto shrunk = [&](double share) {
+    return sample::changed_recording(truth, [&](sample::Columns& columns) {
+      for (auto& [channel, values] : columns) {
+        for (double& value : values) value *= share;
+      }
+    });
+  };
+  try {
+    (void)identification::diagnose(description, {{shrunk(0.0), Use::shared}});
+    FAIL() << "a rig that stands still was diagnosed";
+  } catch (const firmware::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("holds nothing but noise"), std::string::npos) << error.what();
+  }
+  EXPECT_NO_THROW((void)identification::diagnose(description, {{shrunk(0.05), Use::shared}}));
 }
 
 // Law. Where what is left is as large as the signals, nothing is explained: a loop that its machine's limit has driven

@@ -49,9 +49,26 @@ TEST(VirtualCarEstimate, IsReadFromWhatTheProgramRecorded) {
   EXPECT_NEAR(found.at("body.mass").value / m_b, 1.0, 1e-5);
   EXPECT_NEAR(found.at("wheel.mass").value / m_w, 1.0, 1e-5);
   EXPECT_NEAR(found.at("tyre.stiffness").value / k_t, 1.0, 1e-5);
-  description.tolerance = {{"body.mass", 0.01}};
-  EXPECT_NEAR(identification::estimate_virtual_car(description, {e}).parameters.at("body.mass").value,
-              1.01 * description.rig.body.mass, 1e-6);
+  EXPECT_TRUE(identification::estimate_virtual_car(description, {e}).off.empty());
+
+  // What is beyond its tolerance, or has none and is not as described, is off; as described are damping and tyre
+  // damping.
+  description.tolerance = {{"body.mass", 0.01}, {"wheel.mass", 0.05}};
+  const auto beyond = identification::estimate_virtual_car(description, {e});
+  ASSERT_EQ(beyond.off.size(), 2U);
+  EXPECT_EQ(beyond.off[0].path, "body.mass");
+  EXPECT_EQ(beyond.off[0].described, description.rig.body.mass);
+  EXPECT_GT(beyond.off[0].gain, 1e3);
+  EXPECT_EQ(beyond.off[1].path, "tyre.stiffness");
+  ASSERT_EQ(beyond.parameters.size(), 3U);
+  EXPECT_NEAR(beyond.parameters.at("body.mass").value / m_b, 1.0, 1e-5);
+  EXPECT_NEAR(beyond.parameters.at("wheel.mass").value / m_w, 1.0, 1e-5);
+  EXPECT_NEAR(beyond.parameters.at("tyre.stiffness").value / k_t, 1.0, 1e-5);
+
+  // A force that is not the program's explains no number: with noise of its size no mass is found to be off.
+  identification::PreparedRecording other = e;
+  for (std::size_t k = 0; k < n; ++k) other.recording[Channel::F][k] = k % 2 == 0 ? 400.0 : -400.0;
+  EXPECT_TRUE(identification::estimate_virtual_car(description, {other}).off.empty());
   EXPECT_TRUE(identification::estimate_virtual_car(parse_rig(support::bench_text, "rig"), {e}).parameters.empty());
 }
 
@@ -91,6 +108,16 @@ TEST(VirtualCarEstimate, ReadsTheEffectsOfItsTyre) {
   EXPECT_LT(car.tyre_error.with_effects, 0.01 * car.tyre_error.refitted);
   EXPECT_LE(car.tyre_error.refitted, car.tyre_error.described);
   EXPECT_GT(car.effects[0].gain, 1e4);
+
+  // A tyre 10 % stiffer than described is no law.
+  const auto stiff = [&] {
+    RigDescription softer = description;
+    softer.rig.tyre.stiffness /= 1.1;
+    return identification::estimate_virtual_car(softer, {tyre_recording(description, 0.0, never)});
+  }();
+  EXPECT_TRUE(stiff.effects.empty());
+  ASSERT_EQ(stiff.off.size(), 1U);
+  EXPECT_NEAR(stiff.parameters.at("tyre.stiffness").value / description.rig.tyre.stiffness, 1.0, 1e-6);
 
   // Beyond the bounds of its card, −1e12, it is no tyre's.
   EXPECT_TRUE(

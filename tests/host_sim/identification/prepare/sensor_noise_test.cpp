@@ -60,8 +60,17 @@ TEST(NoiseFactor, CorrectsADeclaration) {
   EXPECT_NEAR(identification::sensor_noise(declared(1e-3), noisy(2.1e-3, 1), Channel::dz_b), 2.1e-3, 0.15e-3);
   EXPECT_NEAR(identification::sensor_noise(declared(1e-3), noisy(0.5e-3, 1), Channel::dz_b), 0.5e-3, 0.04e-3);
   EXPECT_EQ(identification::sensor_noise(declared(1e-3), noisy(1.0e-3, 1), Channel::dz_b), 1e-3);
-  // Ten times as loud is not believed: three times at most.
-  EXPECT_NEAR(identification::sensor_noise(declared(1e-3), noisy(1e-2, 1), Channel::dz_b), 3e-3, 1e-9);
+  EXPECT_NEAR(identification::sensor_noise(declared(1e-3), noisy(1e-2, 1), Channel::dz_b), 1e-2, 0.7e-3);
+}
+
+// Law. A level that is known to 9 % is the mean of both in logarithms, weighted by (ln 3)² and 0.09²; one that is not
+// known to 10 % (thresholds::noise_level_known) says nothing.
+TEST(NoiseFactor, WeighsWhatIsDeclaredByHowFarItIsUsuallyWrong) {
+  using identification::ChannelNoise;
+  const ChannelNoise known{2e-2, {}, 0.09, 0.0, 0.0}, unknown{2e-2, {}, 0.11, 0.0, 0.0};
+  const double share = 1.0 / (1.0 + std::pow(0.09 / std::log(3.0), 2));
+  EXPECT_NEAR(identification::with_declared(known, 1e-3, 1e-3).noise.level, 1e-3 * std::pow(20.0, share), 1e-12);
+  EXPECT_EQ(identification::with_declared(unknown, 1e-3, 1e-3).noise.level, 1e-3);
 }
 
 // Behind a filter noise is not white: the level below its corner is what the declared rms stands for. The declaration

@@ -102,6 +102,47 @@ TEST(SuspectParameters, NameAStiffnessBeyondItsTolerance) {
   EXPECT_TRUE(found.effects.empty());
 }
 
+// A tyre 8 % softer beside tolerances of 3 %: every single effect leaves 80 times the noise in zdd_w, so that the
+// search under model error was next, and a law at the tyre was learned.
+TEST(SuspectParameters, ExplainWhatEffectsDoNotEvenComeNear) {
+  truth::Truth truth = short_truth("none:quarter_car", 26);
+  truth.actual["tyre.stiffness"] = 0.92 * truth.nominal["tyre.stiffness"];
+  truth.tolerance["tyre.stiffness"] = 0.03;
+  for (auto& [channel, noise] : truth.noise) noise *= 0.3;
+  const Diagnosis found = diagnosis_of(truth);
+  EXPECT_EQ(found.verdict, Verdict::named) << host_sim::identification::sentence(found);
+  EXPECT_TRUE(found.effects.empty() && found.laws.empty()) << host_sim::identification::sentence(found);
+  ASSERT_EQ(found.parameters_off.size(), 1U);
+  EXPECT_EQ(found.parameters_off[0].path, "tyre.stiffness");
+  EXPECT_NEAR(found.parameters_off[0].value.value / truth.actual["tyre.stiffness"], 1.0, 2e-3);
+}
+
+// A duct 8 % longer, of a bench without tolerances for length, diameter and area: these and the density of the oil are
+// one number, the inertia of the oil, so each is a rival of the others and none is more likely than all of them.
+TEST(SuspectParameters, HaveOtherParametersAsRivals) {
+  truth::Truth truth = short_truth("none:component_bench", 27);
+  ASSERT_TRUE(truth.actual.contains("fdva.duct_length"));
+  truth.actual["fdva.duct_length"] = 1.08 * truth.nominal["fdva.duct_length"];
+  const Diagnosis found = diagnosis_of(truth);
+  EXPECT_EQ(found.verdict, Verdict::ambiguous) << host_sim::identification::sentence(found);
+  ASSERT_EQ(found.parameters_off.size(), 1U) << host_sim::identification::sentence(found);
+  const auto& off = found.parameters_off[0];
+  EXPECT_GE(off.parameters.size(), 2U);
+  EXPECT_LT(off.confidence, 0.5);
+  std::vector<std::string> paths{off.path};
+  for (const auto& other : off.parameters) paths.push_back(other.path);
+  EXPECT_TRUE(std::find(paths.begin(), paths.end(), "fdva.duct_length") != paths.end());
+  // Named in the sentence, in verdict.json among the alternatives with its value, and in the report.
+  const std::string& second = off.parameters.front().path;
+  EXPECT_NE(host_sim::identification::sentence(found).find("(or " + second), std::string::npos);
+  const auto json = host_sim::identification::to_json(found);
+  EXPECT_EQ(json["parameters_off"][0]["alternatives"][0]["name"], second);
+  EXPECT_EQ(json["parameters_off"][0]["alternatives"][0]["value"], off.parameters.front().value);
+  const std::string page =
+      host_sim::identification::report_html(found, firmware::parse_rig(truth::rig_toml(truth), "rig.toml"));
+  EXPECT_NE(page.find(second + " of "), std::string::npos);
+}
+
 // A damping that is off and a delayed sensor: both are found, each as what it is.
 TEST(SuspectParameters, StandBesideAnEffect) {
   truth::Truth truth = short_truth("single:quarter_car:sensor_delay:dz_b", 23);
