@@ -47,7 +47,8 @@ void require_motion(const IdentificationProblem& problem) {
       most = std::max(most, variance / std::max(noise, 1e-300));
     }
     if (most > thresholds::least_motion) continue;
-    throw firmware::InputError(samples.recording.source, 0, "holds nothing but noise: no channel moves by half of its noise",
+    throw firmware::InputError(samples.recording.source, 0,
+                               "holds nothing but noise: no channel moves by half of its noise",
                                "a recording in which the rig is excited");
   }
 }

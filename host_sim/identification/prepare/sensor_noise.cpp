@@ -93,10 +93,10 @@ SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, do
     return {{*declared / std::sqrt(colour.mean_power(period)), colour, 1.0, 0.0, found.highest_level}, std::nullopt};
   }
   const double rms = found.rms(period), factor = rms / *declared;
-  const double declared_to = std::log(thresholds::usual_noise_factor), seen_to = found.relative_error;
-  double believed = std::pow(factor, 1.0 / (1.0 + std::pow(seen_to / declared_to, 2)));
-  if (!found.colour.is_white()) {  // or the tail of a motion
-    believed = std::clamp(believed, 1.0 / thresholds::usual_noise_factor, thresholds::usual_noise_factor);
+  constexpr double usual = thresholds::usual_noise_factor;
+  double believed = std::clamp(factor, 1.0 / usual, usual);  // coloured noise may be the tail of a motion
+  if (found.colour.is_white()) {
+    believed = std::pow(factor, 1.0 / (1.0 + std::pow(found.relative_error / std::log(usual), 2)));
   }
   if (std::abs(std::log(factor)) <= thresholds::noise_as_declared) believed = 1.0;
   found.level = found.colour.is_white() ? believed * *declared : found.level * (believed * *declared / rms);

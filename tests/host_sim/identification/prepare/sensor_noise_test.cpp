@@ -71,6 +71,9 @@ TEST(NoiseFactor, WeighsWhatIsDeclaredByHowFarItIsUsuallyWrong) {
   const double share = 1.0 / (1.0 + std::pow(0.09 / std::log(3.0), 2));
   EXPECT_NEAR(identification::with_declared(known, 1e-3, 1e-3).noise.level, 1e-3 * std::pow(20.0, share), 1e-12);
   EXPECT_EQ(identification::with_declared(unknown, 1e-3, 1e-3).noise.level, 1e-3);
+  // Coloured noise may be motion: three times the declared rms at most.
+  const ChannelNoise coloured{2e-2, {100.0, 2}, 0.01, 0.0, 0.0};
+  EXPECT_NEAR(identification::with_declared(coloured, 1e-3, 1e-3).noise.rms(1e-3), 3e-3, 1e-9);
 }
 
 // Behind a filter noise is not white: the level below its corner is what the declared rms stands for. The declaration
