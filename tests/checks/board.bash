@@ -18,7 +18,7 @@ for program in loop semi_active trace laws; do
   arm-none-eabi-size "$image"
   expected=$("$references/rigtwin_board_$program")
   # -icount: time is counted in instructions, 64 ns each.
-  actual=$(timeout 100 qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=6 \
+  actual=$(timeout 300 qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=6 \
     -semihosting-config enable=on,target=native -kernel "$image" </dev/null 2>&1 | tr -d '\r') || status=1
   echo "$actual"
   if [ "$(grep -v '^board:' <<<"$actual")" != "$expected" ] || [ -z "$expected" ]; then

@@ -83,7 +83,7 @@ cp "$folder/here.csv" "$root/host.csv"
 (cd "$root" && find . | cpio -o -H newc --quiet) >"$folder/initrd"
 
 log=$folder/console
-timeout 300 qemu-system-aarch64 -M virt -cpu cortex-a53 -smp 1 -m 512 -display none -nodefaults -serial stdio -no-reboot \
+timeout 900 qemu-system-aarch64 -M virt -cpu cortex-a53 -smp 1 -m 512 -display none -nodefaults -serial stdio -no-reboot \
   -icount shift=0,sleep=off -kernel "$fetched/kernel/boot/vmlinuz-$version" -initrd "$folder/initrd" \
   -append 'console=ttyAMA0 panic=-1 loglevel=3 rdinit=/init' </dev/null 2>&1 | tr -d '\r' >"$log" || true
 # received NAME -- a file that the guest sent

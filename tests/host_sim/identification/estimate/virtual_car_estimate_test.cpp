@@ -110,14 +110,9 @@ TEST(VirtualCarEstimate, ReadsTheEffectsOfItsTyre) {
   EXPECT_GT(car.effects[0].gain, 1e4);
 
   // A tyre 10 % stiffer than described is no law.
-  const auto stiff = [&] {
-    RigDescription softer = description;
-    softer.rig.tyre.stiffness /= 1.1;
-    return identification::estimate_virtual_car(softer, {tyre_recording(description, 0.0, never)});
-  }();
-  EXPECT_TRUE(stiff.effects.empty());
-  ASSERT_EQ(stiff.off.size(), 1U);
-  EXPECT_NEAR(stiff.parameters.at("tyre.stiffness").value / description.rig.tyre.stiffness, 1.0, 1e-6);
+  RigDescription softer = description;
+  softer.rig.tyre.stiffness /= 1.1;
+  EXPECT_TRUE(identification::estimate_virtual_car(softer, {tyre_recording(description, 0.0, never)}).effects.empty());
 
   // Beyond the bounds of its card, −1e12, it is no tyre's.
   EXPECT_TRUE(
