@@ -100,12 +100,14 @@ ChannelBands bands_of(const std::vector<double>& samples, double period, bool is
           first >= thresholds::noise_begins};
 }
 
-/// Where a filter leaves next to nothing, rounding is seen.
-void drop_rounding(std::vector<BandLevel>& levels) {
+/// Where a filter leaves next to nothing, rounding is seen. false: nowhere.
+bool drop_rounding(std::vector<BandLevel>& levels) {
   const double least = levels.empty() ? 0.0 : thresholds::least_filtered_power * levels.front().power;
   const auto nothing =
       std::find_if(levels.begin(), levels.end(), [&](const BandLevel& l) { return !(l.power > least); });
+  const bool any = nothing != levels.end();
   levels.erase(nothing, levels.end());
+  return any;
 }
 
 struct LevelFit {
@@ -387,16 +389,16 @@ std::optional<NoiseSpectrumFit> fit_noise_spectrum(const std::vector<double>& sa
   if (levels.size() < fewest) return std::nullopt;
   // A floor that rounding cannot make is judged in all bands; where there is none, a filter ends in rounding.
   const auto floor = is_foot_point ? floor_of_motion(levels, samples, period) : std::nullopt;
+  NoiseSpectrumFit fit;
   ColourFit best;
   if (floor && floor->price < best_colour(bands, period, expected).price + thresholds::other_corner_price) {
     best = *floor;
   } else {
-    drop_rounding(levels);
+    fit.noise.ends = drop_rounding(levels);
     if (levels.size() < fewest) return std::nullopt;
     best = best_colour(bands, period, expected);
     if (!expected || best.colour != *expected) set_instant(bands, period, best);
   }
-  NoiseSpectrumFit fit;
   fit.noise.colour = best.colour;
   double lowest = std::numeric_limits<double>::infinity(), least_bound = lowest;
   for (const BandLevel& l : levels) {

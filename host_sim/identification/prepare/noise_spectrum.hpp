@@ -42,6 +42,7 @@ struct ChannelNoise {
   double corner_half_width = 0.0;  ///< [Hz] of the 95 % interval
   double highest_level = 0.0;      ///< the channel's own spectrum holds no more of this colour; 0: not looked at
   bool on_signal = false;          ///< a hypothesis has this low-pass for the signal, too
+  bool ends = false;  ///< in rounding, below the Nyquist frequency: white noise does not, a driven motion may
 
   [[nodiscard]] double rms(double period) const;
   [[nodiscard]] bool is_known() const;        ///< to thresholds::noise_level_known

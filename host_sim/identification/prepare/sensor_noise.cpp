@@ -94,8 +94,11 @@ SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, do
   }
   const double rms = found.rms(period), factor = rms / *declared;
   constexpr double usual = thresholds::usual_noise_factor;
-  double believed = std::clamp(factor, 1.0 / usual, usual);  // coloured noise may be the tail of a motion
-  if (found.colour.is_white()) {
+  double believed = std::clamp(factor, 1.0 / usual, usual);
+  // At a low sample rate a motion may reach up to the Nyquist frequency, a multisine to its last line; coloured noise
+  // may be the tail of a motion.
+  const bool above_motion = thresholds::noise_begins_share >= thresholds::noise_begins * period;
+  if (found.colour.is_white() && above_motion && !found.ends) {
     believed = std::pow(factor, 1.0 / (1.0 + std::pow(found.relative_error / std::log(usual), 2)));
   }
   if (std::abs(std::log(factor)) <= thresholds::noise_as_declared) believed = 1.0;

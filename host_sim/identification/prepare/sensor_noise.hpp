@@ -48,9 +48,10 @@ struct SensorNoise {
 
 /// Noise that was found in samples, with what was declared, an rms, as a prior. Beyond thresholds::noise_as_declared
 /// the level of white noise is the mean of both in logarithms, weighted by what is known of each: a factor of
-/// thresholds::usual_noise_factor, and the relative error of what was found. Coloured noise is what was found, within
-/// that factor. What was declared stands where the samples do not tell noise from motion, with the colour of the other
-/// channels.
+/// thresholds::usual_noise_factor, and the relative error of what was found. Coloured noise, noise that ends below
+/// the Nyquist frequency, and noise at a rate at which motion may reach beyond thresholds::noise_begins, is what was
+/// found, within that factor. What was declared
+/// stands where the samples do not tell noise from motion, with the colour of the other channels.
 [[nodiscard]] SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, double period,
                                         const std::optional<NoiseColour>& expected = {});
 

@@ -71,9 +71,26 @@ TEST(NoiseFactor, WeighsWhatIsDeclaredByHowFarItIsUsuallyWrong) {
   const double share = 1.0 / (1.0 + std::pow(0.09 / std::log(3.0), 2));
   EXPECT_NEAR(identification::with_declared(known, 1e-3, 1e-3).noise.level, 1e-3 * std::pow(20.0, share), 1e-12);
   EXPECT_EQ(identification::with_declared(unknown, 1e-3, 1e-3).noise.level, 1e-3);
-  // Coloured noise may be motion: three times the declared rms at most.
+  // At 333 Hz, where it is coloured and where it ends, noise may be motion: three times the declared rms at most.
+  EXPECT_NEAR(identification::with_declared(known, 1e-3, 3e-3).noise.level, 3e-3, 1e-9);
+  ChannelNoise ends = known;
+  ends.ends = true;
+  EXPECT_NEAR(identification::with_declared(ends, 1e-3, 1e-3).noise.level, 3e-3, 1e-9);
   const ChannelNoise coloured{2e-2, {100.0, 2}, 0.01, 0.0, 0.0};
   EXPECT_NEAR(identification::with_declared(coloured, 1e-3, 1e-3).noise.rms(1e-3), 3e-3, 1e-9);
+}
+
+// Edge. A multisine that is flat from 5 Hz to its last line at 150 Hz, lines of 0.5 Hz with random phases: above the
+// motion's usual end it looks like white noise, 100 times as loud as declared, but then it would not end.
+TEST(NoiseFactor, IsNotReadOffAMultisine) {
+  Recording multisine = noisy(1e-6, 1);
+  support::NormalNoise random(2);
+  for (double f = 5.0; f <= 150.0; f += 0.5) {
+    const double phase = 1e3 * random();
+    for (std::size_t k = 0; k < multisine[Channel::dz_b].size(); ++k)
+      multisine[Channel::dz_b][k] += 0.1 * std::sin(2.0 * std::numbers::pi * f * 1e-3 * static_cast<double>(k) + phase);
+  }
+  EXPECT_LE(identification::sensor_noise(declared(1e-2), multisine, Channel::dz_b), 3.01e-2);
 }
 
 // Behind a filter noise is not white: the level below its corner is what the declared rms stands for. The declaration
