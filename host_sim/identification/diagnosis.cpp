@@ -1,7 +1,5 @@
 #include "host_sim/identification/diagnosis.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
@@ -25,29 +23,11 @@ void require_finite(const firmware::RigDescription& description, const PreparedD
   }
 }
 
-/// InputError where a recording holds nothing but noise: the variance of each channel is that of its noise.
+/// InputError where a recording holds nothing but noise.
 void require_motion(const IdentificationProblem& problem) {
   for (const ProblemRecording& r : problem.recordings()) {
-    const PreparedRecording& samples = *r.samples;
-    double most = 0.0;  // variance of a channel ÷ that of its noise
-    for (const model::Channel channel : samples.channels) {
-      const auto c = index(channel);
-      const std::vector<double>& values = samples.recording[channel];
-      const Window window = samples.comparable(channel, r.is_fitted() ? r.fitted : r.held_out);
-      double sum = 0.0, squares = 0.0, count = 0.0;
-      for (std::size_t k = samples.compared_from(window.from); k < window.to; k += samples.step) {
-        if (!samples.clipped[c].empty() && samples.clipped[c][k]) continue;
-        sum += values[k];
-        squares += values[k] * values[k];
-        count += 1.0;
-      }
-      if (!(count > 0.0)) continue;
-      const double variance = squares / count - std::pow(sum / count, 2);
-      const double noise = std::pow(r.noise[c].rms(samples.compared_period()), 2) + r.input_noise.variance[c];
-      most = std::max(most, variance / std::max(noise, 1e-300));
-    }
-    if (most > thresholds::least_motion) continue;
-    throw firmware::InputError(samples.recording.source, 0,
+    if (r.holds_motion()) continue;
+    throw firmware::InputError(r.samples->recording.source, 0,
                                "holds nothing but noise: no channel moves by half of its noise",
                                "a recording in which the rig is excited");
   }

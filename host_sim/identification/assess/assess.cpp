@@ -104,17 +104,22 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
                                             car.tyre_error.with_effects, 0.0};
 }
 
-/// Numbers of the virtual car that are not as described: nothing of the rig does that.
+/// Relative; 0: there is none.
+double tolerance_of(const firmware::RigDescription& description, const std::string& path) {
+  const auto tolerance = description.tolerance.find(path);
+  return tolerance != description.tolerance.end() ? tolerance->second : 0.0;
+}
+
+/// Numbers of the virtual car that are not as described: nothing of the rig does that, so no effect is a rival.
 void add_numbers_off(const firmware::RigDescription& description, const VirtualCarEstimate& car, double price,
-                     Diagnosis& result) {
+                     const Certainty& certainty, Diagnosis& result) {
   for (const VirtualNumberOff& off : car.off) {
-    const auto tolerance = description.tolerance.find(off.path);
     const double odds = std::exp(std::clamp(0.5 * (off.gain - price), 0.0, thresholds::most_logarithmic_odds));
     result.parameters_off.push_back({off.path,
                                      off.described,
-                                     tolerance != description.tolerance.end() ? tolerance->second : 0.0,
+                                     tolerance_of(description, off.path),
                                      interval_of(car.parameters.at(off.path)),
-                                     thresholds::highest_confidence * odds / (1.0 + odds),
+                                     confidence({odds}, INFINITY, certainty),
                                      {},
                                      {}});
   }
@@ -180,10 +185,9 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
   for (const SuspectParameter& suspect : found.suspects) {
     model::RigParameters<double> rig = description.rig;
     const double* const described = firmware::find_parameter(rig, suspect.path);
-    const auto tolerance = description.tolerance.find(suspect.path);
     ParameterOff off{suspect.path,
                      described != nullptr ? *described : 0.0,
-                     tolerance != description.tolerance.end() ? tolerance->second : 0.0,
+                     tolerance_of(description, suspect.path),
                      parameters.at(suspect.path),
                      0.0,
                      {}};
@@ -192,16 +196,17 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
       continue;
     }
     std::vector<double> odds;
+    const auto add_odds = [&](double apart) {
+      odds.push_back(std::exp(std::min(apart / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
+    };
     for (const Rival& rival : suspect.rivals) {
-      odds.push_back(std::exp(
-          std::min(rival.penalised_chi_squared / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
+      add_odds(rival.penalised_chi_squared);
       if (off.alternatives.size() < thresholds::most_alternatives) {
         off.alternatives.push_back({rival.effect, odds.back(), {}});
       }
     }
     for (const RivalParameter& rival : suspect.parameters) {
-      odds.push_back(std::exp(
-          std::min(rival.penalised_chi_squared / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
+      add_odds(rival.penalised_chi_squared);
       off.parameters.push_back({rival.path, rival.value, odds.back()});
     }
     off.confidence = confidence(odds, suspect.gain, certainty);
@@ -300,7 +305,8 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
   add_tyre_effects(car, criterion, result);
-  add_numbers_off(description, car, criterion.effect + criterion.parameter + thresholds::violation, result);
+  add_numbers_off(description, car, criterion.effect + criterion.parameter + thresholds::violation,
+                  {1.0, 1.0, 1.0, false}, result);
   for (const auto& faults : {noise_faults(problem), lost_samples(problem, after)}) {
     result.recording_faults.insert(result.recording_faults.end(), faults.begin(), faults.end());
   }

@@ -30,9 +30,9 @@ double noise_floor(const IdentificationProblem& problem, Channel channel) {
       data += std::pow(measured[k], 2);
       count += 1.0;
     }
-    const double rms = r.noise[c].rms(samples.compared_period());
-    double variance = rms * rms + r.input_noise.variance[c];
+    double variance = r.noise_variance(channel);
     if (channel == Channel::zdd_r) {  // z_r alone says nothing of faster motion
+      const double rms = r.noise[c].rms(samples.compared_period());
       variance += variance_above(samples.input_edge, measured, window, rms, samples.input.period);
     }
     noise += variance * count;

@@ -10,11 +10,6 @@ namespace host_sim::identification::thresholds {
 /// rival wins by the penalty of one parameter, odds of e⁵ = 148. Half: 5 % of a wrong name becomes 9 %. Twice: 2.4 %,
 /// and more verdicts are ambiguous. Derived.
 inline constexpr double close_odds = 20.0;
-/// [1] Relative difference to a described value without a tolerance from which a parameter is off. Derivation: half a
-/// unit in the third digit of 100; nobody describes a rig more exactly. Half: a drift of the stiffness by 10 % left
-/// 0.04 % of the damping, 15 standard deviations, which this must not name either. Twice: an error of 1 % would have no
-/// name.
-inline constexpr double rounding = 0.005;
 /// Alternatives of an effect that are listed at most.
 inline constexpr std::size_t most_alternatives = 5;
 /// [1] The confidence that is never exceeded: nobody has counted wrong names among more than a thousand. 54 of 57 names

@@ -135,10 +135,14 @@ inline constexpr int equal_lowest_loads = 4;
 inline constexpr double lift_off_distance = 0.05;
 /// Neighbouring samples of the tyre's residual are off alike (differences over five samples): one in so many counts.
 inline constexpr double correlated_samples = 10.0;
-/// [1] From here on a number of the virtual car is off that is described without a tolerance: as rounding of a
-/// description. And the share of what the equations leave that is left with the right number: they are exact, so less
-/// than a millionth is. Half and twice: the same, where a mass is off by 8 % and leaves 1e-6.
-inline constexpr double number_off = 0.005, freed_number_leaves = 0.1;
+/// [1] Relative difference to a described value without a tolerance from which a parameter is off. Derivation: half a
+/// unit in the third digit of 100; nobody describes a rig more exactly. Half: a drift of the stiffness by 10 % left
+/// 0.04 % of the damping, 15 standard deviations, which this must not name either. Twice: an error of 1 % would have no
+/// name.
+inline constexpr double rounding = 0.005;
+/// [1] Share of what the equations of the virtual car leave that the right numbers may leave: they are exact, so less
+/// than a millionth is left. Half and twice: the same, where a mass is off by 8 % and leaves 1e-6.
+inline constexpr double freed_number_leaves = 0.1;
 /// [1] What velocities by differences of fourth order are off, relative to the values estimated from them.
 inline constexpr double difference_error = 3e-5, law_difference_error = 1e-4;
 

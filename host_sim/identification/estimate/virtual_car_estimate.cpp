@@ -370,7 +370,7 @@ std::vector<Eigen::Index> values_off(const Normal& equations, const Given& given
   }
   const CarFit wide = fit_car(equations, freed(given, seen));
   for (const Eigen::Index i : seen) {
-    const double allowed = std::max(given.upper(i), thresholds::number_off * given.value(i));
+    const double allowed = std::max(given.upper(i), thresholds::rounding * given.value(i));
     if (std::abs(wide.values(i) - given.value(i)) > allowed + 3.0 * wide.error(i)) off.push_back(i);
   }
   if (off.empty()) return off;

@@ -54,6 +54,27 @@ std::vector<double> left_of(const PreparedRecording& r, Channel channel, const R
 
 }  // namespace
 
+double ProblemRecording::noise_variance(Channel channel) const {
+  return std::pow(noise[index(channel)].rms(samples->compared_period()), 2) + input_noise.variance[index(channel)];
+}
+
+bool ProblemRecording::holds_motion() const {
+  return std::any_of(samples->channels.begin(), samples->channels.end(), [&](Channel channel) {
+    const std::vector<bool>& clipped = samples->clipped[index(channel)];
+    const Window window = samples->comparable(channel, is_fitted() ? fitted : held_out);
+    double sum = 0.0, squares = 0.0, count = 0.0;
+    for (std::size_t k = samples->compared_from(window.from); k < window.to; k += samples->step) {
+      if (!clipped.empty() && clipped[k]) continue;
+      const double value = samples->recording[channel][k];
+      sum += value;
+      squares += value * value;
+      count += 1.0;
+    }
+    return count > 0.0 &&
+           squares / count - std::pow(sum / count, 2) > thresholds::least_motion * noise_variance(channel);
+  });
+}
+
 IdentificationProblem::IdentificationProblem(std::vector<PreparedRecording> recordings)
     : samples_(std::make_shared<const std::vector<PreparedRecording>>(std::move(recordings))) {
   for (const PreparedRecording& r : *samples_) {

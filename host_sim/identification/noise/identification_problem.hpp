@@ -23,6 +23,11 @@ struct ProblemRecording {
   [[nodiscard]] bool is_fitted() const { return fit_whitening.has_value(); }
   [[nodiscard]] bool is_held_out() const { return held_out_whitening.has_value(); }
   [[nodiscard]] Resolution resolution() const { return {substeps}; }
+  /// Of a sample of a channel by its own noise and by what the input's makes of it [SI²].
+  [[nodiscard]] double noise_variance(model::Channel channel) const;
+  /// Whether any channel of the fitted window, or of the one that is held out, moves by more than its noise: its
+  /// variance is thresholds::least_motion times that of the noise.
+  [[nodiscard]] bool holds_motion() const;
 };
 
 /// Step 2: every residual of the later steps is whitened with what stands here, and nothing else owns a Whitening. A

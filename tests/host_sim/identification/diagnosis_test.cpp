@@ -216,7 +216,7 @@ TEST(Diagnosis, SaysOfNoParameterWithinItsToleranceThatItIsOff) {
 }
 
 // Edge. A rig that stands still is refused in one line; with nothing but noise, effects as large as the signals were
-// named with 0.8. A motion of three times the noise is diagnosed.
+// named with 0.8. A twentieth of a usual drive is diagnosed.
 TEST(Diagnosis, RefusesARecordingOfNothingButNoise) {
   const truth::Truth truth = sample::quarter_car(31);
   const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
