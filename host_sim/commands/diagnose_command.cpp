@@ -51,6 +51,16 @@ void prepare_folder(const fs::path& folder) {
   }
 }
 
+/// The two nearest.
+void print_rivals(const std::vector<identification::Alternative>& alternatives) {
+  for (std::size_t a = 0; a < std::min<std::size_t>(2, alternatives.size()); ++a) {
+    const identification::Alternative& other = alternatives[a];
+    std::printf("    rather than %s: odds %s%s%s\n", identification::words(other).c_str(),
+                identification::odds_text(other.odds_against).c_str(),
+                other.separate_by.empty() ? "" : "; to be separated by ", other.separate_by.c_str());
+  }
+}
+
 void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
   std::printf("%s\n", identification::sentence(diagnosis).c_str());
   for (const identification::NamedEffect& named : diagnosis.effects) {
@@ -64,12 +74,7 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
     std::printf("   confidence %.3f\n", named.confidence);
     const std::string shape = identification::shape_words(named.effect, diagnosis.rig.rig);
     if (!shape.empty()) std::printf("    %s\n", shape.c_str());
-    for (std::size_t a = 0; a < std::min<std::size_t>(2, named.alternatives.size()); ++a) {
-      const auto& other = named.alternatives[a];
-      std::printf("    rather than %s: odds %s%s%s\n", identification::words(other.effect).c_str(),
-                  identification::odds_text(other.odds_against).c_str(),
-                  other.separate_by.empty() ? "" : "; to be separated by ", other.separate_by.c_str());
-    }
+    print_rivals(named.alternatives);
   }
   for (const identification::DescribedLaw& law : diagnosis.laws) {
     std::printf("  law at the %s   confidence %.3f\n", identification::words(law).c_str(), law.confidence);
@@ -81,14 +86,7 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                 off.value.upper, off.described);
     if (off.tolerance > 0.0) std::printf(" ± %.3g %%", 100.0 * off.tolerance);
     std::printf("%s   confidence %.3f\n", off.tolerance > 0.0 ? "" : " without a tolerance", off.confidence);
-    for (const identification::AlternativeParameter& other : off.parameters) {
-      std::printf("    rather than %s, then %.6g: odds %s\n", other.path.c_str(), other.value,
-                  identification::odds_text(other.odds_against).c_str());
-    }
-    for (std::size_t a = 0; a < std::min<std::size_t>(2, off.alternatives.size()); ++a) {
-      std::printf("    rather than %s: odds %s\n", identification::words(off.alternatives[a].effect).c_str(),
-                  identification::odds_text(off.alternatives[a].odds_against).c_str());
-    }
+    print_rivals(off.alternatives);
   }
   for (const identification::RecordingFault& fault : diagnosis.recording_faults) {
     std::printf("  %s\n", identification::words(fault).c_str());

@@ -7,6 +7,7 @@
 #include "host_sim/identification/learn/learn_laws.hpp"
 #include "host_sim/identification/parity/parity_residual.hpp"
 #include "host_sim/identification/select/external_event.hpp"
+#include "host_sim/identification/select/rival_parameters.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 
 namespace host_sim::identification {
@@ -64,6 +65,7 @@ Identified identify(const firmware::RigDescription& description, std::vector<Rec
   SearchSpace space = search_space(description, problem.samples(), given);                          // estimate/
   SearchResult found = select_model(problem, space, progress);                                      // select/
   Learned learned = explain_rest(description, problem, space, progress, found);                     // learn/
+  find_rival_parameters(problem, space, found);                                                     // select/
   Diagnosis diagnosis = assess(description, problem, space, std::move(relations), found, learned);  // assess/
   diagnosis.remarks.insert(diagnosis.remarks.begin(), data.remarks.begin(), data.remarks.end());
   return {std::move(problem), std::move(space), std::move(found), std::move(learned), std::move(diagnosis)};

@@ -204,9 +204,13 @@ Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& d
   }
   for (const NamedEffect& named : diagnosis.effects) {
     for (const auto& other : named.alternatives) {
-      if (std::find(missed.begin(), missed.end(), host_sim::identification::words(other.effect)) != missed.end()) {
-        outcome.truth_is_rival = true;
-      }
+      const auto* const effect = std::get_if<firmware::PlacedEffect>(&other.cause);
+      const auto* const parameter = std::get_if<host_sim::identification::ParameterValue>(&other.cause);
+      const bool hidden =
+          effect != nullptr
+              ? std::find(missed.begin(), missed.end(), host_sim::identification::words(*effect)) != missed.end()
+              : std::find(truth.rough.off.begin(), truth.rough.off.end(), parameter->path) != truth.rough.off.end();
+      outcome.truth_is_rival = outcome.truth_is_rival || hidden;
     }
   }
   if (outcome.exact() && truth.unknown.empty()) {

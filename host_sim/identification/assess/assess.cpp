@@ -30,6 +30,7 @@ using model::Channel;
 void give_up(SearchResult& found) {
   found.best = found.nothing;
   found.rivals.clear();
+  found.rival_parameters.clear();
   found.gains.clear();
   found.freed.clear();
   found.suspects.clear();
@@ -120,7 +121,6 @@ void add_numbers_off(const firmware::RigDescription& description, const VirtualC
                                      tolerance_of(description, off.path),
                                      interval_of(car.parameters.at(off.path)),
                                      confidence({odds}, INFINITY, certainty),
-                                     {},
                                      {}});
   }
 }
@@ -178,7 +178,8 @@ Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
 
 /// Parameters that are off: rated as an effect is. One that is described without a tolerance is fitted, and not off
 /// where it is as described but for the rounding of a number.
-std::vector<ParameterOff> parameters_off(const firmware::RigDescription& description, const SearchResult& found,
+std::vector<ParameterOff> parameters_off(const firmware::RigDescription& description,
+                                         const IdentificationProblem& problem, const SearchResult& found,
                                          const std::map<std::string, Interval>& parameters,
                                          const Certainty& certainty) {
   std::vector<ParameterOff> list;
@@ -195,21 +196,11 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
         std::abs(off.value.value - off.described) <= thresholds::rounding * std::abs(off.described)) {
       continue;
     }
-    std::vector<double> odds;
-    const auto add_odds = [&](double apart) {
-      odds.push_back(std::exp(std::min(apart / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
-    };
-    for (const Rival& rival : suspect.rivals) {
-      add_odds(rival.penalised_chi_squared);
-      if (off.alternatives.size() < thresholds::most_alternatives) {
-        off.alternatives.push_back({rival.effect, odds.back(), {}});
-      }
-    }
-    for (const RivalParameter& rival : suspect.parameters) {
-      add_odds(rival.penalised_chi_squared);
-      off.parameters.push_back({rival.path, rival.value, odds.back()});
-    }
-    off.confidence = confidence(odds, suspect.gain, certainty);
+    RatedRivals rivals = rated(suspect.rivals, 0.0, suspect.parameters, certainty.temper, [&](const Hypothesis& rival) {
+      return best_experiment(problem, found.best.fit.hypothesis, rival);
+    });
+    off.alternatives = std::move(rivals.alternatives);
+    off.confidence = confidence(rivals.odds, suspect.gain, certainty);
     list.push_back(std::move(off));
   }
   return list;
@@ -286,7 +277,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const std::vector<Interval> parameters = intervals(found.best.fit, known.half_widths);
   const std::vector<FreeParameter>& tolerated = fitted_space.tolerated;
   for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];
-  result.parameters_off = parameters_off(description, found, result.parameters, certainty);
+  result.parameters_off = parameters_off(description, problem, found, result.parameters, certainty);
   result.laws = describe_laws(problem, found.best.fit, known);
   for (DescribedLaw& law : result.laws) law.confidence = confidence(learned.odds_against, learned.gain, certainty);
   result.next_step = next_step(problem, learned);
@@ -299,8 +290,6 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const bool close = std::any_of(result.effects.begin(), result.effects.end(), has_close) ||
                      std::any_of(result.effects.begin(), result.effects.end(), has_lookalike) ||
                      std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close) ||
-                     std::any_of(result.parameters_off.begin(), result.parameters_off.end(),
-                                 [](const ParameterOff& off) { return has_close_rival(off.parameters); }) ||
                      std::any_of(result.recording_faults.begin(), result.recording_faults.end(), has_close);
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
   for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);

@@ -42,8 +42,7 @@ struct ParameterOff {
   double tolerance = 0.0;  ///< relative; 0: described as exact
   Interval value{};
   double confidence = 0.0;
-  std::vector<Alternative> alternatives;           ///< effects in its place, the nearest first
-  std::vector<AlternativeParameter> parameters{};  ///< other parameters in its place, the nearest first
+  std::vector<Alternative> alternatives;  ///< the nearest first
 };
 
 /// A fault of the measurement, not of the rig.

@@ -76,19 +76,33 @@ std::vector<Interval> intervals(const Fit& fit, const Eigen::VectorXd& half_widt
   return list;
 }
 
-namespace {
+bool is_close(const Alternative& other) { return other.odds_against < thresholds::close_odds; }
 
-template <class Rivals>
-bool any_is_close(const Rivals& alternatives) {
+bool has_close_rival(const std::vector<Alternative>& alternatives) {
   return std::any_of(alternatives.begin(), alternatives.end(),
-                     [](const auto& other) { return other.odds_against < thresholds::close_odds; });
+                     [](const Alternative& other) { return is_close(other); });
 }
 
-}  // namespace
-
-bool has_close_rival(const std::vector<Alternative>& alternatives) { return any_is_close(alternatives); }
-
-bool has_close_rival(const std::vector<AlternativeParameter>& alternatives) { return any_is_close(alternatives); }
+RatedRivals rated(const std::vector<Rival>& effects, double of_best, const std::vector<RivalParameter>& parameters,
+                  double temper, const std::function<std::string(const Hypothesis&)>& experiment) {
+  RatedRivals result;
+  const auto add = [&](const Alternative::Cause& cause, double apart, const Hypothesis& hypothesis) {
+    const double odds = std::exp(std::min(apart / (2.0 * temper), thresholds::most_logarithmic_odds));
+    result.odds.push_back(odds);
+    const bool close = odds < thresholds::close_odds;
+    result.alternatives.push_back({cause, odds, close ? experiment(hypothesis) : std::string()});
+  };
+  for (const Rival& rival : effects) add(rival.effect, rival.penalised_chi_squared - of_best, rival.hypothesis);
+  for (const RivalParameter& rival : parameters) {
+    add(ParameterValue{rival.path, rival.value}, rival.penalised_chi_squared, rival.hypothesis);
+  }
+  std::stable_sort(result.alternatives.begin(), result.alternatives.end(),
+                   [](const Alternative& a, const Alternative& b) { return a.odds_against < b.odds_against; });
+  if (result.alternatives.size() > thresholds::most_alternatives) {
+    result.alternatives.resize(thresholds::most_alternatives);
+  }
+  return result;
+}
 
 std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, const SearchResult& found,
                                        const SelectionCriterion& criterion, const std::vector<Interval>& parameters,
@@ -109,18 +123,13 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
       named.parameters.push_back({period.value, period.value - period.half_width, period.value + period.half_width});
       gain = INFINITY;
     }
-    std::vector<double> odds;
-    for (const Rival& rival : found.rivals[i]) {
-      const double apart = rival.penalised_chi_squared - best.penalised_chi_squared(criterion);
-      odds.push_back(std::exp(std::min(apart / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
-      if (named.alternatives.size() == thresholds::most_alternatives) continue;
-      Alternative alternative{rival.effect, odds.back(), {}};
-      if (odds.back() < thresholds::close_odds) {
-        alternative.separate_by = best_experiment(problem, best.fit.hypothesis, rival.hypothesis);
-      }
-      named.alternatives.push_back(std::move(alternative));
-    }
-    named.confidence = confidence(odds, gain, certainty);
+    const bool by_parameters = i < found.rival_parameters.size();
+    RatedRivals rivals =
+        rated(found.rivals[i], best.penalised_chi_squared(criterion),
+              by_parameters ? found.rival_parameters[i] : std::vector<RivalParameter>(), certainty.temper,
+              [&](const Hypothesis& rival) { return best_experiment(problem, best.fit.hypothesis, rival); });
+    named.alternatives = std::move(rivals.alternatives);
+    named.confidence = confidence(rivals.odds, gain, certainty);
     // What could imitate other laws does so where it leaves a rest.
     const bool imitation = certainty.rest && named.effect.entry->imitates;
     const bool lost_in_steps = gain < of_steps;

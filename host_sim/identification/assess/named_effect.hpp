@@ -1,7 +1,9 @@
 // Effects that were found, how large they are and how sure that is.
 #pragma once
 
+#include <functional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "host_sim/identification/select/search.hpp"
@@ -13,18 +15,18 @@ struct Interval {
   double value, lower, upper;
 };
 
-/// An effect that could stand in another's place.
-struct Alternative {
-  firmware::PlacedEffect effect;
-  double odds_against;
-  std::string separate_by;  ///< the experiment, where the two are close
-};
-
-/// Another parameter that may be off in the place of one.
-struct AlternativeParameter {
+/// A parameter of the description at another value.
+struct ParameterValue {
   std::string path;
   double value;  ///< [SI]
+};
+
+/// What could stand in the place of an effect, of a parameter that is off or of a fault of the recording.
+struct Alternative {
+  using Cause = std::variant<firmware::PlacedEffect, ParameterValue>;
+  Cause cause;
   double odds_against;
+  std::string separate_by;  ///< the experiment, where the two are close
 };
 
 /// A law outside the catalogue that an effect may be (model::Lookalike).
@@ -65,6 +67,17 @@ struct Certainty {
 /// Bayes factors, J. Am. Stat. Assoc. 90, 1995.
 [[nodiscard]] double confidence(const std::vector<double>& odds, double gain, const Certainty& certainty);
 
+/// What could stand in the place of a cause.
+struct RatedRivals {
+  std::vector<double> odds;               ///< (2), of all
+  std::vector<Alternative> alternatives;  ///< the nearest first, thresholds::most_alternatives at most
+};
+/// `of_best`: what the χ² of `effects` counts from; `experiment`: tells the model from that of a rival, and is asked of
+/// those that are close.
+[[nodiscard]] RatedRivals rated(const std::vector<Rival>& effects, double of_best,
+                                const std::vector<RivalParameter>& parameters, double temper,
+                                const std::function<std::string(const Hypothesis&)>& experiment);
+
 /// The law outside the catalogue that this effect may be. A parameter x that is known to ± σ lies near a where that law
 /// acts, with the deviation d, and anywhere in the range w of its card where it does not:
 ///
@@ -81,8 +94,8 @@ struct Certainty {
                                                      const Certainty& certainty);
 
 /// Whether a rival is so near that the two count as not told apart (thresholds::close_odds).
+[[nodiscard]] bool is_close(const Alternative& other);
 [[nodiscard]] bool has_close_rival(const std::vector<Alternative>& alternatives);
-[[nodiscard]] bool has_close_rival(const std::vector<AlternativeParameter>& alternatives);
 /// The same of the law that it may be.
 [[nodiscard]] bool is_close(const PossibleLaw& other);
 

@@ -104,18 +104,13 @@ std::vector<RecordingFault> recording_causes(const IdentificationProblem& proble
   std::vector<RecordingFault> list;
   for (std::size_t f = 0; f < best.faults().size(); ++f) {
     const PlacedFault& fault = best.faults()[f];
-    std::vector<double> odds;
-    std::vector<Alternative> alternatives;
-    const bool rated = f < found.faults.size();
-    for (const Rival& rival : rated ? found.faults[f].rivals : std::vector<Rival>()) {
-      const double apart = rival.penalised_chi_squared - best.penalised_chi_squared(criterion);
-      odds.push_back(std::exp(std::min(apart / (2.0 * certainty.temper), thresholds::most_logarithmic_odds)));
-      alternatives.push_back({rival.effect, odds.back(), {}});
-    }
-    const double sure = confidence(odds, rated ? found.faults[f].gain : 0.0, certainty);
+    const FaultSupport support = f < found.faults.size() ? found.faults[f] : FaultSupport();
+    const auto no_experiment = [](const Hypothesis&) { return std::string(); };  // it would be one with the recorder
+    const RatedRivals rivals =
+        rated(support.rivals, best.penalised_chi_squared(criterion), {}, certainty.temper, no_experiment);
     for (RecordingFault& cause : described(problem, best.fit.hypothesis, fault, next)) {
-      cause.confidence = sure;
-      cause.alternatives = alternatives;
+      cause.confidence = confidence(rivals.odds, support.gain, certainty);
+      cause.alternatives = rivals.alternatives;
       list.push_back(std::move(cause));
     }
     next += std::count(fault.fitted.begin(), fault.fitted.end(), true);

@@ -79,16 +79,9 @@ void add_parameters_off(Report& page, const Diagnosis& diagnosis) {
       "", {"parameter", "described", "tolerance [%]", "fitted, 95 % interval", "confidence", "nearest rival"}, {}, 3};
   for (const ParameterOff& off : diagnosis.parameters_off) {
     std::string rival;
-    double odds = std::numeric_limits<double>::infinity();
     if (!off.alternatives.empty()) {
-      odds = off.alternatives.front().odds_against;
-      rival = words(off.alternatives.front().effect);
+      rival = words(off.alternatives.front()) + ", " + odds_text(off.alternatives.front().odds_against) + " against";
     }
-    if (!off.parameters.empty() && off.parameters.front().odds_against < odds) {
-      odds = off.parameters.front().odds_against;
-      rival = off.parameters.front().path + " of " + figure_text(off.parameters.front().value, 6);
-    }
-    if (!rival.empty()) rival += ", " + odds_text(odds) + " against";
     table.rows.push_back({off.path, figure_text(off.described, 6), figure_text(100.0 * off.tolerance, 3),
                           with_interval(off.value, ""), figure_text(off.confidence, 3), rival});
   }
@@ -128,7 +121,7 @@ void add_effects(Report& page, const Diagnosis& diagnosis) {
     }
     found.rows.push_back({words(named.effect), values, figure_text(named.confidence, 3)});
     for (const Alternative& other : named.alternatives) {
-      std::string rival = words(other.effect);
+      std::string rival = words(other);
       if (!other.separate_by.empty()) rival += " – told apart by " + other.separate_by;
       rivals.rows.push_back({words(named.effect), rival, odds_text(other.odds_against)});
     }
@@ -304,9 +297,44 @@ std::string causes_in_recording(const Diagnosis& diagnosis) {
   return joined(causes);
 }
 
+/// " (or suspension.stiffness is 27653)": the nearest parameter that the recordings do not tell from a cause.
+std::string or_parameter(const std::vector<Alternative>& alternatives) {
+  for (const Alternative& other : alternatives) {
+    const auto* const parameter = std::get_if<ParameterValue>(&other.cause);
+    if (parameter == nullptr || !is_close(other)) continue;
+    return " (or " + parameter->path + " is " + figure_text(parameter->value, 5) + ")";
+  }
+  return {};
+}
+
+/// Whether an effect, a fault of the recording or a law outside the catalogue is what recordings do not tell from a
+/// cause: parameters are said beside it.
+bool has_close_effect(const Diagnosis& diagnosis) {
+  const auto among = [](const std::vector<Alternative>& alternatives) {
+    return std::any_of(alternatives.begin(), alternatives.end(), [](const Alternative& other) {
+      return is_close(other) && std::holds_alternative<firmware::PlacedEffect>(other.cause);
+    });
+  };
+  const auto of_cause = [&](const auto& cause) { return among(cause.alternatives); };
+  return std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                     [&](const NamedEffect& named) { return of_cause(named) || is_close(named.other); }) ||
+         std::any_of(diagnosis.parameters_off.begin(), diagnosis.parameters_off.end(), of_cause) ||
+         std::any_of(diagnosis.recording_faults.begin(), diagnosis.recording_faults.end(), of_cause);
+}
+
 }  // namespace
 
-std::string odds_text(double odds) { return odds > 1e6 ? "over a million to 1" : figure_text(odds, 3) + " to 1"; }
+std::string odds_text(double odds) {
+  if (odds < 1.0) return "1 to " + figure_text(1.0 / odds, 3);
+  return odds > 1e6 ? "over a million to 1" : figure_text(odds, 3) + " to 1";
+}
+
+std::string words(const Alternative& other) {
+  if (const auto* const parameter = std::get_if<ParameterValue>(&other.cause)) {
+    return parameter->path + " of " + figure_text(parameter->value, 6);
+  }
+  return words(std::get<firmware::PlacedEffect>(other.cause));
+}
 
 std::string unit_of(const firmware::PlacedEffect& effect, std::size_t parameter) {
   const std::string_view unit = effect.entry->parameters[parameter].unit;
@@ -322,6 +350,7 @@ std::string sentence(const Diagnosis& diagnosis) {
       const std::string unit = unit_of(named.effect, 0);
       text += " (" + figure_text(named.parameters.front().value, 4) + (unit.empty() ? "" : " " + unit) + ")";
     }
+    text += or_parameter(named.alternatives);
     names.push_back(text);
   }
   for (const DescribedLaw& law : diagnosis.laws) names.push_back("a law at the " + words(law));
@@ -329,10 +358,7 @@ std::string sentence(const Diagnosis& diagnosis) {
   for (const ParameterOff& parameter : diagnosis.parameters_off) {
     off.push_back(parameter.path + " is " + figure_text(parameter.value.value, 5) + ", not " +
                   figure_text(parameter.described, 5));
-    if (has_close_rival(parameter.parameters)) {
-      const AlternativeParameter& other = parameter.parameters.front();
-      off.back() += " (or " + other.path + " is " + figure_text(other.value, 5) + ")";
-    }
+    off.back() += or_parameter(parameter.alternatives);
   }
   const std::string causes = causes_in_recording(diagnosis);
   if (off.empty() && names.empty() && !causes.empty() && diagnosis.verdict != Verdict::unexplained) {
@@ -342,7 +368,8 @@ std::string sentence(const Diagnosis& diagnosis) {
   if (!off.empty() && names.empty()) {
     std::string text = joined(off);
     if (diagnosis.verdict == Verdict::ambiguous)
-      text += ", or an effect that these recordings cannot tell apart from it";
+      text += has_close_effect(diagnosis) ? ", or an effect that these recordings cannot tell apart from it"
+                                          : ", which these recordings do not tell apart";
     if (diagnosis.verdict == Verdict::unexplained)
       text = "Rig and model disagree by more than a parameter explains; " + text;
     if (const auto* best = most_improved(diagnosis); best != nullptr) {
@@ -362,7 +389,9 @@ std::string sentence(const Diagnosis& diagnosis) {
         text = "Rig and model disagree by more than the catalogue explains; " + joined(names) + " would help";
       break;
     case Verdict::ambiguous:
-      text = "The model lacks " + joined(names) + ", or a rival that these recordings cannot tell apart from it";
+      text = "The model lacks " + joined(names) +
+             (has_close_effect(diagnosis) ? ", or a rival that these recordings cannot tell apart from it"
+                                          : ", which these recordings do not tell apart");
       break;
     case Verdict::named:
       text = "The model lacks " + joined(names);

@@ -15,9 +15,12 @@ namespace host_sim::identification {
 /// The verdict in one sentence.
 [[nodiscard]] std::string sentence(const Diagnosis& diagnosis);
 
-/// "34.5 to 1", "over a million to 1": larger odds are not known, since they assume that the noise is exactly as
-/// estimated.
+/// "34.5 to 1", "1 to 2" where the rival fits better, "over a million to 1": larger odds are not known, since they
+/// assume that the noise is exactly as estimated.
 [[nodiscard]] std::string odds_text(double odds);
+
+/// "sensor_lag of F", "suspension.stiffness of 27653"
+[[nodiscard]] std::string words(const Alternative& other);
 
 /// The unit of an effect's parameter, that of its channel filled in; nothing for a pure number.
 [[nodiscard]] std::string unit_of(const firmware::PlacedEffect& effect, std::size_t parameter);

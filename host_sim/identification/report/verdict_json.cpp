@@ -25,8 +25,14 @@ ordered_json to_json(const Interval& interval) {
 ordered_json to_json(const std::vector<Alternative>& alternatives) {
   ordered_json list = ordered_json::array();
   for (const Alternative& alternative : alternatives) {
-    ordered_json other{{"name", alternative.effect.entry->name}};
-    put_channel(other, alternative.effect);
+    ordered_json other;
+    if (const auto* const parameter = std::get_if<ParameterValue>(&alternative.cause)) {
+      other = {{"name", parameter->path}, {"value", parameter->value}};
+    } else {
+      const auto& effect = std::get<firmware::PlacedEffect>(alternative.cause);
+      other["name"] = effect.entry->name;
+      put_channel(other, effect);
+    }
     other["odds_against"] = alternative.odds_against;
     if (!alternative.separate_by.empty()) other["separate_by"] = alternative.separate_by;
     list.push_back(std::move(other));
@@ -165,13 +171,6 @@ ordered_json to_json(const Diagnosis& diagnosis) {
     one.update(to_json(off.value));
     one["confidence"] = off.confidence;
     one["alternatives"] = to_json(off.alternatives);
-    for (const AlternativeParameter& other : off.parameters) {
-      one["alternatives"].push_back(
-          {{"name", other.path}, {"value", other.value}, {"odds_against", other.odds_against}});
-    }
-    std::stable_sort(one["alternatives"].begin(), one["alternatives"].end(), [](const auto& a, const auto& b) {
-      return a["odds_against"].template get<double>() < b["odds_against"].template get<double>();
-    });
     json["parameters_off"].push_back(std::move(one));
   }
   json["recording"] = ordered_json::array();

@@ -16,11 +16,12 @@ struct Rival {
   Hypothesis hypothesis;         ///< that model
 };
 
-/// Another parameter in the place of one that is off.
+/// A parameter that may be off in the place of an effect, or of another parameter.
 struct RivalParameter {
   std::string path;
   double value;                  ///< [SI]
   double penalised_chi_squared;  ///< relative to the model's own
+  Hypothesis hypothesis;         ///< the model with it
 };
 
 /// A parameter outside its tolerance, or without one and not as described.
@@ -57,7 +58,8 @@ struct LawConstancy {
 struct SearchResult {
   CandidateModel nothing;  ///< only the tolerated parameters refitted
   CandidateModel best;
-  std::vector<std::vector<Rival>> rivals;  ///< of each effect in `best`, nearest first
+  std::vector<std::vector<Rival>> rivals;                       ///< of each effect in `best`, nearest first
+  std::vector<std::vector<RivalParameter>> rival_parameters{};  ///< the same (rival_parameters.hpp)
   std::vector<double> gains;  ///< of each effect in `best`: how much larger χ² is without it, all else refitted
   std::vector<ExternalEvent> events{};
   std::vector<FaultSupport> faults;        ///< of each fault of the recordings in `best`

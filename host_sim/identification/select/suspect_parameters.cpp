@@ -167,7 +167,7 @@ class ParameterSearch {
       const FreeParameter& parameter = other.freed.back();
       if (is_same(parameter, freed[i])) continue;
       result.parameters.push_back({parameter.path, parameter.value(parameter.get(other.model.fit.hypothesis)),
-                                   other.model.fit.chi_squared - best.fit.chi_squared});
+                                   other.model.fit.chi_squared - best.fit.chi_squared, other.model.fit.hypothesis});
     }
     return result;
   }

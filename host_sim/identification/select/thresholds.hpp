@@ -129,6 +129,12 @@ inline constexpr double at_the_limit = 0.99;
 inline constexpr double model_error_of_limit = 1e-4;
 /// Effects that are tried in the place of each.
 inline constexpr std::size_t suspect_rivals = 4;
+/// [1] Share of what an effect changes in the residuals that a parameter may leave by its slope and still is fitted in
+/// its place. Derivation: over a change of 30 % slopes change by as much, which is 0.3² of the power. Half: a gain of
+/// 0.9 may hide the spring that it is. Twice: more fits.
+inline constexpr double unlike = 0.1;
+/// [1] Odds up to which a parameter in the place of an effect is looked for: what is further off is no matter.
+inline constexpr double listed_odds = 1e3;
 /// [1] Where neither leaves noise alone: error of the recordings with freed parameters, relative to that of effects
 /// alone. Half and twice of the distance to 1: no name of 13 recordings, seed 11, changes.
 inline constexpr double parameters_replace_error = 0.9;

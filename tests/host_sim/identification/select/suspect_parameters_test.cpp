@@ -19,8 +19,10 @@
 
 namespace {
 
+using host_sim::identification::Alternative;
 using host_sim::identification::Diagnosis;
 using host_sim::identification::FreeParameter;
+using host_sim::identification::ParameterValue;
 using host_sim::identification::SearchSpace;
 using host_sim::identification::Verdict;
 
@@ -130,18 +132,21 @@ TEST(SuspectParameters, HaveOtherParametersAsRivals) {
   EXPECT_EQ(found.verdict, Verdict::ambiguous) << host_sim::identification::sentence(found);
   ASSERT_EQ(found.parameters_off.size(), 1U) << host_sim::identification::sentence(found);
   const auto& off = found.parameters_off[0];
-  EXPECT_GE(off.parameters.size(), 2U);
-  for (const auto& other : off.parameters)
-    EXPECT_LE(off.confidence, 1.0 / (1.0 + 1.0 / other.odds_against)) << other.path;
+  std::vector<ParameterValue> others;
+  for (const Alternative& other : off.alternatives) {
+    EXPECT_LE(off.confidence, 1.0 / (1.0 + 1.0 / other.odds_against));
+    if (const auto* const parameter = std::get_if<ParameterValue>(&other.cause)) others.push_back(*parameter);
+  }
+  ASSERT_GE(others.size(), 2U);
   std::vector<std::string> paths{off.path};
-  for (const auto& other : off.parameters) paths.push_back(other.path);
+  for (const ParameterValue& other : others) paths.push_back(other.path);
   EXPECT_TRUE(std::find(paths.begin(), paths.end(), "fdva.duct_length") != paths.end());
   // Named in the sentence, in verdict.json among the alternatives with its value, and in the report.
-  const std::string& second = off.parameters.front().path;
+  const std::string& second = others.front().path;
   EXPECT_NE(host_sim::identification::sentence(found).find("(or " + second), std::string::npos);
   const auto json = host_sim::identification::to_json(found);
   EXPECT_EQ(json["parameters_off"][0]["alternatives"][0]["name"], second);
-  EXPECT_EQ(json["parameters_off"][0]["alternatives"][0]["value"], off.parameters.front().value);
+  EXPECT_EQ(json["parameters_off"][0]["alternatives"][0]["value"], others.front().value);
   const std::string page =
       host_sim::identification::report_html(found, firmware::parse_rig(truth::rig_toml(truth), "rig.toml"));
   EXPECT_NE(page.find(second + " of "), std::string::npos);
