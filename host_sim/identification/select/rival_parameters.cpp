@@ -40,6 +40,8 @@ class Resemblance {
               const std::vector<FreeParameter>& suspects);
 
   [[nodiscard]] double squared_cosine(std::size_t effect, std::size_t suspect) const;
+  /// Whether the one number of an effect changes the residuals as a parameter does.
+  [[nodiscard]] bool is_one_number(std::size_t effect, std::size_t suspect) const;
   [[nodiscard]] std::size_t simulations() const { return simulations_; }
 
  private:
@@ -115,6 +117,13 @@ double Resemblance::squared_cosine(std::size_t effect, std::size_t suspect) cons
   return squared_cosine(gram_, others, one, other);
 }
 
+bool Resemblance::is_one_number(std::size_t effect, std::size_t suspect) const {
+  if (own_[effect].size() != 1) return false;
+  const Index one = own_[effect].front(), other = suspects_[suspect];
+  constexpr double limit = thresholds::at_the_limit * thresholds::at_the_limit;
+  return gram_(one, other) * gram_(one, other) >= limit * gram_(one, one) * gram_(other, other);
+}
+
 double Resemblance::squared_cosine(const Eigen::MatrixXd& gram, const std::vector<Index>& others, Index one,
                                    Index other) {
   const std::vector<Index> two{one, other};
@@ -151,8 +160,7 @@ void find_rival_parameters(IdentificationProblem& problem, const SearchSpace& sp
     std::vector<std::pair<double, std::size_t>> alike;  // cos², place in `suspects`
     for (std::size_t s = 0; s < suspects.size(); ++s) {
       const double squared = resemblance.squared_cosine(i, s);
-      const bool same = squared >= thresholds::at_the_limit * thresholds::at_the_limit &&
-                        is_of(suspects[s].path, best.effects[i].entry->subsystem);
+      const bool same = is_of(suspects[s].path, best.effects[i].entry->subsystem) && resemblance.is_one_number(i, s);
       if (1.0 - squared <= unlike && !same) alike.emplace_back(squared, s);
     }
     if (alike.empty()) continue;

@@ -15,8 +15,8 @@ namespace host_sim::identification {
 /// parameter and with the held-out windows. The prior of a described value, which decides what is named
 /// (suspect_parameters.hpp, 1), has no part in it: whether recordings tell two causes apart is asked of them alone.
 ///
-/// A parameter of the effect's own component that changes the residuals as the effect does is no rival but the same
-/// said in other words: viscous damping, and the damping of the suspension.
+/// A parameter of the effect's own component whose slope is that of the effect's one number (thresholds::at_the_limit)
+/// is no rival but the same said in other words: viscous damping, and the damping of the suspension.
 ///
 /// Only where nothing but noise is left; effects that the values themselves show have no rivals. Source of (1): the
 /// score test, as in linear_refit.hpp.
