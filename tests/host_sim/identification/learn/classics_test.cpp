@@ -38,7 +38,7 @@ struct Excitation {
   std::size_t samples, first, last;
   double rms;  ///< [N]
 };
-constexpr Excitation duffing_force{610.35, 16384, 3, 536, 4.0};    // 0.1 … 20 Hz
+constexpr Excitation duffing_force{610.35, 8192, 2, 268, 4.0};     // 0.1 … 20 Hz
 constexpr Excitation bouc_wen_force{750.0, 8192, 55, 1638, 50.0};  // 5 … 150 Hz, as published
 
 /// u over a period, `per_sample` values a sample.
