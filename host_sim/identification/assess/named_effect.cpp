@@ -123,9 +123,13 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
       named.parameters.push_back({period.value, period.value - period.half_width, period.value + period.half_width});
       gain = INFINITY;
     }
+    std::vector<Rival> others = found.rivals[i];
+    std::erase_if(others, [&](const Rival& rival) {  // the same in another minimum
+      return rival.effect.entry == named.effect.entry && rival.effect.channel == named.effect.channel;
+    });
     const bool by_parameters = i < found.rival_parameters.size();
     RatedRivals rivals =
-        rated(found.rivals[i], best.penalised_chi_squared(criterion),
+        rated(others, best.penalised_chi_squared(criterion),
               by_parameters ? found.rival_parameters[i] : std::vector<RivalParameter>(), certainty.temper,
               [&](const Hypothesis& rival) { return best_experiment(problem, best.fit.hypothesis, rival); });
     named.alternatives = std::move(rivals.alternatives);

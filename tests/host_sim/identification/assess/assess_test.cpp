@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <variant>
 
 #include "host_sim/identification/assess/diagnosis_result.hpp"
 #include "host_sim/identification/assess/localisation.hpp"
@@ -109,6 +110,27 @@ TEST(Confidence, DoesNotBelieveWhatTheStepsMayMake) {
   EXPECT_LT(confidence_of(0.5 * steps, cornered), 0.5);
   EXPECT_GT(confidence_of(2.0 * steps, cornered), 0.5);
   EXPECT_GT(confidence_of(0.5 * steps, given), 0.5);
+}
+
+// Edge. Another minimum of an effect is no rival of it: it would take half of the confidence in its own name.
+TEST(Confidence, DoesNotWeighAnEffectAgainstItself) {
+  const sample::Given car = sample::given("none:quarter_car", 1, {}, 4.0);
+  std::vector<PreparedRecording> recordings{prepare_recording(car.description, car.recording, Use::shared, false)};
+  const Hypothesis given = described_hypothesis(car.description, recordings);
+  const IdentificationProblem problem(std::move(recordings), given);
+  SearchResult found;
+  found.best.fit.hypothesis = given;
+  found.best.effects = {{firmware::find_effect("viscous_damping"), std::nullopt, {100.0}}};
+  found.gains = {1e4};
+  const double same = found.best.penalised_chi_squared({});
+  found.rivals = {{{{firmware::find_effect("viscous_damping"), std::nullopt, {90.0}}, same, given},
+                   {{firmware::find_effect("coulomb_friction"), std::nullopt, {90.0}}, same + 1e3, given}}};
+  found.constancy.resize(1);
+  const NamedEffect named =
+      named_effects(problem, found, {}, {Interval{100.0, 90.0, 110.0}}, {1.0, 1.0, 1e-6, false}).at(0);
+  EXPECT_GT(named.confidence, 0.99);
+  ASSERT_EQ(named.alternatives.size(), 1U);
+  EXPECT_EQ(std::get<firmware::PlacedEffect>(named.alternatives[0].cause).entry->name, "coulomb_friction");
 }
 
 // Point. Of 2600 residuals in 13 bands of 2 channels 200 are in two bands: 8 √400 = 160 against 15 % = 30.
