@@ -21,7 +21,7 @@ struct ParameterValue {
   double value;  ///< [SI]
 };
 
-/// What could stand in the place of an effect, of a parameter that is off or of a fault of the recording.
+/// Another explanation: an effect or a parameter at another value, instead of what is named.
 struct Alternative {
   using Cause = std::variant<firmware::PlacedEffect, ParameterValue>;
   Cause cause;
@@ -67,7 +67,7 @@ struct Certainty {
 /// Bayes factors, J. Am. Stat. Assoc. 90, 1995.
 [[nodiscard]] double confidence(const std::vector<double>& odds, double gain, const Certainty& certainty);
 
-/// What could stand in the place of a cause.
+/// All other explanations of one cause, with the odds against each.
 struct RatedRivals {
   std::vector<double> odds;               ///< (2), of all
   std::vector<Alternative> alternatives;  ///< the nearest first, thresholds::most_alternatives at most

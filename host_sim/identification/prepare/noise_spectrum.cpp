@@ -100,7 +100,7 @@ ChannelBands bands_of(const std::vector<double>& samples, double period, bool is
           first >= thresholds::noise_begins};
 }
 
-/// Where a filter leaves next to nothing, rounding is seen. false: nowhere.
+/// Removes the bands in which a filter leaves so little that rounding is seen. Returns whether there are any.
 bool drop_rounding(std::vector<BandLevel>& levels) {
   const double least = levels.empty() ? 0.0 : thresholds::least_filtered_power * levels.front().power;
   const auto nothing =

@@ -307,8 +307,8 @@ std::string or_parameter(const std::vector<Alternative>& alternatives) {
   return {};
 }
 
-/// Whether an effect, a fault of the recording or a law outside the catalogue is what recordings do not tell from a
-/// cause: parameters are said beside it.
+/// Whether another effect, or a law outside the catalogue, explains the recordings nearly as well as what is named.
+/// Parameters do not count: the sentence names them.
 bool has_close_effect(const Diagnosis& diagnosis) {
   const auto among = [](const std::vector<Alternative>& alternatives) {
     return std::any_of(alternatives.begin(), alternatives.end(), [](const Alternative& other) {

@@ -1,5 +1,6 @@
 #include "host_sim/identification/select/rival_parameters.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -96,11 +97,7 @@ Resemblance::Resemblance(const IdentificationProblem& problem, const CandidateMo
   all.leftCols(fit.jacobian.cols()) = fit.jacobian;
   for (std::size_t v = 0; v < values.size(); ++v) {
     const Eigen::VectorXd d = (values[v] - fit.residual) / steps[v];
-    if (d.allFinite()) {
-      all.col(fit.jacobian.cols() + static_cast<Index>(v)) = d;
-    } else {
-      all.col(fit.jacobian.cols() + static_cast<Index>(v)).setZero();
-    }
+    all.col(fit.jacobian.cols() + static_cast<Index>(v)) = d.allFinite() ? d : Eigen::VectorXd::Zero(d.size());
   }
   gram_ = gram(all);
   for (std::size_t p = 0; p < fit.parameters.size(); ++p) {
