@@ -11,6 +11,7 @@
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/select_model.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
 namespace {
