@@ -1,7 +1,10 @@
 // The operator's way to a running program: a socket on this machine, one word a line.
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -32,18 +35,28 @@ inline constexpr std::string_view usual_socket = "/run/rigtwin/control.sock";
 ///
 /// One thread calls serve() again and again; it never waits. A request is taken up by the loop's next period; its
 /// answer comes two periods later, or after half a second without a period.
+///
+/// `stop` is taken before everything else: of every client, and of one that has no place any more. A client that says
+/// nothing for ten seconds is left; each user has eight places, and a ninth client of theirs takes the place of the one
+/// that has been silent longest.
+///
+/// A line "@INSTANCE arm" is for that instance (new_instance) alone; another one refuses it, except `stop`.
 class ControlSocket {
  public:
-  /// `highest_level`: of the command `level`, so that the run stays within the limits. `publisher`: none: nothing is
-  /// published.
-  ControlSocket(ControlLoop& loop, RecordingThread& recording, const LoopProgress& progress, double highest_level,
-                const Publisher* publisher)
-      : loop_(loop), recording_(recording), progress_(progress), highest_level_(highest_level), publisher_(publisher) {}
+  struct Parts {
+    ControlLoop& loop;
+    RecordingThread& recording;
+    const LoopProgress& progress;
+    double highest_level;        ///< of the command `level`, so that the run stays within the limits
+    const Publisher* publisher;  ///< none: nothing is published
+    std::string instance;
+  };
+  explicit ControlSocket(const Parts& parts) : parts_(parts) {}
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
   ~ControlSocket();
 
-  /// What is wrong, in one line; empty: it listens. A file of a program that has died is replaced.
+  /// What is wrong, in one line; empty: it listens. A socket that nobody answers is replaced, nothing else is.
   [[nodiscard]] std::string listen(const std::string& path);
 
   void serve();
@@ -51,33 +64,47 @@ class ControlSocket {
  private:
   struct Client {
     int socket = -1;
+    uid_t user = 0;
+    std::int64_t since = 0;  ///< of its last whole line, or of its coming [ns]
     std::string received;
-    std::string request;  ///< whose answer is due
+    std::size_t looked_at = 0;  ///< bytes of `received` in which a stop was looked for
+    int stops_taken = 0;        ///< lines of `received` that say stop and have been taken up
+    std::string request;        ///< whose answer is due
     std::string trouble;
     std::uint64_t answer_at = 0;  ///< period
     int patience = 0;             ///< calls of serve() until it is answered anyway
+    bool gone = false;
   };
 
-  [[nodiscard]] bool serve(Client& client);
-  void take(Client& client, const std::string& line);
+  void accept_all();
+  void receive(Client& client);
+  [[nodiscard]] bool make_room(uid_t user);
+  void serve(Client& client);
+  void take(Client& client, std::string line);
   [[nodiscard]] std::string ask(const std::string& word, const std::string& rest);
+  [[nodiscard]] std::string objection(const std::string& word, const std::string& rest) const;
+  [[nodiscard]] std::string change_level(const std::string& text);
   [[nodiscard]] std::string answer(const Client& client) const;
 
-  ControlLoop& loop_;
-  RecordingThread& recording_;
-  const LoopProgress& progress_;
-  double highest_level_;
-  const Publisher* publisher_;
+  Parts parts_;
   int socket_ = -1;
   std::string path_;
+  ino_t inode_ = 0;  ///< of the socket's file
+  dev_t device_ = 0;
   std::vector<Client> clients_;
 };
 
-/// The first path that is given: on the command line, in the description ([controller] socket), else the usual one.
+/// Where a program listens: the first that is given of the command line, the description ([controller] socket), the
+/// directory that systemd has made for this instance (RUNTIME_DIRECTORY), else the usual path.
 [[nodiscard]] std::string socket_path(const std::string& asked, const std::string& described);
 
+/// Where the program of a rig is asked: as above; without path and description the usual socket, or the only one of the
+/// services' (/run/rigtwin/NAME/control.sock; `rig`: the file NAME.toml). Several: InputError that lists them.
+[[nodiscard]] std::string clients_path(const std::string& asked, const std::string& described, const std::string& rig,
+                                       const std::string& directory = "/run/rigtwin");
+
 /// The program as a client: sends the words as one line, prints the answer. Its exit status: 0 done, 2 unknown command,
-/// 6 no program listens, or the state does not allow it.
+/// 6 no program listens, it does not answer within two seconds, or the state does not allow it.
 [[nodiscard]] int ask_controller(const std::string& path, const std::string& line);
 
 /// True for a command of the socket.

@@ -16,7 +16,7 @@ int ask(const firmware::controller::Options& options) {
   const std::string described = options.rig.empty() || !options.socket.empty()
                                     ? std::string()
                                     : firmware::read_rig(options.rig).hardware.schedule.socket;
-  return ask_controller(socket_path(options.socket, described), options.request);
+  return ask_controller(clients_path(options.socket, described, options.rig), options.request);
 }
 
 }  // namespace

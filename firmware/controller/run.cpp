@@ -12,11 +12,13 @@
 #include "firmware/controller/devices/devices.hpp"
 #include "firmware/controller/real_time/delay_check.hpp"
 #include "firmware/controller/real_time/real_time.hpp"
+#include "firmware/controller/recording/output_claim.hpp"
 #include "firmware/controller/session.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/loop/control_loop.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/run_objection.hpp"
@@ -145,6 +147,24 @@ void refuse_unfit(const RigDescription& rig, bool devices) {
   throw InputError(rig.source, rig.line_of(objection.key), objection.text, "a description that a rig may run by");
 }
 
+/// That an output cannot be written, or is read by the run, is to be known before anything moves. The recorder looks at
+/// the recording when it opens it.
+std::string refuse_outputs(const Options& options, const RigDescription& rig) {
+  if (options.part_minutes > 0.0 && options.task == Options::Task::run &&
+      options.part_minutes * 60.0 * rig.sample_rate < 2.0) {
+    throw UsageError("--part-minutes " + shortest(options.part_minutes) +
+                     " does not fit, expected at least two periods of this rig, " + shortest(rig.period() / 30.0));
+  }
+  if (options.histogram.empty()) return {};
+  if (std::string trouble = output_objection(options.histogram, options.overwrite, files_read(options, rig));
+      !trouble.empty()) {
+    return trouble;
+  }
+  if (leads_to_one_of(options.histogram, {options.out})) return "--histogram and --out lead to one file, expected two";
+  static_cast<void>(OutputFile(options.histogram));
+  return {};
+}
+
 }  // namespace
 
 Status run(const Options& options) {
@@ -159,9 +179,10 @@ Status run(const Options& options) {
     return Status::done;
   }
   if (options.replay.empty()) refuse_unfit(rig, !options.simulated && rig.hardware.gpio);
-  std::string trouble;
-  if (!options.histogram.empty()) {  // that it cannot be written is to be known before anything moves
-    static_cast<void>(OutputFile(options.histogram));
+  std::string trouble = refuse_outputs(options, rig);
+  if (!trouble.empty()) {
+    std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+    return Status::cannot_write;
   }
   const std::unique_ptr<Devices> devices = open_devices(rig, options, trouble);
   if (!devices) {

@@ -9,8 +9,10 @@
 #include <cstdio>
 #include <cstring>
 
+#include "firmware/controller/instance.hpp"
 #include "firmware/controller/real_time/delay_check.hpp"
 #include "firmware/controller/real_time/heap_seal.hpp"
+#include "firmware/controller/recording/output_claim.hpp"
 #include "firmware/controller/recording/trip_text.hpp"
 #include "firmware/controller/safety/systemd_notify.hpp"
 #include "firmware/description/compensation_setup.hpp"
@@ -54,6 +56,12 @@ void drain(const hal::Rig& roles, hal::Time period) {
   }
 }
 
+std::uint64_t rows_per_part(double minutes, double sample_rate) {
+  const double rows = minutes * 60.0 * sample_rate;
+  constexpr double endless = 1e15;  // thirty thousand years at 1 kHz
+  return rows < endless ? static_cast<std::uint64_t>(rows) : 0;
+}
+
 double longest_return(const RigDescription& rig) { return 3.0 * rig.controller.stroke / rig.controller.ramp + 2.0; }
 
 double longest_stop(const RigDescription& rig) { return longest_return(rig) + 2.0 * disk_patience.seconds(); }
@@ -66,6 +74,7 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       realtime_(options.realtime && !options.virtual_time),
       operated_(options.wait || !(options.start || options.simulated || !options.replay.empty())),
       settings_(fitting_settings(rig, devices.roles(), !options.simulated && options.replay.empty())),
+      instance_(new_instance(rig)),
       opened_(devices.roles()),
       command_(opened_.command),
       roles_(remembering(opened_, command_)),
@@ -105,7 +114,8 @@ Status Session::run() {
   if (!open_publisher(others)) return Status::refused;
   recording_ = std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_,
                                                  rig_.hardware.schedule.allowed_delay, tap_.get());
-  socket_ = std::make_unique<ControlSocket>(loop_, *recording_, progress_, road_.highest_level(), publisher_.get());
+  socket_ = std::make_unique<ControlSocket>(
+      ControlSocket::Parts{loop_, *recording_, progress_, road_.highest_level(), publisher_.get(), instance_});
   if (!open_socket()) {
     static_cast<void>(recording_->finish(disk_patience));
     return Status::refused;
@@ -177,10 +187,12 @@ bool Session::open_recording() {
   setup.comments = {"rig_controller " + std::string(version) + ": " + std::string(model::name(rig_.rig.kind)) + ", " +
                         road_.text() + (options_.simulated ? ", SIMULATED RIG" : "") +
                         (options_.replay.empty() ? "" : ", REPLAY of " + one_line(options_.replay)),
-                    rights_};
+                    rights_, "instance " + instance_};
   for (const auto& [name, sentence] : rig_.waivers) setup.comments.push_back("WAIVER " + name + ": " + sentence);
   setup.overwrite = options_.overwrite;
-  setup.rows_per_part = static_cast<std::uint64_t>(options_.part_minutes * 60.0 * rig_.sample_rate);
+  setup.inputs = files_read(options_, rig_);
+  setup.several_runs = operated_;
+  setup.rows_per_part = rows_per_part(options_.part_minutes, rig_.sample_rate);
   setup.cycle_samples = road_.cycle_samples();
   setup.programme = options_.programme;
   if (const ProgrammeReference* programme = road_.programme(); programme != nullptr) {
@@ -201,10 +213,11 @@ bool Session::open_publisher(const cpu_set_t& cpus) {
     return false;
   }
   tap_ = std::make_unique<LiveTap>(options_.publish_every);
-  writer_ = std::make_unique<DatagramWriter>(rig_, roles_.sensors.setup(), options_.simulated, tap_->every(), *spans_);
+  writer_ = std::make_unique<DatagramWriter>(rig_, roles_.sensors.setup(), options_.simulated, tap_->every(), *spans_,
+                                             instance_);
   publisher_ = std::make_unique<Publisher>(cpus, *tap_, *writer_, *datagrams_, rig_.sample_rate);
-  std::printf("publishing to %s, one period of %llu\n", options_.publish.c_str(),
-              static_cast<unsigned long long>(tap_->every()));
+  std::printf("publishing to %s, one period of %llu, as %s\n", options_.publish.c_str(),
+              static_cast<unsigned long long>(tap_->every()), instance_.c_str());
   return true;
 }
 
@@ -236,6 +249,7 @@ void Session::drive() {
 }
 
 void Session::publish() {
+  if (!first_fault_ && is_fault(loop_.trip().reason)) first_fault_ = loop_.trip();
   progress_.mode.store(loop_.mode(), std::memory_order_relaxed);
   progress_.reason.store(loop_.trip().reason, std::memory_order_relaxed);
   progress_.second.store(loop_.second().reason, std::memory_order_relaxed);
@@ -386,7 +400,9 @@ Status Session::verdict_of_run(std::string& why) const {
     return Status::cannot_write;
   }
   if (supervisor_->cause() == Cause::signal) why = "a signal to stop";
-  return Status::done;
+  if (!first_fault_) return Status::done;
+  std::printf("rig_controller: an earlier run of this session ended by %s\n", trip_text(*first_fault_, rig_).c_str());
+  return Status::safe_stop;
 }
 
 }  // namespace firmware::controller

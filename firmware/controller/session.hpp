@@ -33,6 +33,9 @@ namespace firmware::controller {
 /// gets new ones.
 void drain(const hal::Rig& roles, hal::Time period);
 
+/// Rows of a part of the recording; 0: one part.
+[[nodiscard]] std::uint64_t rows_per_part(double minutes, double sample_rate);
+
 /// The longest way back to rest that a session waits for [s].
 [[nodiscard]] double longest_return(const RigDescription& rig);
 
@@ -80,6 +83,7 @@ class Session {
   const bool realtime_;
   const bool operated_;  ///< somebody arms and starts by the socket
   const Settings settings_;
+  const std::string instance_;
   const hal::Rig opened_;
   RememberedCommand command_;
   const hal::Rig roles_;
@@ -102,7 +106,8 @@ class Session {
   std::string rights_;                ///< for the recording's comments
   std::optional<SamplePhase> phase_;  ///< none: simulated, replayed, or samples that come at no rate of the loop's
   hal::Time safe_since_ = hal::never;
-  hal::Time woken_{};  ///< of this period
+  std::optional<Trip> first_fault_;  ///< of the session; each run has its own
+  hal::Time woken_{};                ///< of this period
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<LiveTap> tap_;  ///< none: nothing is published, as for the next three
   std::unique_ptr<DatagramWriter> writer_;

@@ -27,6 +27,10 @@ FootPointMotion motion_over(const RoadChoice& choice, const RigDescription& rig,
     throw UsageError("--bandwidth is above a fifth of the sample rate, expected at most " +
                      shortest(0.2 * rig.sample_rate) + " Hz for this rig");
   }
+  if (!(road.cut_off < road.bandwidth)) {
+    throw UsageError("--cut-off " + shortest(road.cut_off) + " leaves nothing of the road, expected less than its " +
+                     "bandwidth, " + shortest(road.bandwidth) + " Hz");
+  }
   return drive_over(road, rig.sample_rate, samples);
 }
 

@@ -233,12 +233,9 @@ Opened<IioOutput> IioOutput::open(const Wanted& wanted) {
     return opened;
   }
   const std::string path = std::string("/sys/bus/iio/devices/") + ::iio_device_get_id(device) + "/" + attribute;
-  int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (file < 0 && errno == EACCES) file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);  // cannot be read back
-  if (file < 0) {
-    opened.trouble = path + ": " + words_of(errno);
-    return opened;
-  }
+  const bool readable = ::access(path.c_str(), R_OK) == 0 || errno != EACCES;  // else it cannot be read back
+  const int file = open_alone(path, readable ? O_RDWR : O_WRONLY, opened.trouble);
+  if (file < 0) return opened;
   opened.device.reset(new IioOutput(wanted, file));
   return opened;
 }

@@ -48,7 +48,7 @@ class IioConverters final : public SensorPart {
   std::unique_ptr<Capture> capture_;
 };
 
-/// One output of a digital-to-analogue converter.
+/// One output of a digital-to-analogue converter, locked for this program while it is open.
 ///
 ///   (1)  counts = (value − offset)/scale, rounded, within lowest_counts … highest_counts
 class IioOutput {

@@ -15,6 +15,10 @@ struct Opened {
   [[nodiscard]] explicit operator bool() const { return device != nullptr; }
 };
 
+/// A file of a device, opened for this program alone from here until it is closed (flock). −1: `trouble` says why;
+/// another program that drives the same output is one reason.
+[[nodiscard]] int open_alone(const std::string& path, int flags, std::string& trouble);
+
 /// "No such device (ENODEV)" and the like become words; a missing permission also what to do about it.
 [[nodiscard]] std::string words_of(int error);
 

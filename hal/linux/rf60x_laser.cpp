@@ -82,9 +82,9 @@ Opened<Rf60xLaser> Rf60xLaser::open(const Wanted& wanted) {
                      " baud; 9600, 19200 … 921600, as set in the sensor";
     return opened;
   }
-  const int port = ::open(wanted.port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  const int port = open_alone(wanted.port, O_RDWR | O_NOCTTY | O_NONBLOCK, opened.trouble);
   if (port < 0) {
-    opened.trouble = "laser at " + wanted.port + ": " + words_of(errno);
+    opened.trouble = "laser at " + opened.trouble;
     return opened;
   }
   opened.device.reset(new Rf60xLaser(wanted, port));

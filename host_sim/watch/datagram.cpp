@@ -1,5 +1,6 @@
 #include "host_sim/watch/datagram.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -18,13 +19,22 @@ struct TextField {
   std::string_view key;
   std::string Datagram::*field;
 };
-constexpr std::array text_fields{TextField{"state", &Datagram::state}, TextField{"reason_name", &Datagram::reason},
+constexpr std::array text_fields{TextField{"instance", &Datagram::instance}, TextField{"state", &Datagram::state},
+                                 TextField{"reason_name", &Datagram::reason},
                                  TextField{"second_reason", &Datagram::second_reason},
                                  TextField{"trip", &Datagram::trip}};
+
+/// One word of printable ASCII: it goes into requests.
+bool is_instance(std::string_view text) {
+  constexpr std::size_t longest_instance = 128;
+  return text.size() <= longest_instance &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < '\x7f'; });
+}
 
 bool take_text(const std::string& key, const std::string& text, Datagram& datagram) {
   if (text.size() > longest_text) return false;
   if (key == "ended") datagram.ended = text;
+  if (key == "instance" && !is_instance(text)) return false;
   for (const TextField& known : text_fields) {
     if (known.key == key) datagram.*known.field = text;
   }

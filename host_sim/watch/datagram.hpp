@@ -16,6 +16,7 @@ struct Datagram {
   double timestamp = 0.0;  ///< on the controller's clock [s]
   std::uint64_t sequence = 0;
   std::uint64_t lost = 0;  ///< periods that the controller could not publish, so far
+  std::string instance;    ///< which program sends it; empty: an older one
   std::string state, reason, second_reason, trip;
   std::vector<std::pair<std::string, double>> values;  ///< every other number, by key [SI]
   nlohmann::json setup;                                ///< object, or null: none in this datagram

@@ -53,6 +53,7 @@ void Feed::take(std::string_view text, const std::string& source, double now, st
   if (source != source_) {
     if (link_now(now) == Link::live) {
       ++counts_.foreign;
+      note_foreign(*datagram, source, now);
       return;
     }
     change_publisher(source);
@@ -74,8 +75,23 @@ void Feed::take(std::string_view text, const std::string& source, double now, st
   last_ = std::move(datagram);
 }
 
+void Feed::note_foreign(const Datagram& datagram, const std::string& source, double now) {
+  if (!foreign_ || foreign_->source != source) foreign_ = Foreign{source, {}, {}, now};
+  foreign_->at = now;
+  if (!datagram.instance.empty()) foreign_->instance = datagram.instance;
+  if (!datagram.setup.is_object()) return;
+  const auto rig = datagram.setup.find("rig");
+  if (rig != datagram.setup.end() && rig->is_string()) foreign_->rig = rig->get<std::string>();
+}
+
+std::string Feed::instance() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return last_ ? last_->instance : std::string();
+}
+
 void Feed::change_publisher(const std::string& source) {
   source_ = source;
+  foreign_.reset();
   last_.reset();
   counts_.lost_on_the_way = 0;
   envelope_.begin({});
@@ -163,6 +179,7 @@ json Feed::frame(Cursor& cursor, double now) const {
   if (last_) {
     frame["counts"]["lost"] = last_->lost;
     frame["silence"] = rounded(now - last_at_);
+    frame["instance"] = last_->instance;
     frame["timestamp"] = last_->timestamp;
     frame["state"] = last_->state;
     frame["reason"] = last_->reason;
@@ -170,6 +187,10 @@ json Feed::frame(Cursor& cursor, double now) const {
     frame["trip"] = last_->trip;
     if (last_->ended) frame["ended"] = *last_->ended;
     for (const auto& [name, value] : last_->values) frame["values"][name] = rounded(value);
+  }
+  constexpr double second_publisher_lasts = 3.0;  // [s]: three of its setups
+  if (foreign_ && now - foreign_->at < second_publisher_lasts) {
+    frame["foreign"] = {{"source", foreign_->source}, {"instance", foreign_->instance}, {"rig", foreign_->rig}};
   }
   if (cursor.setup != setup_version_) frame["setup"] = setup_;
   if (cursor.events != events_version_) {

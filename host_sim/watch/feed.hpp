@@ -48,8 +48,12 @@ class Feed {
 
   [[nodiscard]] Link link(double now) const;
 
-  /// What is new since the cursor, as one object; the cursor moves on. Keys: link, silence, ended, state, reason,
-  /// second_reason, trip, timestamp, values, counts; when they have changed setup, events, and traces {reset, width,
+  /// The instance whose values are shown; empty: none, or one that does not say it.
+  [[nodiscard]] std::string instance() const;
+
+  /// What is new since the cursor, as one object; the cursor moves on. Keys: link, silence, ended, instance, state,
+  /// reason, second_reason, trip, timestamp, values, counts; while another program sends here `foreign`: {source,
+  /// instance, rig}; when they have changed setup, events, and traces {reset, width,
   /// i, low {F: […]}, high}: the complete intervals of the envelope, whose time is i·width.
   [[nodiscard]] nlohmann::json frame(Cursor& cursor, double now) const;
 
@@ -62,6 +66,10 @@ class Feed {
     double timestamp;
     std::string state, text;
   };
+  struct Foreign {
+    std::string source, instance, rig;
+    double at = 0.0;  ///< of its last datagram [s]
+  };
   struct Counts {
     std::uint64_t received = 0, lost_on_the_way = 0, malformed = 0, foreign = 0;
   };
@@ -69,6 +77,7 @@ class Feed {
   [[nodiscard]] Link link_now(double now) const;
   [[nodiscard]] double allowed_silence() const;
   [[nodiscard]] nlohmann::json traces(Cursor& cursor) const;
+  void note_foreign(const Datagram& datagram, const std::string& source, double now);
   void change_publisher(const std::string& source);
   void note_setup(const nlohmann::json& setup);
   void note_changes(const Datagram& next, std::int64_t wall);
@@ -81,6 +90,7 @@ class Feed {
   nlohmann::json setup_;
   std::deque<Event> events_;
   Counts counts_;
+  std::optional<Foreign> foreign_;  ///< the last other program that sent here
   std::uint64_t history_version_ = 1, setup_version_ = 1, events_version_ = 1;
 };
 

@@ -11,11 +11,15 @@ namespace host_sim::watch {
 /// Serves one page, the events that move it, and takes its requests to the controller's socket:
 ///
 ///   GET  /?token=…        the page
-///   GET  /events?token=…  server-sent events: a frame of the feed each 40 ms while datagrams come, else each 0.5 s
+///   GET  /events?token=…  server-sent events: a frame of the feed each 40 ms while datagrams come, else each 0.5 s;
+///                         `controller` in it is the instance that answers the requests
 ///   POST /ask             one request as text, token in the header X-Rigtwin-Token; answers {"heard", "answer"}
 ///
 /// Refused: a Host that is not this server's (421), a wrong token (403), an Origin that is not this server's (403), a
 /// ninth watcher (503), a request that the socket does not know (400). The token is compared in constant time.
+///
+/// Every request but `stop` and `state` is sent for the instance whose values are shown; another program refuses it.
+/// Slow and silent strangers delay nobody, and `stop` has a thread of its own (FrontDoor).
 class WatchServer {
  public:
   struct Setup {

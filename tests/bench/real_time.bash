@@ -1,20 +1,35 @@
 #!/bin/bash
-# real_time.bash [SECONDS [PRIORITY]] -- by hand: what the loop of rig_controller takes on this machine, beside a rival that does as much
+# real_time.bash [SECONDS [PRIORITY]]
+# real_time.bash --hour [SECONDS [PRIORITY]]
+#
+# By hand. The first form: what the loop of rig_controller takes on this machine, beside a rival that does as much
 # work after as long a sleep (rigtwin_rival), and its wake-up latency beside that of cyclictest (package rt-tests): all in turn, several
 # times within the same minutes, with the same priority, and the median of the rounds. With real-time rights where this machine grants
 # them, and says so where not. Wanted: step time at most 5 us at P99.9, wake-up latency at most 1.2 times cyclictest's at P99. The
 # loop is measured as it comes, warming the caches before each period, and without ([controller] wake_early = 0). Where a host takes
 # the CPU away, P99.9 is the host's: so it is counted, too, how often that many nanoseconds of reading the clock take 5 us. Nothing
 # fails: a busy machine is no fault of the program.
+#
+# --hour: one run of an hour (SECONDS: less, for a try) under load, with cyclictest in the same hour on another CPU where there is one. The
+# load: on every CPU a program that never waits, one that writes to the disk, and one that starts processes, all with ordinary priority. What
+# was measured is published in tests/golden/real_time_hour.txt, machine and rights first; the histograms stand there as cyclictest writes
+# them. Thirty seconds say nothing of what happens once in ten minutes.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+hour=
+if [ "${1:-}" = --hour ]; then
+  hour=yes
+  shift
+  set -- "${1:-3600}" "${2:-80}"
+fi
 seconds=${1:-30}
 priority=${2:-80}
 rounds=5
 each=$((seconds / rounds > 0 ? seconds / rounds : 1))
 program=build/host/bin/rig_controller
 rival=build/host/bin/rigtwin_rival
-for file in $program $rival; do
+for file in $program ${hour:-$rival}; do
+  [ "$file" != yes ] || continue
   [ -x "$file" ] || { echo "$file is missing: cmake --preset host && cmake --build build/host --target $(basename $file)"; exit 1; }
 done
 folder=$(mktemp -d)
@@ -42,6 +57,52 @@ if "$program" --rig "$folder/plain.toml" --simulated --duration 0.1 --out /dev/n
     as_cyclictest=()
   fi
 fi
+# Everything that this machine can be kept busy with, until the folder is removed.
+keep_busy() {
+  for _ in $(seq "$(nproc)"); do
+    nice sh -c 'while [ -d "$0" ]; do i=0; while [ $i -lt 100000 ]; do i=$((i + 1)); done; done' "$folder" &
+  done
+  nice sh -c 'while [ -d "$0" ]; do dd if=/dev/zero of="$0/load" bs=1M count=64 conv=fsync 2>/dev/null || exit 0; done' "$folder" &
+  nice sh -c 'while [ -d "$0" ]; do ls "$0" >/dev/null 2>&1; done' "$folder" &
+}
+
+if [ -n "$hour" ]; then
+  keep_busy
+  theirs=
+  if command -v cyclictest >/dev/null; then
+    last=$(($(nproc) - 1))
+    cyclictest -q -t1 -a$last -i1000 -l$((seconds * 1000)) -h100000 "${as_cyclictest[@]}" >"$folder/cyclictest" 2>&1 &
+    theirs=$!
+  fi
+  status=0
+  "${before[@]}" "$program" --rig "$folder/warmed.toml" --simulated --cycles 0 --duration 60 --out /dev/null --histogram "$folder/hour.us" \
+    "${how[@]}" >"$folder/hour" 2>&1 &
+  ours=$!
+  sleep "$seconds"
+  kill -TERM $ours || true
+  wait $ours || status=$?
+  [ $status -eq 0 ] || [ $status -eq 7 ] || { cat "$folder/hour"; exit $status; }  # 7: a safe stop, which is published too
+  [ -z "$theirs" ] || wait "$theirs" || true
+  published=${RIGTWIN_PUBLISHED:-tests/golden/real_time_hour.txt}
+  {
+    echo "# tests/bench/real_time.bash --hour: $seconds s under load, $(date -u +%Y-%m-%d)"
+    echo "# $rights"
+    echo "# Linux $(uname -r) $(uname -m), $(nproc) CPUs,$(sed -n 's/^model name[^:]*://p' /proc/cpuinfo | head -n 1)"
+    grep -E 'wake-up latency|step time|sample age|late periods|ended by' "$folder/hour" | sed 's/^/#/'
+    echo "# rig_controller: us, periods by wake-up latency, by step time, by age of samples"
+    cat "$folder/hour.us"
+    if [ -s "$folder/cyclictest" ]; then
+      echo "# cyclictest in the same time: us, wake-ups"
+      awk '/^[0-9]/ { if ($2 + 0 > 0) print $1, $2 + 0 } /^#/' "$folder/cyclictest"
+    else
+      echo "# cyclictest is missing (package rt-tests): no comparison"
+    fi
+  } >"$folder/published"
+  cp "$folder/published" "$published"
+  grep '^#' "$published" | head -n 8
+  echo "published in $published"
+  exit 0
+fi
 echo "$rights; $(uname -r), $(nproc) CPUs, load $(cut -d' ' -f1 /proc/loadavg); $rounds rounds of $each s each"
 
 quantile() { # FILE LINE NAME -- that quantile of a line of a histogram
@@ -54,7 +115,7 @@ note() { # FILE LINE KEY -- P50, P99 and P99.9 of a line into the lists of KEY
 for round in $(seq $rounds); do
   for rig in warmed plain quarter_car; do
     status=0
-    "${before[@]}" "$program" --rig "$folder/$rig.toml" --simulated --duration "$each" --out /dev/null --histogram "$folder/$rig.us" \
+    "${before[@]}" "$program" --rig "$folder/$rig.toml" --simulated --duration "$each" --out /dev/null --overwrite --histogram "$folder/$rig.us" \
       "${how[@]}" >"$folder/$rig" 2>&1 ||
       status=$?
     [ $status -eq 0 ] || { cat "$folder/$rig"; exit $status; }

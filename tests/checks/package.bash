@@ -21,7 +21,8 @@ package=$(echo "$folder"/rig-controller_*_"$architecture".deb)
 dpkg-deb -I "$package"
 dpkg-deb -x "$package" "$folder/root"
 status=0
-for file in bin/rig_controller lib/systemd/system/rig_controller@.service lib/udev/rules.d/70-rig_controller.rules \
+for file in bin/rig_controller lib/systemd/system/rig_controller@.service \
+  lib/systemd/system/rig_controller-awake@.service lib/udev/rules.d/70-rig_controller.rules \
   lib/systemd/system-generators/rig_controller-generator \
   share/rig_controller/limits.d/rig_controller.conf share/rig_controller/publish.conf share/rig_controller/rigs/example_rig.toml \
   share/rig_controller/rigs/example_hil.toml share/doc/rig_controller/README.md; do
@@ -36,6 +37,7 @@ echo "program: $machine, $(stat -c %s "$folder/root/usr/bin/rig_controller") byt
 dpkg-deb -I "$package" postinst | grep -q 'addgroup' || { echo "the group rig is not made"; status=1; }
 if command -v systemd-analyze >/dev/null; then
   sed 's|^ExecStart=.*|ExecStart=/bin/true|' "$folder/root/usr/lib/systemd/system/rig_controller@.service" >"$folder/rig_controller@x.service"
+  cp "$folder/root/usr/lib/systemd/system/rig_controller-awake@.service" "$folder/rig_controller-awake@x.service"
   ! systemd-analyze verify "$folder/rig_controller@x.service" 2>&1 | grep 'rig_controller@' || { echo "  ^ the systemd unit"; status=1; }
 fi
 exit $status

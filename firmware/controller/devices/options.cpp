@@ -21,10 +21,12 @@ const char* const usage =
   rig_controller --list                     GPIO chips and lines, converters and triggers that are there
 
   --start           arm and start at once: I stand beside the rig. Without it the program waits for arm and start
-  --socket PATH     of the operator's commands, in place of [controller] socket (/run/rigtwin/control.sock)
+  --socket PATH     of the operator's commands, in place of [controller] socket (/run/rigtwin/control.sock, of a service
+                    /run/rigtwin/NAME/control.sock)
   --wait            with --simulated: wait for the operator there too
-  --overwrite       an earlier recording of that name; without it the run is refused
-  --part-minutes M  a new file every M minutes: RUN.csv, RUN-0002.csv, …
+  --overwrite       an earlier recording or histogram of that name; without it the run is refused. What the run reads
+                    is never replaced
+  --part-minutes M  a new file every M minutes: RUN.csv, RUN-0002.csv, …; at least two periods of the loop
   --cycles N        the road N times, with a joint without a jump; 0: until it is stopped
   --programme FILE.toml  in place of a road: [[blocks]], each with road, speed, duration, seed, level, repetitions, pause
   --publish [HOST:PORT]  each period as a UDP datagram of JSON for PlotJuggler and `rigtwin watch` (localhost:9870). Never

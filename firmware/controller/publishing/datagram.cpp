@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <string_view>
+#include <utility>
 
 #include "firmware/controller/recording/trip_text.hpp"
 #include "firmware/description/control_settings.hpp"
@@ -83,8 +84,13 @@ std::string span_text(const Histogram& histogram) {
 }  // namespace
 
 DatagramWriter::DatagramWriter(const RigDescription& rig, const hal::SensorSetup& sensors, bool simulated,
-                               std::uint64_t every, const Spans& spans)
-    : rig_(rig), columns_(rig, sensors), simulated_(simulated), every_(every), spans_(spans) {}
+                               std::uint64_t every, const Spans& spans, std::string instance)
+    : rig_(rig),
+      columns_(rig, sensors),
+      simulated_(simulated),
+      every_(every),
+      spans_(spans),
+      instance_(std::move(instance)) {}
 
 std::string DatagramWriter::period(const Record& record, const Numbers& numbers, bool with_setup) const {
   Object object;
@@ -92,6 +98,7 @@ std::string DatagramWriter::period(const Record& record, const Numbers& numbers,
   object.whole("sequence", numbers.sequence);
   object.whole("period", record.period);
   object.whole("lost", numbers.lost);
+  object.words("instance", instance_);
   for (const RunColumns::Column& column : columns_.columns()) {
     object.number(column.name, RunColumns::value(column, record));
   }
@@ -117,6 +124,7 @@ std::string DatagramWriter::end(hal::Time time, const Numbers& numbers, const st
   object.time("timestamp", time);
   object.whole("sequence", numbers.sequence);
   object.whole("lost", numbers.lost);
+  object.words("instance", instance_);
   object.words("ended", why);
   return object.text();
 }

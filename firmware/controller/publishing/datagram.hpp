@@ -15,6 +15,7 @@ namespace firmware::controller {
 /// Writes the datagrams of a session. Keys:
 ///
 ///   timestamp      of the period on the loop's clock [s], nanoseconds resolved
+///   instance       which program sends it (new_instance): two that send to one port are told apart
 ///   sequence       of the datagram, from 0: a gap is what the way to the reader lost
 ///   period         of the loop: a gap wider than the decimation is what was lost before
 ///   lost           periods so far that were to be published and were not
@@ -25,7 +26,7 @@ namespace firmware::controller {
 ///   energy_fed, energy_taken            hil: W and D of the EnergyGuard [J]
 ///   command, tare, bridged, late_periods, limited_commands
 ///   setup          with the first datagram and every second: rig, limits, units, and what the loop took
-///   ended          in the last one, which has nothing but timestamp, sequence and lost beside it
+///   ended          in the last one, which has nothing but timestamp, instance, sequence and lost beside it
 class DatagramWriter {
  public:
   struct Numbers {
@@ -33,9 +34,9 @@ class DatagramWriter {
     std::uint64_t lost = 0;
   };
 
-  /// `every`: of so many periods one is published. References must outlive the writer.
+  /// `every`: of so many periods one is published; `instance`: of this program. References must outlive the writer.
   DatagramWriter(const RigDescription& rig, const hal::SensorSetup& sensors, bool simulated, std::uint64_t every,
-                 const Spans& spans);
+                 const Spans& spans, std::string instance);
 
   [[nodiscard]] std::string period(const Record& record, const Numbers& numbers, bool with_setup) const;
   [[nodiscard]] std::string end(hal::Time time, const Numbers& numbers, const std::string& why) const;
@@ -48,6 +49,7 @@ class DatagramWriter {
   bool simulated_;
   std::uint64_t every_;
   const Spans& spans_;
+  std::string instance_;
 };
 
 }  // namespace firmware::controller

@@ -1,7 +1,5 @@
 #include "firmware/controller/recording/recorder.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -14,6 +12,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "firmware/controller/recording/output_claim.hpp"
+#include "firmware/controller/recording/trip_text.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/sha256.hpp"
 #include "firmware/recording/recording.hpp"
@@ -36,17 +36,6 @@ std::string as_comments(std::string_view what, const std::string& file) {
   return comments;
 }
 
-/// Opens a new file; an existing one only if it may be overwritten, or is no regular file (a pipe, /dev/null).
-int open_new(const std::string& file, bool overwrite) {
-  struct stat status {};
-  const bool replaces = ::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode);
-  if (replaces && !overwrite) {
-    errno = EEXIST;
-    return -1;
-  }
-  return ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-}
-
 }  // namespace
 
 std::string utc_now() {
@@ -67,31 +56,63 @@ std::string part_name(const std::string& file, std::uint64_t part) {
 }
 
 Recorder::Recorder(const Setup& setup, const RigDescription& rig, const hal::SensorSetup& sensors, std::string& trouble)
-    : setup_(setup), columns_(rig, sensors), description_(as_comments("description", rig.source)) {
+    : setup_(setup), rig_(rig), columns_(rig, sensors), description_(as_comments("description", rig.source)) {
   for (const std::filesystem::path& file : referenced_files(rig)) description_ += as_comments("table", file.string());
   if (!setup.programme.empty()) description_ += as_comments("programme", setup.programme);
+  if (trouble = taken_part(); !trouble.empty()) return;
   if (open_part() && flush()) return;
-  trouble = setup_.file + ": " + std::strerror(error()) +
-            (error() == EEXIST ? ", expected a new name or --overwrite" : ", expected a file that can be written");
+  trouble = claim_trouble(setup_.file, error());
 }
 
 Recorder::~Recorder() {
   if (file_ >= 0) ::close(file_);
+  if (first_ >= 0 && first_ != file_) ::close(first_);
 }
 
-bool Recorder::open_part() {
-  const std::uint64_t part = parts_.load() + 1;
-  const std::string file = part_name(setup_.file, part);
-  if (file_ >= 0) {
-    buffer_ += "# continued in " + part_name(setup_.file, part) + ", " + utc_now() + "\n";
-    if (!sync()) return false;
-    ::close(file_);
+/// Why a name that this recording may need is not free; empty: all are.
+std::string Recorder::taken_part() const {
+  if (setup_.rows_per_part == 0 && !setup_.several_runs) return {};
+  for (const std::string& part : present_parts(setup_.file)) {
+    if (leads_to_one_of(part, setup_.inputs)) return claim_trouble(part, ETXTBSY);
+    if (!setup_.overwrite) return claim_trouble(part, EEXIST);
   }
-  file_ = open_new(file, setup_.overwrite);
-  if (file_ < 0) {
-    error_ = errno;
+  return {};
+}
+
+/// The next name that is free: somebody may have taken one since the start, which must not end a run.
+bool Recorder::open_part() {
+  constexpr std::uint64_t most_tries = 1000;
+  ClaimedFile next{-1, EEXIST};
+  std::uint64_t number = number_;
+  const bool first = file_ < 0;
+  const auto taken = [](int error) {
+    return error == EEXIST || error == EWOULDBLOCK || error == ELOOP || error == ETXTBSY;
+  };
+  for (std::uint64_t tries = 0; next.descriptor < 0 && tries < most_tries && taken(next.error); ++tries) {
+    next = claim_file(part_name(setup_.file, ++number), setup_.overwrite, setup_.inputs);
+    if (first) break;
+  }
+  if (next.descriptor < 0) {
+    error_ = next.error;
     return false;
   }
+  if (!first) {
+    buffer_ += "# continued in " + part_name(setup_.file, number) + ", " + utc_now() + "\n";
+    if (!sync()) {
+      ::close(next.descriptor);
+      return false;
+    }
+    if (file_ != first_) ::close(file_);
+  }
+  file_ = next.descriptor;
+  if (first) first_ = file_;
+  number_ = number;
+  begin_part();
+  return true;
+}
+
+void Recorder::begin_part() {
+  const std::uint64_t part = parts_.load() + 1;
   parts_ = part;
   length_ = 0;
   part_rows_ = 0;
@@ -108,7 +129,6 @@ bool Recorder::open_part() {
   if (setup_.place) buffer_ += ",block";
   if (setup_.place || setup_.cycle_samples > 0) buffer_ += ",cycle";
   buffer_ += '\n';
-  return true;
 }
 
 void Recorder::number(double value) {
@@ -143,9 +163,37 @@ bool Recorder::worth_a_row(const Record& record) {
   return static_cast<double>(standing_) * columns_.period() <= standing_rows;
 }
 
+/// The reason of a record, once; with what may stand behind the next run's first row.
+void Recorder::note_reason(const Record& record) {
+  const bool first = record.trip.reason != reason_ && record.trip.reason != Reason::none;
+  const bool then = record.second != second_ && record.second != Reason::none;
+  reason_ = record.trip.reason;
+  second_ = record.second;
+  if (first) {
+    ended_by_ = trip_text(record.trip, rig_);
+    news_ = (is_fault(record.trip.reason) ? "SAFE STOP: " : "safe: ") + ended_by_;
+  }
+  if (then) {
+    ended_by_ += ", then " + std::string(name(record.second));
+    news_ += (news_.empty() ? "then " : ", then ") + std::string(name(record.second));
+  }
+}
+
+std::string Recorder::news() {
+  std::string text;
+  text.swap(news_);
+  return text;
+}
+
 void Recorder::take(const Record& record) {
   const bool row = worth_a_row(record);
   const bool begins = mode_ == Mode::idle && record.mode != Mode::idle;
+  if (begins && !ended_by_.empty()) {
+    buffer_ +=
+        (has_run_ ? "# ended by " : "# an earlier arming ended by ") + one_line(ended_by_) + ", " + utc_now() + "\n";
+    ended_by_.clear();
+  }
+  note_reason(record);
   mode_ = record.mode;
   if (!row || error() != 0) {
     lost_ += row ? 1 : 0;

@@ -55,6 +55,12 @@ void RecordingThread::write() {
       if (tap_ != nullptr) tap_->offer(*record);
       recorder_.take(*record);
     }
+    // At once, before the disk: a console shows it, and systemd's journal keeps it.
+    if (const std::string news = recorder_.news(); !news.empty()) {
+      std::FILE* const stream = news.starts_with("SAFE STOP") ? stderr : stdout;
+      std::fprintf(stream, "rig_controller: %s\n", news.c_str());
+      std::fflush(stream);
+    }
     {
       const std::lock_guard<std::mutex> lock(marks_mutex_);
       for (const std::string& text : marks_) recorder_.mark(text);

@@ -123,6 +123,21 @@
     lost: ["✗ no connection", "The connection to rigtwin watch has been lost for %s. What is shown is old, and nothing can be asked from here: use the red button at the rig."],
   };
 
+  // Values of one program above the buttons of another.
+  const differs = function () {
+    return Boolean(last && last.instance && last.controller && last.instance !== last.controller);
+  };
+  const other_rig = function () {
+    if (differs()) {
+      return "The values are those of " + (setup ? setup.rig + " (" + last.instance + ")" : last.instance) + ", the buttons ask another program ("
+        + last.controller + "). They are locked; Stop stops that other one. Start rigtwin watch with the --socket or --rig of the rig that you see.";
+    }
+    if (!last || !last.foreign) return "";
+    const f = last.foreign;
+    return "A second rig publishes to this port: " + (f.rig || "its name is not known yet") + " (" + (f.instance || f.source)
+      + "). It is not shown; rig_controller --publish HOST:PORT sends it to a page of its own.";
+  };
+
   // ---- what is shown ----
   const seconds = function (value) { return value < 10 ? value.toFixed(1) + " s" : Math.round(value) + " s"; };
 
@@ -133,14 +148,15 @@
       : last && last.silence !== undefined ? last.silence + (performance.now() - heard_at) / 1000 : 0;
     const words = link_words[link];
     place("link").textContent = words[0] + (link === "gone" ? " for " + seconds(silence) : "");
-    const alarm = refused || words[1].replace("%s", seconds(silence));
+    const alarm = refused || words[1].replace("%s", seconds(silence)) || other_rig();
+    say.locked = other_rig() === "" ? "" : "other-rig";
     place("alarm").hidden = alarm === "";
     if (place("alarm-text").textContent !== alarm) place("alarm-text").textContent = alarm;
     document.body.classList.toggle("stale", link !== "live" && last !== null && last.state !== undefined);
     document.querySelectorAll("[data-ask], [data-any]").forEach(function (button) {
       const reachable = link !== "lost" && link !== "connecting";
       const fits = button.dataset.ask === "stop" ? reachable
-        : link === "live" && (button.dataset.any !== undefined || (last && last.state === button.dataset.in));
+        : link === "live" && !differs() && (button.dataset.any !== undefined || (last && last.state === button.dataset.in));
       button.disabled = !fits;
       if (button.disabled) calm(button);
     });

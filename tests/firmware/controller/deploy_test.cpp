@@ -77,8 +77,37 @@ TEST(Deploy, TheUnitsTimesFollowFromTheDescription) {
 TEST(Deploy, RulesTakeEffectWithoutAReboot) {
   const std::string script = TemporaryFolder::read(deployed("postinst"));
   EXPECT_THAT(script, HasSubstr("udevadm trigger --action=add"));
-  for (const char* subsystem : {"gpio", "iio", "misc", "tty"}) EXPECT_THAT(script, HasSubstr(subsystem));
+  for (const char* subsystem : {"gpio", "iio", "misc", "usb-serial"}) EXPECT_THAT(script, HasSubstr(subsystem));
   EXPECT_THAT(TemporaryFolder::read(deployed("rig_controller.conf")), HasSubstr("@rig - rtprio 90\n"));
+}
+
+// Serial lines are other people's too: the rule leaves them to their group, and the service joins that.
+TEST(Deploy, TakesNoSerialLineFromItsGroup) {
+  const std::string rules = TemporaryFolder::read(deployed("70-rig_controller.rules"));
+  EXPECT_THAT(rules, Not(HasSubstr("tty\"")));
+  EXPECT_THAT(rules, Not(HasSubstr("ttyS")));
+  EXPECT_THAT(TemporaryFolder::read(deployed("rig_controller@.service")), HasSubstr("\nSupplementaryGroups=dialout\n"));
+}
+
+// An instance has a directory of its own, which systemd removes with it; one that all shared went with the first
+// (systemd#5394).
+TEST(Deploy, EachInstanceHasItsOwnDirectory) {
+  const std::string unit = TemporaryFolder::read(deployed("rig_controller@.service"));
+  EXPECT_THAT(unit, HasSubstr("\nRuntimeDirectory=rigtwin/%i\n"));
+  EXPECT_THAT(unit, Not(HasSubstr("--socket")));
+}
+
+// A machine that sleeps, or that is short of memory, must not leave a rig to itself.
+TEST(Deploy, TheMachineStaysAwakeAndSparesTheRig) {
+  const std::string unit = TemporaryFolder::read(deployed("rig_controller@.service"));
+  EXPECT_THAT(unit, HasSubstr("\nOOMScoreAdjust=-900\n"));
+  EXPECT_THAT(unit, HasSubstr("\nConflicts=sleep.target\nBefore=sleep.target\n"));
+  EXPECT_THAT(unit, HasSubstr("\nWants=rig_controller-awake@%i.service\n"));
+  const std::string awake = TemporaryFolder::read(deployed("rig_controller-awake@.service"));
+  EXPECT_THAT(awake, HasSubstr("systemd-inhibit --what=sleep"));
+  EXPECT_THAT(awake, HasSubstr("--mode=block"));
+  EXPECT_THAT(awake, HasSubstr("\nStopWhenUnneeded=yes\n"));
+  EXPECT_THAT(awake, Not(HasSubstr("[Install]")));
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // The small parts of the Linux back-end, and what it says where there is no hardware. With hardware, simulated by a
 // kernel: tests/guest.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <limits>
 #include <memory>
@@ -12,7 +14,9 @@
 #include "hal/linux/command_limit.hpp"
 #include "hal/linux/gpio.hpp"
 #include "hal/linux/iio.hpp"
+#include "hal/linux/opened.hpp"
 #include "hal/linux/sensors.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 
@@ -48,6 +52,23 @@ TEST(CommandLimit, HoldsTheRate) {
   EXPECT_EQ(limit.limited(), 3U);
   EXPECT_EQ(limit.limit(0.0104, 1e-3), 0.0104);
   EXPECT_EQ(limit.limited(), 3U);
+}
+
+// Fault. Two programs must not drive one output: the second is told so, until the first has closed it.
+TEST(OpenAlone, GivesAnOutputToOneProgram) {
+  const support::TemporaryFolder folder;
+  const std::string output = folder.write("out_voltage0_raw", "0\n");
+  std::string trouble;
+  const int first = hal::linux::open_alone(output, O_RDWR, trouble);
+  ASSERT_GE(first, 0) << trouble;
+  EXPECT_EQ(hal::linux::open_alone(output, O_RDWR, trouble), -1);
+  EXPECT_EQ(trouble, output + ": another program drives it; end that program");
+  ::close(first);
+  const int again = hal::linux::open_alone(output, O_RDWR, trouble);
+  EXPECT_GE(again, 0);
+  ::close(again);
+  EXPECT_EQ(hal::linux::open_alone(folder / "none", O_RDWR, trouble), -1);
+  EXPECT_EQ(trouble, (folder / "none").string() + ": No such file or directory");
 }
 
 class OneChannel final : public hal::linux::SensorPart {

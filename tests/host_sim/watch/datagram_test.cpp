@@ -17,7 +17,7 @@ using host_sim::watch::parse_datagram;
 TEST(WatchDatagram, IsReadAsTheControllerWritesIt) {
   const firmware::RigDescription rig = support::rig("paper_hil_fdva");
   const auto spans = std::make_unique<firmware::controller::Spans>();
-  const firmware::controller::DatagramWriter writer(rig, {}, false, 1, *spans);
+  const firmware::controller::DatagramWriter writer(rig, {}, false, 1, *spans, "a.1@here");
   firmware::Record record;
   record.time = hal::milliseconds(2500);
   record.mode = firmware::Mode::safe;

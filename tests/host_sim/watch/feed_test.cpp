@@ -41,6 +41,27 @@ TEST_F(Fed, SaysHowItStandsToThePublisher) {
   EXPECT_EQ(frame["values"]["F"], 1.0) << "the last values stay";
 }
 
+// Two programs publish to one port: one is shown, the other is named, with its rig as soon as it says it. Without that
+// a page showed one rig above the buttons of another.
+TEST_F(Fed, NamesASecondPublisher) {
+  take(datagram(0, "running", R"(,"instance":"aa.1@here")"));
+  EXPECT_EQ(feed.instance(), "aa.1@here");
+  take(datagram(0, "running", R"(,"instance":"bb.2@here")" + with_setup), "127.0.0.1:6");
+  Feed::Cursor cursor;
+  json frame = feed.frame(cursor, now);
+  EXPECT_EQ(frame["instance"], "aa.1@here");
+  EXPECT_EQ(frame["foreign"]["instance"], "bb.2@here");
+  EXPECT_EQ(frame["foreign"]["rig"], "r.toml");
+  EXPECT_EQ(frame["foreign"]["source"], "127.0.0.1:6");
+  EXPECT_TRUE(frame["setup"].is_null()) << "the setup of the one that is not shown";
+  now = 0.9;
+  take(datagram(1, "running", R"(,"instance":"aa.1@here")"));
+  now = 3.1;
+  EXPECT_FALSE(feed.frame(cursor, now).contains("foreign")) << "it has gone";
+  take(datagram(2, "running", R"(,"instance":"a b")"));
+  EXPECT_EQ(feed.instance(), "aa.1@here") << "an instance is one word: it goes into requests";
+}
+
 // One period of a thousand at 100 Hz comes each 10 s: silence between two is no loss.
 TEST_F(Fed, IsAsPatientAsTheDecimationIsWide) {
   take(datagram(0, "idle", R"(,"setup":{"sample_rate":100,"every":1000})"));

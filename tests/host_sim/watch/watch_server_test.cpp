@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <nlohmann/json.hpp>
@@ -12,6 +15,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/watch/controller_client.hpp"
+#include "host_sim/watch/front_door.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 // Last: it defines _res as a macro, a name that Eigen uses.
@@ -172,6 +176,65 @@ TEST_F(Served, SaysThatNoControllerListens) {
   const json answer = json::parse(reply->body);
   EXPECT_FALSE(answer["heard"].get<bool>());
   EXPECT_THAT(answer["answer"].get<std::string>(), HasSubstr("no controller listens there"));
+}
+
+// What moves a rig is meant for the rig that the page shows: the request says so, and another program refuses it. A
+// stop is for whoever listens.
+TEST_F(Served, AsksTheProgramWhoseValuesItShows) {
+  FakeController controller(socket);
+  feed.take(R"({"timestamp":1,"sequence":0,"lost":0,"state":"idle","instance":"aa.1@here"})", "127.0.0.1:5", 0.0, 0);
+  EXPECT_EQ(ask("arm", as_page())->status, 200);
+  EXPECT_EQ(controller.asked.back(), "@aa.1@here arm");
+  EXPECT_EQ(ask("stop", as_page())->status, 200);
+  EXPECT_EQ(controller.asked.back(), "stop");
+}
+
+// Fault. Strangers who send their requests byte by byte, without a token, keep nobody from a stop: none of them has a
+// thread. (Two dozen of them once had all.)
+TEST_F(Served, HearsAStopAmongSlowStrangers) {
+  FakeController controller(socket);
+  std::atomic<bool> end{false};
+  std::thread strangers([&] {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(static_cast<std::uint16_t>(server.port()));
+    std::vector<int> all(60, -1);
+    while (!end.load()) {
+      for (int& one : all) {
+        if (one >= 0 && ::send(one, "x", 1, MSG_NOSIGNAL) == 1) continue;
+        if (one >= 0) ::close(one);
+        one = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        if (::connect(one, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) continue;
+        static_cast<void>(::send(one, "POST /ask HTTP/1.1\r\nX", 21, MSG_NOSIGNAL));
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    for (const int one : all) ::close(one);
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto reply = ask("stop", as_page());
+  end.store(true);
+  strangers.join();
+  ASSERT_TRUE(reply) << "nobody had time for it";
+  EXPECT_EQ(reply->status, 200);
+  EXPECT_EQ(controller.asked.back(), "stop");
+}
+
+TEST(FrontDoor, KnowsAWholeRequestAndAStop) {
+  using host_sim::watch::is_stop_request;
+  using host_sim::watch::whole_request;
+  const std::string head = "POST /ask HTTP/1.1\r\nHost: x\r\ncontent-LENGTH: 4\r\n\r\n";
+  EXPECT_EQ(whole_request(head.substr(0, head.size() - 1)), 0U);
+  EXPECT_EQ(whole_request(head + "sto"), 0U);
+  EXPECT_EQ(whole_request(head + "stop"), head.size() + 4);
+  EXPECT_EQ(whole_request(head + "stopped"), head.size() + 4) << "one request a connection";
+  EXPECT_TRUE(is_stop_request(head + "stop"));
+  EXPECT_FALSE(is_stop_request(head + "star"));
+  EXPECT_FALSE(is_stop_request("GET /ask HTTP/1.1\r\n\r\nstop"));
+  const std::string vast = "POST /ask HTTP/1.1\r\nContent-Length: 99999\r\n\r\n";
+  EXPECT_EQ(whole_request(vast), vast.size()) << "refused unread";
+  EXPECT_NE(whole_request(std::string(20'000, 'x')), 0U) << "an endless head is none";
 }
 
 /// The first events of a stream.

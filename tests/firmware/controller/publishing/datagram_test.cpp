@@ -31,7 +31,7 @@ struct Written : testing::Test {
     record.taken.fill(hal::never);
     record.values.fill(0.0);
   }
-  [[nodiscard]] DatagramWriter writer() const { return {rig, sensors, true, 5, *spans}; }
+  [[nodiscard]] DatagramWriter writer() const { return {rig, sensors, true, 5, *spans, "a.1@here"}; }
   [[nodiscard]] json period(bool with_setup = false) const {
     return json::parse(writer().period(record, {17, 3}, with_setup));
   }

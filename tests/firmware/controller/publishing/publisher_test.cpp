@@ -18,7 +18,7 @@ struct Published : testing::Test {
   const firmware::RigDescription rig = support::rig("paper_bench_fdva");
   const std::unique_ptr<Spans> spans = std::make_unique<Spans>();
   const hal::SensorSetup sensors{};
-  const DatagramWriter writer{rig, sensors, true, 1, *spans};
+  const DatagramWriter writer{rig, sensors, true, 1, *spans, "a.1@here"};
   const support::DatagramInbox inbox;
 
   static Record of(std::uint64_t period) {
