@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 
 #include "firmware/controller/instance.hpp"
 #include "firmware/controller/real_time/delay_check.hpp"
@@ -215,6 +216,8 @@ bool Session::open_publisher(const cpu_set_t& cpus) {
   tap_ = std::make_unique<LiveTap>(options_.publish_every);
   writer_ = std::make_unique<DatagramWriter>(rig_, roles_.sensors.setup(), options_.simulated, tap_->every(), *spans_,
                                              instance_);
+  writer_->describe_run(std::filesystem::path(options_.out).filename().string(),
+                        options_.duration * static_cast<double>(options_.cycles));
   publisher_ = std::make_unique<Publisher>(cpus, *tap_, *writer_, *datagrams_, rig_.sample_rate);
   std::printf("publishing to %s, one period of %llu, as %s\n", options_.publish.c_str(),
               static_cast<unsigned long long>(tap_->every()), instance_.c_str());

@@ -8,9 +8,11 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/version.hpp"
+#include "host_sim/commands/channels_command.hpp"
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/compensation_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
+#include "host_sim/commands/effects_command.hpp"
 #include "host_sim/commands/estimate_command.hpp"
 #include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
@@ -21,6 +23,7 @@
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
 #include "host_sim/commands/shell_command.hpp"
+#include "host_sim/commands/show_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
@@ -59,6 +62,8 @@ int run_command_line(int argc, const char* const* argv) {
   CompareOptions compare_options;
   add_simulate(app, simulate_options);
   add_compare(app, compare_options);
+  ShowOptions show_options;
+  add_show(app, show_options);
   StabilityOptions stability_options;
   add_stability(app, stability_options);
   CompensationOptions compensation_options;
@@ -75,6 +80,10 @@ int run_command_line(int argc, const char* const* argv) {
   add_import(app, import_options);
   FmuOptions fmu_options;
   add_fmu(app, fmu_options);
+  ChannelsOptions channels_options;
+  add_channels(app, channels_options);
+  EffectsOptions effects_options;
+  add_effects(app, effects_options);
   InitOptions init_options;
   add_init(app, init_options);
   NewEffectOptions new_effect_options;

@@ -11,9 +11,11 @@
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/comparison/refit.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
+#include "host_sim/show/comparison_page.hpp"
 
 namespace host_sim {
 namespace {
@@ -98,6 +100,7 @@ void print(const RecordingComparison& recording) {
               std::string(model::name(recording.input)).c_str(),
               recording.started_at_rest ? "at rest" : "in mid-motion (state estimated)");
   if (!recording.remark.empty()) std::printf("  %s\n", recording.remark.c_str());
+  for (const StaticValue& value : recording.tared) std::printf("  %s\n", words(value).c_str());
   std::printf("  %-7s %9s %13s %13s %9s   %s\n", "channel", "nrmse", "rms error", "rms data", "clipped",
               "most of the error");
   for (const ChannelComparison& c : recording.channels) {
@@ -176,7 +179,18 @@ void compare(const CompareOptions& options) {
 
   std::vector<RecordingComparison> results;
   results.reserve(recordings.size());
-  for (const ComparedRecording& recording : recordings) results.push_back(recording.compare(recording.simulate(rig)));
+  std::vector<show::Shown> shown;
+  for (const ComparedRecording& recording : recordings) {
+    Response simulated = recording.simulate(rig);
+    results.push_back(recording.compare(simulated));
+    if (!options.report) continue;
+    const std::string name = std::filesystem::path(recording.recording().source).filename().string();
+    shown.push_back({name, recording.recording(), {{options.rig.filename().string(), std::move(simulated)}}});
+  }
+  if (options.report) {
+    const std::string page = show::comparison_page(shown, results, pooled(results), options.rig.filename().string());
+    firmware::write_file(*options.report, with_how_made(page));
+  }
 
   if (options.json) {
     for (const auto& [path, tolerance] : description.tolerance) {
@@ -211,6 +225,7 @@ void add_compare(CLI::App& app, CompareOptions& options) {
   command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
   command->add_option("--data", options.data, "Recording (CSV or .mat); may be given several times")->required();
   command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
+  command->add_option("--report", options.report, "Write the comparison as a page (HTML)");
   command->add_flag("--refit", options.refit, "First fit the parameters under [tolerance] within their bounds");
   command->add_option_function<std::string>(
       "--start", [&options](const std::string& word) { options.start = start_choice(word); },

@@ -17,7 +17,8 @@ struct CompareOptions {
   std::filesystem::path rig;
   std::vector<std::filesystem::path> data;
   std::optional<std::filesystem::path> json;  ///< "-": standard output
-  bool refit = false;                         ///< first fit the parameters under [tolerance]
+  std::optional<std::filesystem::path> report;
+  bool refit = false;  ///< first fit the parameters under [tolerance]
   StartChoice start = StartChoice::automatic;
 };
 void compare(const CompareOptions& options);

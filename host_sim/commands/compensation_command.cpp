@@ -9,6 +9,7 @@
 #include "host_sim/commands/json_output.hpp"
 #include "host_sim/compensation/comparison_report.hpp"
 #include "host_sim/compensation/machine_record.hpp"
+#include "host_sim/compensation/record_page.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "host_sim/report/formatted.hpp"
 
@@ -60,13 +61,16 @@ void print_record(const std::string& data, const compensation::MachineRecord& re
 
 /// A recording of the machine: no loop is needed, so a component_bench will do.
 void examine_record(const CompensationOptions& options, const firmware::RigDescription& description) {
-  if (options.report) throw firmware::UsageError("--report shows the methods on a loop, expected no --data beside it");
   const firmware::Recording recording = read_recording(*options.data, description.channels);
   const auto record = compensation::machine_record(description, recording);
   if (options.out) write_recording(*options.out, compensation::compensated_command(record, recording));
+  if (options.report) {
+    firmware::write_file(*options.report, with_how_made(compensation::record_page(record, recording)));
+  }
   if (write_json(options.json, compensation::to_json(record))) return;
   print_record(*options.data, record);
   if (options.out) std::printf("command %s\n", options.out->c_str());
+  if (options.report) std::printf("report %s\n", options.report->c_str());
 }
 
 void compare_compensation(const CompensationOptions& options) {

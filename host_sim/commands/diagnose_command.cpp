@@ -78,8 +78,12 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
   }
   for (const identification::DescribedLaw& law : diagnosis.laws) {
     std::printf("  law at the %s   confidence %.3f\n", identification::words(law).c_str(), law.confidence);
-    for (const identification::LawNumber& number : law.numbers)
-      std::printf("    %s = %.5g (%.5g … %.5g)\n", number.name.c_str(), number.value, number.lower, number.upper);
+    for (const identification::LawNumber& number : law.numbers) {
+      if (!std::isfinite(number.value) || !std::isfinite(number.lower) || !std::isfinite(number.upper)) continue;
+      const std::string unit = identification::unit_of(law, number);
+      std::printf("    %s = %.5g%s%s (%.5g … %.5g)\n", number.name.c_str(), number.value, unit == "1" ? "" : " ",
+                  unit == "1" ? "" : unit.c_str(), number.lower, number.upper);
+    }
   }
   for (const identification::ParameterOff& off : diagnosis.parameters_off) {
     std::printf("  %s is %.6g (%.6g … %.6g), described as %.6g", off.path.c_str(), off.value.value, off.value.lower,
@@ -247,7 +251,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
       rig(options.out / "rig.toml");
   verdict.write(identification::to_json(diagnosis).dump(2) + "\n");
   report.write(how_made.in(identification::report_html(diagnosis, description)));
-  rig.write(identification::result_rig(diagnosis.rig, options.rig.filename().string()));
+  rig.write(identification::result_rig(diagnosis.rig, description, options.rig.filename().string()));
   verdict.commit();
   report.commit();
   rig.commit();

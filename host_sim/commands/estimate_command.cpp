@@ -33,7 +33,8 @@ ordered_json json_of(const Estimate& estimate, const std::vector<WheelLoad>& loa
   json["channels"] = std::move(channels);
   json["nis"] = estimate.nis;
   json["expected_sigma"] = {{"F_w", estimate.sigma_wheel_load}, {"v_rel", estimate.sigma_velocity}};
-  json["model_wrong"] = estimate.alarms > 0;
+  const std::optional<bool> wrong = estimate.model_wrong();
+  json["model_wrong"] = wrong ? ordered_json(*wrong) : ordered_json(nullptr);  // null: not judged
   json["alarms"] = estimate.alarms;
   json["blocks"] = estimate.blocks;
   ordered_json sources = ordered_json::object();
@@ -57,13 +58,7 @@ void print(const EstimateOptions& options, const Estimate& estimate, const std::
   for (const WheelLoad& load : loads) {
     if (load.error_rms) std::printf("  wheel load, %-12s error %.4g N rms\n", load.name.c_str(), *load.error_rms);
   }
-  if (estimate.blocks == 0) {
-    std::printf("too short for the innovation monitor: it needs 20480 samples in a row\n");
-  } else if (estimate.alarms == 0) {
-    std::printf("the innovations do not contradict the model (%zu blocks)\n", estimate.blocks);
-  } else {
-    std::printf("the model is wrong for this recording: %s\n", estimate.last_alarm.c_str());
-  }
+  std::printf("%s\n", estimation::sentence(estimate).c_str());
 }
 
 }  // namespace

@@ -14,7 +14,9 @@
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/frf/response_estimate.hpp"
+#include "host_sim/frf/response_page.hpp"
 #include "host_sim/frf/result_json.hpp"
 #include "host_sim/frf/universal_file.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
@@ -234,6 +236,7 @@ void measure_responses(const FrfOptions& options) {
 
   const bool only_json = options.json && *options.json == "-";
   if (options.uff) firmware::write_file(*options.uff, frf::to_universal_file(result));
+  if (options.report) firmware::write_file(*options.report, with_how_made(frf::response_page(result)));
   if (options.json) {
     const std::string text = frf::to_json(result);
     if (only_json) {
@@ -259,6 +262,7 @@ void add_frf(CLI::App& app, FrfOptions& options) {
                       "Rig description (TOML) with [channels] and sample rate; for a hil rig z_r "
                       "becomes the instrument of responses inside the loop");
   command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
+  command->add_option("--report", options.report, "Write the responses as a page (HTML)");
   command->add_option("--uff", options.uff, "Write the responses as universal file, datasets 58");
   command->add_option("--estimator", options.estimator,
                       "h1 (noise in the output; default), h2 (in the input) or hv (in both)");

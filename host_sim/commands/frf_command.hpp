@@ -19,6 +19,7 @@ struct FrfOptions {
   std::optional<std::filesystem::path> rig;
   std::optional<std::filesystem::path> json;
   std::optional<std::filesystem::path> uff;
+  std::optional<std::filesystem::path> report;
   std::string estimator;  ///< h1, h2, hv; empty: h1, or the instrumental estimate where there is an instrument
   std::optional<std::string> instrument;  ///< a channel or "none"
   std::string window = "hann";

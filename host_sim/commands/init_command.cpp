@@ -68,7 +68,11 @@ ducts = 6
 open_ducts = 2
 )";
 
-constexpr std::string_view optional_parts = R"(
+/// The tables that may be left out, as comments; examples name channels that the kind of rig has (`force`), and one
+/// that a recorder names otherwise (`renamed`).
+std::string optional_parts(std::string_view force, std::string_view renamed) {
+  const std::string f(force);
+  return R"(
 # How far a parameter may be from its value above, relative, as a hard bound. diagnose fits these; what is not listed is exact.
 # Take them from the data sheet, or from the scatter and the calibration of a measurement of your own. The number below is a place to
 # write, not a recommendation. Too narrow: diagnose explains the rest by effects. Too wide: a poor record leaves more open.
@@ -76,22 +80,27 @@ constexpr std::string_view optional_parts = R"(
 # "suspension.stiffness" = 0.03     # replace by yours
 
 # rms of each sensor's noise, in the channel's unit. Record the rig at rest and take the rms of what is left; a channel that is not
-# listed has unknown noise, which diagnose estimates.
+# listed has unknown noise, which diagnose estimates. rigtwin channels lists the channels with sign and unit.
 # [noise]
-# F = 10.0                          # replace by yours
+# )" + f +
+         R"( = 10.0)" + std::string(30 - force.size(), ' ') +
+         R"(# replace by yours
 
 # Measuring range; a sample at or beyond it is clipped and not used.
 # [range]
-# F = [-10000.0, 10000.0]           # replace by yours
+# )" + f +
+         R"( = [-10000.0, 10000.0])" + std::string(16 - force.size(), ' ') + R"(# replace by yours
 
 # Only if recordings use other names, units or signs: value in SI = scale × column + offset.
 # [channels]
-# z_r = { column = "Road mm", scale = 1e-3 }
+# )" + std::string(renamed) +
+         R"(
 
-# Effects that are known already, by the names of the catalogue (rigtwin diagnose --explain NAME).
+# Effects that are known already, by the names of the catalogue (rigtwin effects lists them).
 # [effects.coulomb_friction]
 # force = 20.0
 )";
+}
 
 std::string description_of(const InitOptions& options, const std::string& kind) {
   const bool bench = kind == "component_bench", hil = kind == "hil";
@@ -120,7 +129,9 @@ std::string description_of(const InitOptions& options, const std::string& kind) 
                               "N s/m, computed beside the component; rigtwin stability says how much is needed");
   }
   if (options.fdva) text += absorber;
-  return text + std::string(optional_parts);
+  if (bench) return text + optional_parts("F", "x_act = { column = \"Stroke mm\", scale = 1e-3 }");
+  return text + (hil ? optional_parts("F", "F = { column = \"Load kN\", scale = 1e3 }")
+                     : optional_parts("F_w", "z_r = { column = \"Road mm\", scale = 1e-3 }"));
 }
 
 void init(const InitOptions& options) {

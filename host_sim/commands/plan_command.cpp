@@ -63,14 +63,13 @@ void print_effect(const plan::PlannedEffect& effect) {
 }
 
 void print_plan(const plan::Plan& made) {
-  std::printf("%s\n", plan::summary(made).c_str());
+  for (const std::string& sentence : plan::sentences(made)) std::printf("%s\n", sentence.c_str());
   const std::vector<plan::Advice> advice = plan::helpful(made);
-  if (advice.empty()) std::printf("%s\n", std::string(plan::nothing_helps).c_str());
-  for (std::size_t i = 0; i < std::min<std::size_t>(4, advice.size()); ++i) {
+  for (std::size_t i = 1; i < std::min<std::size_t>(4, advice.size()); ++i) {  // the first is one of the sentences
     std::printf("  %s\n", plan::sentence(advice[i]).c_str());
   }
   std::printf("%-32s %-15s %18s %18s %9s  %s\n", "effect", "parameter", "shows at", "named at", "typical",
-              "taken for (left of 10)");
+              "nearest rival (left beside it, σ of 10)");
   for (const plan::PlannedEffect& effect : made.effects) print_effect(effect);
   std::printf("parameters, half width of the 95 %% interval: nothing else known, beside tolerances\n");
   for (const plan::PlannedParameter& p : made.parameters) {

@@ -14,10 +14,12 @@
 #include "firmware/simulation/simulated_rig.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/closed_loop/trace.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/compensation/compensated_stability.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
+#include "host_sim/show/recording_page.hpp"
 #include "host_sim/signal/summary.hpp"
 
 namespace host_sim {
@@ -106,6 +108,10 @@ void simulate(const SimulateOptions& options) {
                                    " simulate: " + std::string(model::name(rig.rig.kind)) + ", " + options.road + ", " +
                                    firmware::shortest(options.speed) + " m/s, seed " + std::to_string(options.seed));
   write_recording(options.out, run.recording);
+  if (!options.report.empty()) {
+    const std::string page = show::recordings_page({{options.out.filename().string(), run.recording, {}}});
+    firmware::write_file(options.report, with_how_made(page));
+  }
   const bool only_json = options.json == "-";
   if (!options.json.empty()) {
     const std::string json = json_of(options, run, rig);
@@ -161,6 +167,7 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
       ->check(number_within(0.001, 10.0));
   command->add_flag("--no-noise", options.no_noise, "Simulate the sensors without noise");
   command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
+  command->add_option("--report", options.report, "Write the run as a page (HTML): traces, spectra, statistics");
   command->callback([&options] { simulate(options); });
 }
 

@@ -23,6 +23,7 @@ struct SimulateOptions {
   std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]
   bool no_noise = false;
   std::string json;  ///< file, - for standard output
+  std::filesystem::path report;
 };
 void simulate(const SimulateOptions& options);
 

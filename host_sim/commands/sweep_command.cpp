@@ -10,11 +10,13 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/sweep/merge.hpp"
 #include "host_sim/sweep/rig_case.hpp"
 #include "host_sim/sweep/run_cases.hpp"
+#include "host_sim/sweep/sweep_page.hpp"
 #include "host_sim/sweep/sweep_plan.hpp"
 
 namespace host_sim {
@@ -37,8 +39,9 @@ nlohmann::ordered_json to_json(const sweep::Merged& merged) {
   return json;
 }
 
-void merge_folder(const std::filesystem::path& folder, const std::string& json) {
+void merge_folder(const std::filesystem::path& folder, const std::filesystem::path& report, const std::string& json) {
   const sweep::Merged merged = sweep::merge_into_files(folder);
+  if (!report.empty()) firmware::write_file(report, with_how_made(sweep::sweep_page(merged)));
   if (write_json(json, to_json(merged))) return;
   std::printf("%s cases, none missing, none twice; %s failed\n", number(merged.cases.count).c_str(),
               number(merged.failed).c_str());
@@ -67,7 +70,7 @@ void sweep_command(const SweepOptions& options) {
     if (!options.plan.empty() || !options.out.empty() || !options.shard.empty()) {
       throw firmware::UsageError("--merge takes the folder of the results alone, expected rigtwin sweep --merge DIR");
     }
-    merge_folder(options.merge, options.json);
+    merge_folder(options.merge, options.report, options.json);
     return;
   }
   if (options.plan.empty() || options.out.empty()) {
@@ -95,7 +98,7 @@ void sweep_command(const SweepOptions& options) {
                 number(plan.cases.count).c_str(), number(work.now).c_str());
   }
   if (!given) {
-    merge_folder(options.out, options.json);
+    merge_folder(options.out, options.report, options.json);
     return;
   }
   const nlohmann::ordered_json json{
@@ -116,6 +119,7 @@ void add_sweep(CLI::App& app, SweepOptions& options) {
   command->add_option("--jobs", options.jobs, "Cases at once (default: all processors, of a shard 1)")
       ->check(CLI::Range(1, 1024));
   command->add_option("--merge", options.merge, "Folder whose results become results.csv and results.jsonl");
+  command->add_option("--report", options.report, "Page to write (HTML): matrix, histograms, numbers");
   add_json_option(*command, options.json, "the summary");
   command->callback([&options] { sweep_command(options); });
 }

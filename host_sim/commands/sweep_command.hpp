@@ -14,10 +14,11 @@ namespace host_sim {
 struct SweepOptions {
   std::filesystem::path plan;
   std::filesystem::path out;
-  std::string shard;            ///< "i/n"; empty: as a cluster's engine says, else all cases
-  std::size_t jobs = 0;         ///< cases at once; 0: all processors, of a shard one
-  std::filesystem::path merge;  ///< folder whose results become one table; excludes the others
-  std::string json;             ///< summary of a merge as JSON, "-": standard output
+  std::string shard;             ///< "i/n"; empty: as a cluster's engine says, else all cases
+  std::size_t jobs = 0;          ///< cases at once; 0: all processors, of a shard one
+  std::filesystem::path merge;   ///< folder whose results become one table; excludes the others
+  std::filesystem::path report;  ///< page of a merge
+  std::string json;              ///< summary of a merge as JSON, "-": standard output
 };
 void sweep_command(const SweepOptions& options);
 

@@ -11,15 +11,37 @@
 
 namespace host_sim {
 
+namespace {
+
+/// Of a recording and its measuring ranges; samples beyond these do not count.
+std::vector<StaticValue> take_off_constants(const model::RigParameters<double>& rig, firmware::Recording& recording,
+                                            firmware::MeasuringRanges& ranges) {
+  UnusableSamples unusable;
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    if (!ranges[c]) continue;
+    for (const double sample : recording.channels[c]) unusable[c].push_back(!ranges[c]->holds(sample));
+  }
+  std::vector<StaticValue> values = static_values(rig, recording, unusable);
+  tare(values, recording);
+  for (const StaticValue& value : values) {
+    auto& range = ranges[index(value.channel)];
+    if (range) range = firmware::MeasuringRange{range->lower - value.value, range->upper - value.value};
+  }
+  return values;
+}
+
+}  // namespace
+
 ComparedRecording::ComparedRecording(const firmware::RigDescription& description, firmware::Recording recording,
                                      StartChoice choice)
     : recording_(std::move(recording)),
       step_(model_steps_per_sample(recording_.sample_period, description.rig.kind == model::RigKind::hil
                                                                  ? 1.0 / description.sample_rate
                                                                  : longest_model_step)),
+      range_(description.range),
+      tared_(take_off_constants(description.rig, recording_, range_)),
       simulated_(interpolated(recording_, step_)),
-      input_(simulation_input(description.rig, simulated_)),
-      range_(description.range) {
+      input_(simulation_input(description.rig, simulated_)) {
   constexpr std::size_t least = 16;  // fewer samples resolve no band and no state at the start
   if (recording_.size() < least) {
     throw firmware::InputError(recording_.source, 0, "only " + std::to_string(recording_.size()) + " samples",
@@ -101,7 +123,7 @@ void ComparedRecording::residuals(const Response& response, std::vector<double>&
 RecordingComparison ComparedRecording::compare(const Response& response) const {
   const double rate = 1.0 / recording_.sample_period;
   RecordingComparison result{
-      recording_.source, static_cast<double>(recording_.size()) / rate, input_.channel, at_rest_, {}, 0, {}};
+      recording_.source, static_cast<double>(recording_.size()) / rate, input_.channel, at_rest_, {}, 0, {}, tared_};
   result.missing = static_cast<std::size_t>(std::count(recording_.filled.begin(), recording_.filled.end(), true));
   result.remark = recording_.remark;
   const std::vector<Band> bands = resolved_bands(recording_.size(), rate);

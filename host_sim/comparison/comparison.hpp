@@ -7,6 +7,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/comparison/simulation.hpp"
+#include "host_sim/comparison/static_value.hpp"
 #include "host_sim/signal/bands.hpp"
 
 namespace host_sim {
@@ -36,8 +37,9 @@ struct RecordingComparison {
   model::Channel input;  ///< that drove the simulation
   bool started_at_rest;
   std::vector<ChannelComparison> channels;
-  std::size_t missing = 0;  ///< samples of each channel that were not recorded: left out as well
-  std::string remark;       ///< a line on them; empty: none
+  std::size_t missing = 0;           ///< samples of each channel that were not recorded: left out as well
+  std::string remark;                ///< a line on them; empty: none
+  std::vector<StaticValue> tared{};  ///< constants that were taken off before
 };
 
 /// How the state at the first sample is found.
@@ -74,10 +76,11 @@ class ComparedRecording {
   }
 
   firmware::Recording recording_;
-  std::size_t step_;               ///< model steps for each sample, of which only the recorded instants are compared
+  std::size_t step_;                 ///< model steps for each sample, of which only the recorded instants are compared
+  firmware::MeasuringRanges range_;  ///< of the tared samples
+  std::vector<StaticValue> tared_;
   firmware::Recording simulated_;  ///< the recording at the model's rate
   SimulationInput input_;
-  firmware::MeasuringRanges range_;
   bool at_rest_ = false;
   std::vector<Judged> judged_;
 };

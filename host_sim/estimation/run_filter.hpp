@@ -36,6 +36,11 @@ struct Estimate {
   std::string last_alarm;  ///< empty: none
   std::size_t too_old = 0;
 
+  /// Whether the innovations contradict the model; nullopt: not judged, no block of innovations was full.
+  [[nodiscard]] std::optional<bool> model_wrong() const {
+    if (blocks == 0) return std::nullopt;
+    return alarms > 0;
+  }
   [[nodiscard]] const std::vector<double>& column(std::string_view name) const;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/loop/kalman/innovation_monitor.hpp"
 #include "host_sim/report/report.hpp"
 
 namespace host_sim::estimation {
@@ -78,16 +79,28 @@ std::vector<WheelLoad> wheel_loads(const firmware::RigDescription& description, 
   return loads;
 }
 
+std::string sentence(const Estimate& estimate) {
+  const std::optional<bool> wrong = estimate.model_wrong();
+  if (!wrong) {
+    return "The model was not judged: the monitor of the innovations needs " +
+           std::to_string(firmware::InnovationMonitor::block * (firmware::InnovationMonitor::settling + 1)) +
+           " samples in a row, and the recording holds fewer. The mean NIS is " + report::figure_text(estimate.nis, 3) +
+           ", of a right model 1.";
+  }
+  if (*wrong) return "The model is wrong for this recording: " + estimate.last_alarm + ".";
+  return "The innovations do not contradict the model: " + std::to_string(estimate.blocks) +
+         (estimate.blocks == 1 ? " block" : " blocks") + " judged.";
+}
+
 std::string report_page(const firmware::RigDescription& description, const firmware::Recording& recording,
                         const Estimate& estimate, const std::vector<WheelLoad>& loads,
                         const firmware::Recording* truth) {
   report::Report page("Wheel load and states by the Kalman filter", description.source + ", " + recording.source);
-  if (estimate.alarms == 0) {
-    page.add_verdict(report::Verdict::good, "The innovations do not contradict the model: " +
-                                                std::to_string(estimate.blocks) + " blocks judged.");
-  } else {
-    page.add_verdict(report::Verdict::bad, "The model is wrong for this recording: " + estimate.last_alarm + ".");
-  }
+  const std::optional<bool> wrong = estimate.model_wrong();
+  page.add_verdict(!wrong   ? report::Verdict::remark
+                   : *wrong ? report::Verdict::bad
+                            : report::Verdict::good,
+                   sentence(estimate));
   page.add_section("Wheel load");
   const std::size_t first = first_row(recording), last = std::min(recording.size(), first + rows_shown);
   report::Figure figure;

@@ -24,6 +24,10 @@ struct WheelLoad {
                                                  const firmware::Recording& recording, const Estimate& estimate,
                                                  const firmware::Recording* truth);
 
+/// What the innovations say of the model, in a sentence: that they contradict it, that they do not, or that nothing was
+/// judged and why.
+[[nodiscard]] std::string sentence(const Estimate& estimate);
+
 /// The page: figure of the loads and of their errors, table of errors, innovations of each channel, the monitor's word.
 [[nodiscard]] std::string report_page(const firmware::RigDescription& description, const firmware::Recording& recording,
                                       const Estimate& estimate, const std::vector<WheelLoad>& loads,

@@ -91,7 +91,7 @@ Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double g
     if (const auto size = search.with(thresholds::shows / growth)) {
       row.shows_at = size->value;
     } else if (search.strongest().significance * growth >= thresholds::shows) {
-      row.why = "shows with every value: it is no size of this effect here";
+      row.why = "shows at every value that was tried: there is no smallest one";
     } else {
       row.why = shows_too_little(search, subject, p);
     }

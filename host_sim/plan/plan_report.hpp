@@ -19,7 +19,10 @@ inline constexpr std::string_view nothing_helps =
     "No other level, octave, sensor or number of open ducts that was tried shows effects sooner by a tenth.";
 /// One piece of advice.
 [[nodiscard]] std::string sentence(const Advice& advice);
-/// `road`: what the rig is driven over, in words.
+/// Five: what shows, what would be known, what would not, what would be taken for what, what to change.
+[[nodiscard]] std::vector<std::string> sentences(const Plan& plan);
+/// Those sentences and one picture first; the rows of all effects and parameters are folded below. `road`: what the rig
+/// is driven over, in words.
 [[nodiscard]] std::string report_html(const Plan& plan, const firmware::RigDescription& description,
                                       const std::string& road);
 

@@ -90,6 +90,45 @@ std::string with_unit(const Axis& axis) {
   return escaped(axis.quantity + (axis.of_names ? "" : axis.unit == "1" ? " [–]" : " [" + axis.unit + "]"));
 }
 
+/// The title of an upright axis `height` pixels long: on paper, where it has three quarters of them, it stands in two
+/// lines where one would reach into the next panel's.
+std::string upright_title(const Axis& axis, double height) {
+  constexpr double letter = 7.0, on_paper = 0.75;  // [px] of 13 px text
+  std::string text = axis.quantity + (axis.of_names ? "" : axis.unit == "1" ? " [–]" : " [" + axis.unit + "]");
+  const auto letters = [](const std::string& part) {
+    return static_cast<double>(std::count_if(part.begin(), part.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  };
+  if (letter * letters(text) <= on_paper * height) return escaped(text);
+  std::size_t best = std::string::npos;  // the blank nearest the middle
+  const auto from_middle = [&](std::size_t at) {
+    return std::abs(static_cast<double>(at) - 0.5 * static_cast<double>(text.size()));
+  };
+  for (std::size_t at = text.find(' '); at != std::string::npos; at = text.find(' ', at + 1)) {
+    if (best == std::string::npos || from_middle(at) < from_middle(best)) best = at;
+  }
+  if (best == std::string::npos) return escaped(text);
+  return escaped(text.substr(0, best)) + "<br>" + escaped(text.substr(best + 1));
+}
+
+/// Ticks of a logarithmic axis with more decades than labels have room for: every second, third … decade.
+void space_decades(const Panel& panel, double height, ordered_json& axis) {
+  if (!panel.y.logarithmic || !axis.contains("dtick")) return;
+  double low = INFINITY, high = 0.0;
+  for (const Curve& curve : panel.curves) {
+    for (const double y : curve.y) {
+      if (!(y > 0.0) || !std::isfinite(y)) continue;
+      low = std::min(low, y);
+      high = std::max(high, y);
+    }
+  }
+  if (!(high > low)) return;
+  constexpr double line = 24.0;  // [px] of a label and the space around it, on paper too
+  const double each = std::ceil(std::log10(high / low) * line / std::max(height, line));
+  if (each < 2.0) return;
+  axis["dtick"] = static_cast<int>(each);
+  axis.erase("minor");
+}
+
 /// "<br>frequency 13.4 Hz" for a read-out
 std::string reading(const std::string& quantity, const std::string& variable, const std::string& unit) {
   return "<br>" + escaped(quantity) + ": %{" + variable + ":.5g}" + (unit == "1" ? "" : " " + escaped(unit));
@@ -132,12 +171,46 @@ ordered_json axis_json(const Axis& axis) {
   return json;
 }
 
-ordered_json curve_json(const Figure& figure, const Panel& panel, const Curve& c, int turn) {
-  const int hue = c.colour >= 0 ? c.colour : turn;
-  Dash dash = c.dash;
-  if (dash == Dash::by_turns) dash = static_cast<Dash>(1 + hue % 4);
+/// What tells a curve from others of its panel.
+struct Look {
+  int hue;
+  Dash dash;
+  Marker marker;
+  friend bool operator==(const Look&, const Look&) = default;
+};
+
+constexpr int hues = static_cast<int>(std::size(colours));
+
+/// The look of each curve of a panel: as wished, but where two named curves would look alike, the later one takes the
+/// next dash, and the next marker where there is no line.
+std::vector<Look> looks_of(const Panel& panel, int turn) {
+  std::vector<Look> looks;
+  for (const Curve& c : panel.curves) {
+    const int hue = c.colour >= 0 ? c.colour : turn++;
+    Look look{hue % hues, c.dash == Dash::by_turns ? static_cast<Dash>(1 + hue % 4) : c.dash, c.marker};
+    const auto taken = [&] {
+      for (std::size_t i = 0; i < looks.size(); ++i) {
+        if (looks[i] == look && panel.curves[i].name != c.name) return true;
+      }
+      return false;
+    };
+    for (int tried = 0; tried < 4 && taken(); ++tried) {
+      if (look.dash == Dash::none) {
+        look.marker = static_cast<Marker>(1 + static_cast<int>(look.marker) % 5);
+      } else {
+        look.dash = static_cast<Dash>(1 + static_cast<int>(look.dash) % 4);
+      }
+    }
+    looks.push_back(look);
+  }
+  return looks;
+}
+
+ordered_json curve_json(const Figure& figure, const Panel& panel, const Curve& c, const Look& look) {
+  const int hue = look.hue;
+  const Dash dash = look.dash;
   const bool lines = dash != Dash::none;
-  const bool markers = c.marker != Marker::none;
+  const bool markers = look.marker != Marker::none;
   ordered_json trace = {{"type", "scatter"},
                         {"name", escaped(c.name)},
                         {"mode", lines ? (markers ? "lines+markers" : "lines") : "markers"},
@@ -151,8 +224,8 @@ ordered_json curve_json(const Figure& figure, const Panel& panel, const Curve& c
                      {"simplify", false}};
   if (markers) {
     trace["marker"] = {
-        {"symbol", marker_names[static_cast<std::size_t>(c.marker)]}, {"size", 7}, {"color", colour(hue)}};
-    if (c.marker == Marker::open_circle) trace["marker"]["line"] = {{"width", 1.5}};
+        {"symbol", marker_names[static_cast<std::size_t>(look.marker)]}, {"size", 7}, {"color", colour(hue)}};
+    if (look.marker == Marker::open_circle) trace["marker"]["line"] = {{"width", 1.5}};
   }
   if (c.coloured_along) {
     trace["marker"]["color"] = numbers(c.along);
@@ -321,7 +394,7 @@ std::string plotly_json(const Figure& figure) {
   ordered_json layout = layout_json(figure);
   double shares = 0.0;
   for (const Panel& panel : figure.panels) shares += panel.share;
-  const double gap = figure.panels.size() > 1 ? 0.05 : 0.0;
+  const double gap = figure.panels.size() > 1 ? std::min(0.05, 28.0 / figure.height) : 0.0;
   const double height = 1.0 - gap * static_cast<double>(figure.panels.size() - 1);
   double top = 1.0;
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
@@ -330,6 +403,8 @@ std::string plotly_json(const Figure& figure) {
     ordered_json axis = axis_json(panel.y);
     const double bottom = std::max(0.0, top - height * panel.share / shares);
     axis["domain"] = {bottom, top};
+    space_decades(panel, (top - bottom) * (figure.height - 110), axis);
+    axis["title"]["text"] = upright_title(panel.y, (top - bottom) * (figure.height - 110));
     top = bottom - gap;
     if (figure.equal_axes) {
       axis["automargin"] = false;  // with a fixed ratio, margins and axes would chase each other
@@ -345,7 +420,10 @@ std::string plotly_json(const Figure& figure) {
     };
     for (const HeatMap& map : panel.heat_map) add(heat_map_json(figure, panel, map));
     for (const Bars& bars : panel.bars) add(bars_json(figure, bars, turn++));
-    for (const Curve& curve : panel.curves) add(curve_json(figure, panel, curve, curve.colour >= 0 ? turn : turn++));
+    const std::vector<Look> looks = looks_of(panel, turn);
+    for (std::size_t c = 0; c < panel.curves.size(); ++c) {
+      add(curve_json(figure, panel, panel.curves[c], looks[c]));
+    }
     for (const Guide& guide : panel.guides) {
       auto [line, label] = guide_json(figure, panel, y, guide);
       shapes.push_back(std::move(line));
@@ -354,6 +432,7 @@ std::string plotly_json(const Figure& figure) {
   }
   ordered_json x = axis_json(figure.x);
   x["anchor"] = axis_name("y", figure.panels.size() - 1);
+  x["mirror"] = "all";  // closes the frame of every panel, not of the lowest alone
   if (figure.equal_axes) {
     x["constrain"] = "domain";
     x["automargin"] = false;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "firmware/description/version.hpp"
+#include "host_sim/report/channel_glossary.hpp"
 #include "host_sim/report/embedded_files.hpp"
 #include "host_sim/report/plotly.hpp"
 
@@ -32,12 +33,13 @@ figcaption { font-weight: 600; margin-bottom: .2rem; }
 figure p { margin: .3rem 0 0; font-size: .93rem; color: #444; }
 .plot { width: 100%; }
 .scroll { overflow-x: auto; }
+abbr { text-decoration: underline dotted #999; text-underline-offset: .2em; cursor: help; }
 table { border-collapse: collapse; margin: .4rem 0 1.2rem; font-variant-numeric: tabular-nums; font-size: .95rem; }
 caption { text-align: left; font-weight: 600; padding: .4rem 0; }
 @media (min-width: 48rem) { caption { white-space: nowrap; } }
 th, td { padding: .2rem .8rem .2rem 0; text-align: right; vertical-align: top; border-bottom: 1px solid #ddd; }
 th { border-bottom-color: #888; }
-th, td { white-space: nowrap; }
+td { white-space: nowrap; }
 th.words, td.words { text-align: left; white-space: normal; min-width: 7rem; }
 details { margin: .6rem 0; }
 summary { cursor: pointer; font-weight: 600; }
@@ -47,7 +49,8 @@ footer { margin-top: 2.5rem; font-size: .9rem; color: #444; }
 @page { size: A4; margin: 15mm; }
 @media print {
   body { max-width: none; padding: 0; font-size: 10.5pt; }
-  nav, .modebar-container { display: none !important; }
+  nav, footer details, .modebar-container { display: none !important; }
+  abbr { text-decoration: none; }
   figure, tr, .verdict, .short { break-inside: avoid; }
   h2, h3, caption, thead, summary { break-after: avoid; }
   p { orphans: 3; widows: 3; }
@@ -67,8 +70,18 @@ constexpr std::string_view drawing = R"(
   const places = Array.from(document.querySelectorAll(".plot"));
   const config = {responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "",
                   modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], toImageButtonOptions: {format: "svg"}};
-  const narrow = function (layout) {  // a phone: every pixel of the margins counts, and tick labels must not turn
-    if (window.innerWidth >= 600) return layout;
+  const narrow = function (layout, data) {
+    // The legend stands between the buttons and the figure; its rows depend on the width.
+    const width = Math.min(window.innerWidth, 1088) - 110;
+    let row = 0, rows = 1;
+    data.forEach(function (trace) {
+      if (trace.showlegend === false || !trace.name) return;
+      const item = 48 + 7 * trace.name.length;
+      if (row > 0 && row + item > width) { rows += 1; row = 0; }
+      row += item;
+    });
+    layout.margin.t = 34 + 19 * rows;
+    if (window.innerWidth >= 600) return layout;  // a phone: every pixel of the margins counts, no tick labels turn
     layout.font.size = 11;
     layout.margin.l = 45;
     layout.margin.r = 8;
@@ -87,7 +100,7 @@ constexpr std::string_view drawing = R"(
   };
   const drawn = places.map(function (place) {
     const figure = JSON.parse(place.nextElementSibling.textContent);
-    return Plotly.newPlot(place, figure.data, narrow(figure.layout), config);
+    return Plotly.newPlot(place, figure.data, narrow(figure.layout, figure.data), config);
   });
   Promise.all(drawn).then(function () {
     say.drawn = String(places.filter(function (place) { return place.querySelector(".main-svg"); }).length);
@@ -97,7 +110,7 @@ constexpr std::string_view drawing = R"(
     say.requests = String(performance.getEntriesByType("resource").length);
   }, function (error) { console.error(error); });
   window.addEventListener("beforeprint", function () {
-    document.querySelectorAll("details").forEach(function (part) { part.open = true; });
+    document.querySelectorAll("main details").forEach(function (part) { part.open = true; });
     places.forEach(function (place) {  // two figures of one or two panels fit on a page
       const panels = Object.keys(place.layout).filter(function (key) { return key.startsWith("yaxis"); }).length;
       const height = (panels > 2 ? 1 : 0.78) * place.clientHeight;
@@ -191,13 +204,13 @@ void Report::add_section(std::string_view title) {
   sections_.emplace_back(title);
 }
 
-void Report::add_text(std::string_view paragraph) { body_ += "<p>" + escaped(paragraph) + "</p>\n"; }
+void Report::add_text(std::string_view paragraph) { body_ += "<p>" + with_meanings(escaped(paragraph)) + "</p>\n"; }
 
 void Report::add_verdict(Verdict verdict, std::string_view sentence) {
   constexpr std::array<std::array<std::string_view, 2>, 3> kinds{{{"good", "✓"}, {"bad", "✗"}, {"remark", "•"}}};
   const auto& [name, sign] = kinds[static_cast<std::size_t>(verdict)];
-  body_ += "<div class=\"verdict " + std::string(name) + "\"><b>" + std::string(sign) + "</b>" + escaped(sentence) +
-           "</div>\n";
+  body_ += "<div class=\"verdict " + std::string(name) + "\"><b>" + std::string(sign) + "</b>" +
+           with_meanings(escaped(sentence)) + "</div>\n";
 }
 
 void Report::add_figure(const Figure& figure) {
@@ -211,14 +224,23 @@ void Report::add_figure(const Figure& figure) {
   body_ += "</figure>\n";
 }
 
+void Report::add_folded_table(const Table& table) {
+  body_ += "<details><summary>" + with_meanings(escaped(table.title)) + "</summary>\n";
+  Table unnamed = table;
+  unnamed.title.clear();
+  add_table(unnamed);
+  body_ += "</details>\n";
+}
+
 void Report::add_table(const Table& table) {
   const auto cell = [&](const char* tag, std::size_t column, const std::string& text) {
-    return std::string("<") + tag + (column < table.text_columns ? " class=\"words\">" : ">") + escaped(text) + "</" +
-           tag + ">";
+    return std::string("<") + tag + (column < table.text_columns ? " class=\"words\">" : ">") +
+           with_meanings(escaped(text)) + "</" + tag + ">";
   };
   constexpr std::size_t short_table = 15;  // rows that stay together on paper
-  body_ += std::string("<div class=\"scroll") + (table.rows.size() <= short_table ? " short" : "") +
-           "\"><table><caption>" + escaped(table.title) + "</caption>\n<thead><tr>";
+  body_ += std::string("<div class=\"scroll") + (table.rows.size() <= short_table ? " short" : "") + "\"><table>" +
+           (table.title.empty() ? "" : "<caption>" + with_meanings(escaped(table.title)) + "</caption>") +
+           "\n<thead><tr>";
   for (std::size_t i = 0; i < table.headings.size(); ++i) body_ += cell("th", i, table.headings[i]);
   body_ += "</tr></thead>\n<tbody>\n";
   for (const auto& row : table.rows) {

@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-/// All texts are plain UTF-8; the report escapes them.
+/// All texts are plain UTF-8; the report escapes them. Names of channels in them show their meaning when pointed at
+/// (channel_glossary.hpp).
 namespace host_sim::report {
 
 /// An axis of a figure: quantity and unit.
@@ -112,7 +113,8 @@ class Report {
   void add_html(std::string_view trusted) { body_ += trusted; }
   void add_figure(const Figure& figure);
   void add_table(const Table& table);
-  /// A folded section at the end with the text as given, such as a rig description.
+  void add_folded_table(const Table& table);  ///< its title unfolds it; unfolded on paper
+  /// A folded section at the end with the text as given, such as a rig description; not on paper.
   void add_appendix(std::string_view title, std::string_view text);
 
   [[nodiscard]] std::string html() const;

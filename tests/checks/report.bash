@@ -15,6 +15,8 @@ sed '/^\[effects.coulomb_friction\]/,/^$/d' host_sim/rigs/paper_bench_fdva.toml 
 "$rigtwin" simulate --rig host_sim/rigs/paper_bench_fdva.toml --duration 8 --out "$folder/bench.csv" >"$folder/bench.txt"
 "$rigtwin" diagnose --rig "$folder/bench.toml" --data "$folder/bench.csv" --out "$folder/diagnosis" >"$folder/diagnosis.txt"
 mv "$folder/diagnosis/report.html" "$folder/diagnosis.html"
+"$rigtwin" show "$folder/bench.csv" --rig "$folder/bench.toml" --report "$folder/show.html" >"$folder/show.txt"
+"$rigtwin" compare --rig "$folder/bench.toml" --data "$folder/bench.csv" --report "$folder/compare.html" >"$folder/compare.txt"
 
 # browse PAGE WIDTH,HEIGHT OPTION… -- opens a page; what the browser prints is in out and err.
 browse() {
@@ -37,7 +39,7 @@ attribute() {
   grep -o '<body [^>]*>' "$folder/out" | head -n 1 | sed -n "s/.* data-$1=\"\([0-9]*\)\".*/\1/p"
 }
 
-# examine PAGE WIDTH,HEIGHT
+# examine PAGE WIDTH,HEIGHT [FEWEST FIGURES, default 5]
 examine() {
   browse "$1" "$2" --dump-dom
   local figures svgs
@@ -45,7 +47,7 @@ examine() {
   svgs=$(grep -o 'class="main-svg"' "$folder/out" | wc -l)
   echo "$1 at $2: $figures figures, $(attribute drawn) drawn, $(attribute traces) with something in them, $svgs drawings," \
     "$(attribute requests) requests, $(attribute errors) errors"
-  [ "${figures:-0}" -ge 5 ] || complain "  too few figures"
+  [ "${figures:-0}" -ge "${3:-5}" ] || complain "  too few figures"
   [ "$(attribute drawn)" = "$figures" ] || complain "  not every figure is drawn"
   [ "$(attribute traces)" = "$figures" ] || complain "  a figure is empty"
   [ "$svgs" -ge "$figures" ] || complain "  fewer drawings than figures"
@@ -62,6 +64,8 @@ examine() {
 examine report.html 1366,768
 examine stability.html 390,844
 examine diagnosis.html 1366,768
+examine show.html 820,1180 2
+examine compare.html 1280,800 4
 
 # print_out PAGE -- figures stay whole, so there are pages; two fit on one, so there are not many.
 print_out() {

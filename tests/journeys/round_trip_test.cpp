@@ -92,7 +92,7 @@ class RoundTrip : public testing::TestWithParam<const char*> {
     folder.write("plain.toml", format("given.toml", plain));
   }
   static std::string format(const char* given, const RigDescription& description) {
-    return host_sim::identification::result_rig(description, given);
+    return host_sim::identification::result_rig(description, description, given);
   }
 
   RigDescription plain;

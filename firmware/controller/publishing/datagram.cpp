@@ -154,6 +154,8 @@ std::string DatagramWriter::setup() const {
   object.whole("simulated", simulated_ ? 1 : 0);
   object.number("sample_rate", rig_.sample_rate);
   object.whole("every", every_);
+  if (!recording_.empty()) object.words("recording", recording_);
+  if (duration_ > 0.0) object.number("duration", duration_);
   object.raw("limits", limits.text());
   object.raw("units", units.text());
   object.raw("spans_us", spans.text());

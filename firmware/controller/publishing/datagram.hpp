@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "firmware/controller/recording/spans.hpp"
 #include "firmware/description/rig_description.hpp"
@@ -25,7 +26,8 @@ namespace firmware::controller {
 ///   trip           once the rig is in safe: why, in words
 ///   energy_fed, energy_taken            hil: W and D of the EnergyGuard [J]
 ///   command, tare, bridged, late_periods, limited_commands
-///   setup          with the first datagram and every second: rig, limits, units, and what the loop took
+///   setup          with the first datagram and every second: rig, recording, duration, limits, units, spans
+///                  of the loop
 ///   ended          in the last one, which has nothing but timestamp, instance, sequence and lost beside it
 class DatagramWriter {
  public:
@@ -37,6 +39,12 @@ class DatagramWriter {
   /// `every`: of so many periods one is published; `instance`: of this program. References must outlive the writer.
   DatagramWriter(const RigDescription& rig, const hal::SensorSetup& sensors, bool simulated, std::uint64_t every,
                  const Spans& spans, std::string instance);
+
+  /// What is recorded: the file's name, and how long the run takes [s]; 0: until it is stopped.
+  void describe_run(std::string recording, double duration) {
+    recording_ = std::move(recording);
+    duration_ = duration;
+  }
 
   [[nodiscard]] std::string period(const Record& record, const Numbers& numbers, bool with_setup) const;
   [[nodiscard]] std::string end(hal::Time time, const Numbers& numbers, const std::string& why) const;
@@ -50,6 +58,8 @@ class DatagramWriter {
   std::uint64_t every_;
   const Spans& spans_;
   std::string instance_;
+  std::string recording_;
+  double duration_ = 0.0;  ///< [s]
 };
 
 }  // namespace firmware::controller

@@ -5,6 +5,32 @@
 #include "firmware/description/text/input_error.hpp"
 
 namespace firmware::controller {
+namespace {
+
+/// What a trip's value counts: " late periods", " N"; empty for a pure number.
+std::string unit_of(const Trip& trip) {
+  switch (trip.reason) {
+    case Reason::late:
+      return " late periods";
+    case Reason::gap:
+      return " s late";
+    case Reason::speed:
+    case Reason::measured_speed:
+      return " m/s";
+    case Reason::stroke:
+    case Reason::measured_stroke:
+    case Reason::following_error:
+      return " m";
+    case Reason::acceleration:
+      return " m/s²";
+    case Reason::force:
+      return " N";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
 
 std::string trip_text(const Trip& trip, const RigDescription& rig) {
   std::string text(name(trip.reason));
@@ -16,7 +42,7 @@ std::string trip_text(const Trip& trip, const RigDescription& rig) {
   if (trip.channel) text += " of " + std::string(model::name(*trip.channel));
   if (!is_fault(trip.reason)) return text;
   char numbers[96];
-  std::snprintf(numbers, sizeof numbers, " (%.4g, limit %.4g)", trip.value, trip.limit);
+  std::snprintf(numbers, sizeof numbers, " (%.4g%s, limit %.4g)", trip.value, unit_of(trip).c_str(), trip.limit);
   return text + numbers;
 }
 

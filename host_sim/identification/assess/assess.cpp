@@ -139,7 +139,8 @@ void add_failed_relations(Diagnosis& result) {
     return;
   for (const ParityResidual& r : result.relations) {
     if (!r.significant()) continue;
-    add_unexplained(r.relation + " does not hold" + (r.description.empty() ? "" : ", " + r.description), result);
+    add_unexplained("the balance " + r.relation + " fails" + (r.description.empty() ? "" : ": " + r.description),
+                    result);
   }
 }
 
@@ -237,9 +238,9 @@ std::string_view name(Verdict verdict) {
 
 Diagnosis assess(const firmware::RigDescription& description, const IdentificationProblem& problem,
                  const SearchSpace& space, std::vector<ParityResidual> relations, SearchResult found, Learned learned) {
-  estimate_held_out_starts(found.nothing.fit.hypothesis, description, problem.samples());
-  estimate_held_out_starts(found.best.fit.hypothesis, description, problem.samples());
-  if (learned.without) estimate_held_out_starts(*learned.without, description, problem.samples());
+  estimate_held_out_starts(found.nothing.fit.hypothesis, problem.samples());
+  estimate_held_out_starts(found.best.fit.hypothesis, problem.samples());
+  if (learned.without) estimate_held_out_starts(*learned.without, problem.samples());
   const bool diverges = !stays_finite(problem, found.best.fit.hypothesis);
   if (diverges) give_up(found);
   const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
@@ -296,7 +297,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   add_tyre_effects(car, criterion, result);
   add_numbers_off(description, car, criterion.effect + criterion.parameter + thresholds::violation,
                   {1.0, 1.0, 1.0, false}, result);
-  for (const auto& faults : {noise_faults(problem), lost_samples(problem, after)}) {
+  for (const auto& faults : {static_value_faults(problem), noise_faults(problem), lost_samples(problem, after)}) {
     result.recording_faults.insert(result.recording_faults.end(), faults.begin(), faults.end());
   }
   if (found.freed.empty()) add_failed_relations(result);  // they hold with the parameters as described

@@ -55,6 +55,9 @@ struct RecordingFault {
   /// Not the noise alone: something that must be taken into account to explain the recording.
   bool is_cause = false;
   std::vector<Alternative> alternatives{};  ///< effects in its place, the nearest first
+  std::string text{};                       ///< in words, where they are more than name and numbers
+  /// Neither noise nor cause: how the sensor was set up. Nothing of it is wrong.
+  [[nodiscard]] bool is_set_up() const { return name == "static_value"; }
 };
 
 struct Diagnosis {

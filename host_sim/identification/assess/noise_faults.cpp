@@ -66,6 +66,25 @@ std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem) {
   return faults;
 }
 
+std::vector<RecordingFault> static_value_faults(const IdentificationProblem& problem) {
+  std::vector<RecordingFault> faults;
+  for (const ProblemRecording& r : problem.recordings()) {
+    for (const StaticValue& value : r.samples->tared) {
+      const bool said = std::any_of(faults.begin(), faults.end(), [&](const RecordingFault& fault) {
+        return fault.channels.front() == value.channel;
+      });
+      if (said) continue;
+      RecordingFault fault{"static_value",
+                           {value.channel},
+                           {{"value", {value.value, value.value, value.value}}},
+                           thresholds::highest_confidence};
+      fault.text = words(value);
+      faults.push_back(std::move(fault));
+    }
+  }
+  return faults;
+}
+
 std::vector<std::string> noise_remarks(const IdentificationProblem& problem) {
   std::vector<std::string> remarks;
   for (const ProblemRecording& r : problem.recordings()) {

@@ -16,6 +16,10 @@ namespace host_sim::identification {
 [[nodiscard]] std::vector<RecordingFault> noise_faults(const IdentificationProblem& problem);
 
 /// One sentence for each channel without declared noise: the level that was estimated.
+/// The constants that were taken off channels (comparison/static_value.hpp), of all recordings: "static_value", once a
+/// channel.
+[[nodiscard]] std::vector<RecordingFault> static_value_faults(const IdentificationProblem& problem);
+
 [[nodiscard]] std::vector<std::string> noise_remarks(const IdentificationProblem& problem);
 
 }  // namespace host_sim::identification

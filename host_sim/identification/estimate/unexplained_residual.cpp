@@ -135,7 +135,7 @@ void SquaredError::add(const PreparedRecording& recording, model::Channel channe
     squares += difference * difference;
     data += measured * measured;
   }
-  error += recording.mean_unknown && count > 0.0 ? squares - sum * sum / count : squares;
+  error += recording.has_unknown_mean(channel) && count > 0.0 ? squares - sum * sum / count : squares;
 }
 
 SquaredError held_out_squares(const IdentificationProblem& problem, const std::vector<Response>& responses,

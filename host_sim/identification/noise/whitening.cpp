@@ -113,7 +113,9 @@ void Whitening::set_taper() {
 
 /// (7)
 void Whitening::set_means_kept(const PreparedRecording& recording, const ChannelNoises& noise) {
-  means_kept_.assign(channels_, recording.mean_unknown ? 0.0 : 1.0);
+  for (const model::Channel channel : recording.channels) {
+    means_kept_.push_back(recording.has_unknown_mean(channel) ? 0.0 : 1.0);
+  }
   if (!recording.mean_unknown) return;
   double squares = 0.0, weights = 0.0;
   for (std::size_t k = window_.from; k < window_.to; ++k) {

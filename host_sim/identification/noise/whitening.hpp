@@ -30,7 +30,8 @@ using Spectra = std::vector<Spectrum>;  ///< by channel of the recording
 ///        Of a filter that the hypothesis has (ChannelNoise::on_signal) only (thresholds::filter_error · (1 − h_c))²
 ///        S_c is added.
 ///
-/// Where the mean of the input is unknown (PreparedRecording::mean_unknown) each channel is freed from its own, x̄ = Σ w
+/// Where the mean of the input is unknown (PreparedRecording::mean_unknown), or that of a channel (a constant was taken
+/// off), the channel is freed from its own, x̄ = Σ w
 /// x / Σ w. Of an acceleration's mean one thing is known, since the mass stays near the road: it is the change of a
 /// velocity over the window, of T seconds. So
 ///

@@ -140,7 +140,19 @@ std::string describe_residual(const Signal& motion, const std::vector<ResidualSe
     say();
   }
   if (const auto [variation, power] = growth(series); variation > thresholds::described_variation) {
-    std::snprintf(text, sizeof text, "grows with the motion's power %.1f", power);
+    // Slope of ln rms(residual) over ln rms(motion): 0 is friction, 1 a linear force, 2 a quadratic one.
+    constexpr double alike = 0.25;
+    if (power < -alike) {
+      std::snprintf(text, sizeof text, "it is larger where the motion is smaller");
+    } else if (power < alike) {
+      std::snprintf(text, sizeof text, "it is as large in small motion as in large, as friction is");
+    } else if (power < 1.0 - alike) {
+      std::snprintf(text, sizeof text, "it grows slower than the motion, as its power %.1f", power);
+    } else if (power < 1.0 + alike) {
+      std::snprintf(text, sizeof text, "it grows in proportion to the motion");
+    } else {
+      std::snprintf(text, sizeof text, "it grows faster than the motion, as its power %.1f", power);
+    }
     say();
   }
   const double ratio = drift(series);

@@ -9,17 +9,16 @@ Hypothesis described_hypothesis(const firmware::RigDescription& description,
   Hypothesis given{explained_part(description.rig), {}};
   for (const PreparedRecording& r : recordings) {
     given.starts.push_back(r.at_rest ? resting(given.rig, r.input)
-                                     : estimated_start(given.rig, r.input, r.recording, description.range));
+                                     : estimated_start(given.rig, r.input, r.recording, r.range));
   }
   return given;
 }
 
-void estimate_held_out_starts(Hypothesis& hypothesis, const firmware::RigDescription& description,
-                              const std::vector<PreparedRecording>& recordings) {
+void estimate_held_out_starts(Hypothesis& hypothesis, const std::vector<PreparedRecording>& recordings) {
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const PreparedRecording& r = recordings[i];
     if (r.fitted.size() > 0 || r.at_rest) continue;
-    hypothesis.starts[i] = estimated_start(hypothesis.rig, r.input, r.recording, description.range);
+    hypothesis.starts[i] = estimated_start(hypothesis.rig, r.input, r.recording, r.range);
   }
 }
 

@@ -26,7 +26,6 @@ struct Hypothesis {
                                               const std::vector<PreparedRecording>& recordings);
 
 /// The starts of recordings that are wholly held out, estimated with this hypothesis' rig: no fit has moved them.
-void estimate_held_out_starts(Hypothesis& hypothesis, const firmware::RigDescription& description,
-                              const std::vector<PreparedRecording>& recordings);
+void estimate_held_out_starts(Hypothesis& hypothesis, const std::vector<PreparedRecording>& recordings);
 
 }  // namespace host_sim::identification

@@ -217,6 +217,11 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   prepared.channel_noise = sampled.channel_noise;
   prepared.declared_noise = description.noise;
   prepared.range = description.range;
+  prepared.tared = std::move(sampled.tared);
+  for (const StaticValue& value : prepared.tared) {
+    auto& range = prepared.range[index(value.channel)];
+    if (range) range = firmware::MeasuringRange{range->lower - value.value, range->upper - value.value};
+  }
   prepared.expected_colour = sampled.expected_colour;
   std::vector<Channel> sensors = prepared.channels;
   if (rig.kind == model::RigKind::quarter_car) sensors.insert(sensors.end(), {Channel::z_r, Channel::zdd_r});

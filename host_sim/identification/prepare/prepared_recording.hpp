@@ -65,6 +65,8 @@ struct PreparedRecording {
   /// The input is an integrated acceleration: its mean was removed, (ż(T) − ż(0))/T of which was motion, and with it
   /// what a channel is on average. At 0 Hz accelerations alone are compared (noise/whitening.hpp, 7).
   bool mean_unknown = false;
+  /// Constants that were taken off channels: of their means nothing is known, so they are not compared.
+  std::vector<StaticValue> tared{};
   /// z_r and zdd_r contradict each other: the foot point moves on z_r alone and zdd_r is one of the channels.
   bool inputs_disagree = false;
   bool inputs_fused = false;  ///< they agree: the foot point moves on the fusion of both
@@ -79,6 +81,11 @@ struct PreparedRecording {
   /// The part of a window where a channel can be compared: not z̈_r at the ends of a recording, where its filter lacks
   /// samples.
   [[nodiscard]] Window comparable(model::Channel channel, Window window) const;
+  /// Whether what a channel is on average says nothing.
+  [[nodiscard]] bool has_unknown_mean(model::Channel channel) const {
+    return mean_unknown || std::any_of(tared.begin(), tared.end(),
+                                       [channel](const StaticValue& value) { return value.channel == channel; });
+  }
   [[nodiscard]] bool explains(model::Channel channel) const {
     return std::find(channels.begin(), channels.end(), channel) != channels.end();
   }

@@ -202,6 +202,8 @@ SampledRecording sampled(const firmware::RigDescription& description, firmware::
     const model::Channel channel = model::channel_at(c);
     if (recording.has(channel)) result.clipped[c] = clipped_samples(description, recording, channel);
   }
+  result.tared = static_values(description.rig, recording, result.clipped);
+  tare(result.tared, recording);
   const Steps steps = quantisation_steps(kind, recording);
   result.outliers = leave_out_outliers(kind, recording, steps, fewer, result.clipped);
   if (fewer > 1) {

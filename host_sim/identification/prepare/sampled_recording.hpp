@@ -8,6 +8,7 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
+#include "host_sim/comparison/static_value.hpp"
 #include "host_sim/identification/prepare/sample_faults.hpp"
 #include "host_sim/identification/prepare/sample_hold.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"
@@ -34,6 +35,7 @@ struct SampledRecording {
   std::array<Outliers, model::channel_count> outliers{};
   std::array<double, model::channel_count> rounding{};  ///< step [SI] that makes its noise louder; 0: none
   std::array<std::optional<Renewals>, model::channel_count> renewals{};
+  std::vector<StaticValue> tared{};  ///< constants that were taken off
 
   /// rms of white noise at every sample with the density of that of a channel's compared samples.
   [[nodiscard]] double noise_at_every_sample(model::Channel channel) const;

@@ -178,7 +178,8 @@ std::vector<UnitError> unit_errors(const firmware::RigDescription& description, 
   const std::size_t count = std::min(recording.size(), n), from = (recording.size() - count) / 2;
   std::vector<UnitError> found;
   if (static_cast<double>(count) * recording.sample_period <= thresholds::unit_check_settling) return found;
-  const firmware::Recording part = at_simulated_rate(cut(recording, {from, from + count}));
+  firmware::Recording part = at_simulated_rate(cut(recording, {from, from + count}));
+  tare(static_values(description.rig, part), part);
   add_unit_errors(explained_part(description.rig), part, found);
   if (description.rig.kind == RigKind::hil) add_unit_errors(description.rig, part, found);
   return found;
@@ -209,7 +210,8 @@ std::vector<std::string> check_units(const firmware::RigDescription& description
   }
   if (wrong.empty()) return remarks;
   throw firmware::InputError(recording.source, 0, wrong,
-                             "SI units and the contract's signs, or in the rig description under [channels]: " +
+                             "SI units and the signs that rigtwin channels lists, or in the rig description under "
+                             "[channels]: " +
                                  entries + "; a scale that is written there is kept");
 }
 

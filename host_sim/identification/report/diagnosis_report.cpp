@@ -7,6 +7,7 @@
 
 #include "firmware/description/rig_writer.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "host_sim/identification/report/edited_rig.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/identification/report/shape_words.hpp"
 #include "host_sim/report/report.hpp"
@@ -26,6 +27,39 @@ using report::Table;
 std::string with_interval(const Interval& v, const std::string& unit) {
   return figure_text(v.value, 5) + (unit.empty() ? "" : " " + unit) + " (" + figure_text(v.lower, 5) + " … " +
          figure_text(v.upper, 5) + ")";
+}
+
+/// "0.83", "below 0.001": a confidence is known no better.
+std::string confidence_text(double confidence) {
+  constexpr double none = 0.001;
+  if (confidence < none) return "below 0.001";
+  return figure_text(confidence, 3);
+}
+
+/// How firmly a headline may say a thing of this confidence: of a hundred that are said plainly, ninety are right.
+enum class Firmness : unsigned char { certain, likely, possible };
+Firmness firmness_of(double confidence) {
+  constexpr double plain = 0.9, more_likely_than_not = 0.5;
+  if (confidence >= plain) return Firmness::certain;
+  return confidence >= more_likely_than_not ? Firmness::likely : Firmness::possible;
+}
+
+/// A sensor's effect while every balance that its channel takes part in holds is a degree less firm.
+Firmness firmness_of(const NamedEffect& named, const std::vector<ParityResidual>& relations) {
+  Firmness firmness = firmness_of(named.confidence);
+  if (!named.effect.channel) return firmness;
+  const std::string place = "sensor " + std::string(model::name(*named.effect.channel));
+  bool judged = false, fails = false;
+  for (const ParityResidual& relation : relations) {
+    const bool holds_it = std::any_of(relation.locations.begin(), relation.locations.end(),
+                                      [&](const auto& location) { return location.place == place; });
+    judged = judged || holds_it;
+    fails = fails || (holds_it && relation.significant());
+  }
+  if (judged && !fails && firmness != Firmness::possible) {
+    firmness = firmness == Firmness::certain ? Firmness::likely : Firmness::possible;
+  }
+  return firmness;
 }
 
 /// The channel whose error shrinks most.
@@ -83,16 +117,18 @@ void add_parameters_off(Report& page, const Diagnosis& diagnosis) {
       rival = words(off.alternatives.front()) + ", " + odds_text(off.alternatives.front().odds_against) + " against";
     }
     table.rows.push_back({off.path, figure_text(off.described, 6), figure_text(100.0 * off.tolerance, 3),
-                          with_interval(off.value, ""), figure_text(off.confidence, 3), rival});
+                          with_interval(off.value, ""), confidence_text(off.confidence), rival});
   }
   page.add_table(table);
 }
 
 void add_recording_faults(Report& page, const Diagnosis& diagnosis) {
   if (diagnosis.recording_faults.empty()) return;
-  page.add_section("What is wrong with the recording");
+  const bool any_wrong = std::any_of(diagnosis.recording_faults.begin(), diagnosis.recording_faults.end(),
+                                     [](const RecordingFault& fault) { return !fault.is_set_up(); });
+  page.add_section(any_wrong ? "What is wrong with the recording" : "The recording");
   for (const RecordingFault& fault : diagnosis.recording_faults) page.add_text(words(fault) + ".");
-  const auto is_noise = [](const RecordingFault& fault) { return !fault.is_cause; };
+  const auto is_noise = [](const RecordingFault& fault) { return !fault.is_cause && !fault.is_set_up(); };
   if (std::any_of(diagnosis.recording_faults.begin(), diagnosis.recording_faults.end(), is_noise)) {
     page.add_text("The diagnosis used the noise that the samples show, not the one declared.");
   }
@@ -119,7 +155,7 @@ void add_effects(Report& page, const Diagnosis& diagnosis) {
       values += (p > 0 ? "; " : "") + std::string(card.name) + " " +
                 with_interval(named.parameters[p], unit_of(named.effect, p));
     }
-    found.rows.push_back({words(named.effect), values, figure_text(named.confidence, 3)});
+    found.rows.push_back({words(named.effect), values, confidence_text(named.confidence)});
     for (const Alternative& other : named.alternatives) {
       std::string rival = words(other);
       if (!other.separate_by.empty()) rival += " – told apart by " + other.separate_by;
@@ -146,7 +182,7 @@ Panel left_over(const std::string& when, const std::vector<BandPower>& powers, b
       report::Curve curve;
       curve.name = channel;
       curve.colour = static_cast<int>(panel.curves.size());
-      curve.dash = Dash::solid;
+      curve.dash = Dash::by_turns;
       curve.marker = report::Marker::circle;
       curve.in_legend = first;
       panel.curves.push_back(std::move(curve));
@@ -227,6 +263,16 @@ void add_overlays(Report& page, const Diagnosis& diagnosis) {
   page.add_section("Measured and simulated");
   for (const Overlay& overlay : diagnosis.overlays) {
     const std::string channel(model::name(overlay.channel)), unit(model::unit(overlay.channel));
+    Figure time;
+    time.title = channel + " over time";
+    time.x = {"time", "s"};
+    Panel signals;
+    signals.y = {channel, unit};
+    signals.curves = {{"measured", overlay.time, overlay.measured, 6, Dash::solid},
+                      {"tolerances refitted", overlay.time, overlay.refit, 1, Dash::dashed},
+                      {"after", overlay.time, overlay.after, 0, Dash::dotted}};
+    time.panels.push_back(signals);
+    page.add_figure(time);
     Figure spectrum;
     spectrum.title = "Error of " + channel + " by frequency";
     spectrum.x = {"frequency", "Hz", true};
@@ -241,16 +287,6 @@ void add_overlays(Report& page, const Diagnosis& diagnosis) {
     }
     spectrum.panels.push_back(densities);
     page.add_figure(spectrum);
-    Figure time;
-    time.title = channel + " over time";
-    time.x = {"time", "s"};
-    Panel signals;
-    signals.y = {channel, unit};
-    signals.curves = {{"measured", overlay.time, overlay.measured, 6, Dash::solid},
-                      {"tolerances refitted", overlay.time, overlay.refit, 1, Dash::dashed},
-                      {"after", overlay.time, overlay.after, 0, Dash::dotted}};
-    time.panels.push_back(signals);
-    page.add_figure(time);
   }
 }
 
@@ -322,6 +358,37 @@ bool has_close_effect(const Diagnosis& diagnosis) {
          std::any_of(diagnosis.recording_faults.begin(), diagnosis.recording_faults.end(), of_cause);
 }
 
+/// "The model lacks A and B; it probably lacks C; it may lack D": what is said first is said most firmly.
+std::string lacking(const std::vector<std::string>& certain, const std::vector<std::string>& likely,
+                    const std::vector<std::string>& possible) {
+  std::string text;
+  const auto add = [&text](const std::vector<std::string>& names, const char* verb) {
+    if (names.empty()) return;
+    text += text.empty() ? "The model " : "; it ";
+    text += verb + (" " + joined(names));
+  };
+  add(certain, "lacks");
+  add(likely, "probably lacks");
+  add(possible, "may lack");
+  return text;
+}
+
+/// The law and an effect of the same place and kind are one law: " (with coulomb_friction, 45 N in all)", where both
+/// are a force that does not grow with the motion.
+std::string split_of(const DescribedLaw& law, const std::vector<NamedEffect>& effects) {
+  const auto force = std::find_if(law.numbers.begin(), law.numbers.end(),
+                                  [](const LawNumber& number) { return number.name == "force"; });
+  if (force == law.numbers.end()) return {};
+  for (const NamedEffect& named : effects) {
+    const auto& card = *named.effect.entry;
+    const bool same_place = std::string(model::name(card.subsystem)) == std::string(name(law.law.place));
+    if (!same_place || card.parameters.size() != 1 || card.parameters.front().unit != "N") continue;
+    return " (with " + words(named.effect) + " at the same place one law of " +
+           figure_text(force->value + named.parameters.front().value, 3) + " N in all)";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string odds_text(double odds) {
@@ -343,7 +410,7 @@ std::string unit_of(const firmware::PlacedEffect& effect, std::size_t parameter)
 }
 
 std::string sentence(const Diagnosis& diagnosis) {
-  std::vector<std::string> names;
+  std::vector<std::string> names, likely, possible;  // by firmness
   for (const NamedEffect& named : diagnosis.effects) {
     std::string text = words(named.effect);
     if (!named.parameters.empty()) {
@@ -351,21 +418,33 @@ std::string sentence(const Diagnosis& diagnosis) {
       text += " (" + figure_text(named.parameters.front().value, 4) + (unit.empty() ? "" : " " + unit) + ")";
     }
     text += or_parameter(named.alternatives);
-    names.push_back(text);
+    const Firmness firmness = firmness_of(named, diagnosis.relations);
+    (firmness == Firmness::certain ? names : firmness == Firmness::likely ? likely : possible).push_back(text);
   }
-  for (const DescribedLaw& law : diagnosis.laws) names.push_back("a law at the " + words(law));
+  for (const DescribedLaw& law : diagnosis.laws) {
+    const Firmness firmness = firmness_of(law.confidence);
+    (firmness == Firmness::certain  ? names
+     : firmness == Firmness::likely ? likely
+                                    : possible)
+        .push_back("a law at the " + words(law) + split_of(law, diagnosis.effects));
+  }
+  const bool lacks_any = !names.empty() || !likely.empty() || !possible.empty();
   std::vector<std::string> off;
   for (const ParameterOff& parameter : diagnosis.parameters_off) {
-    off.push_back(parameter.path + " is " + figure_text(parameter.value.value, 5) + ", not " +
-                  figure_text(parameter.described, 5));
+    const Firmness firmness = firmness_of(parameter.confidence);
+    off.push_back(parameter.path +
+                  (firmness == Firmness::certain  ? " is "
+                   : firmness == Firmness::likely ? " is probably "
+                                                  : " may be ") +
+                  figure_text(parameter.value.value, 5) + ", not " + figure_text(parameter.described, 5));
     off.back() += or_parameter(parameter.alternatives);
   }
   const std::string causes = causes_in_recording(diagnosis);
-  if (off.empty() && names.empty() && !causes.empty() && diagnosis.verdict != Verdict::unexplained) {
+  if (off.empty() && !lacks_any && !causes.empty() && diagnosis.verdict != Verdict::unexplained) {
     return "Rig and model agree, but the recording does not: " + causes + "." +
            (diagnosis.residual.empty() ? "" : " Left over: " + diagnosis.residual + ".");
   }
-  if (!off.empty() && names.empty()) {
+  if (!off.empty() && !lacks_any) {
     std::string text = joined(off);
     if (diagnosis.verdict == Verdict::ambiguous)
       text += has_close_effect(diagnosis) ? ", or an effect that these recordings cannot tell apart from it"
@@ -385,19 +464,23 @@ std::string sentence(const Diagnosis& diagnosis) {
       return "Rig and model agree: what is left over is noise, with every parameter within its tolerance.";
     case Verdict::unexplained:
       text = "Rig and model disagree, and no effect of the catalogue explains it";
-      if (!names.empty())
-        text = "Rig and model disagree by more than the catalogue explains; " + joined(names) + " would help";
+      if (lacks_any) {
+        std::vector<std::string> all = names;
+        all.insert(all.end(), likely.begin(), likely.end());
+        all.insert(all.end(), possible.begin(), possible.end());
+        text = "Rig and model disagree by more than the catalogue explains; " + joined(all) + " would help";
+      }
       break;
     case Verdict::ambiguous:
-      text = "The model lacks " + joined(names) +
-             (has_close_effect(diagnosis) ? ", or a rival that these recordings cannot tell apart from it"
-                                          : ", which these recordings do not tell apart");
+      text = lacking(names, likely, possible) + (has_close_effect(diagnosis)
+                                                     ? ", or a rival that these recordings cannot tell apart from it"
+                                                     : ", which these recordings do not tell apart");
       break;
     case Verdict::named:
-      text = "The model lacks " + joined(names);
+      text = lacking(names, likely, possible);
       break;
   }
-  if (const auto* best = most_improved(diagnosis); best != nullptr && !names.empty()) {
+  if (const auto* best = most_improved(diagnosis); best != nullptr && lacks_any) {
     text += ": with it the error of " + std::string(model::name(best->first)) + " falls from " +
             figure_text(100.0 * best->second.refit, 3) + " to " + figure_text(100.0 * best->second.after, 3) + " %";
   }
@@ -410,6 +493,7 @@ std::string sentence(const Diagnosis& diagnosis) {
 }
 
 std::string words(const RecordingFault& fault) {
+  if (!fault.text.empty()) return fault.text;
   std::string text = named(fault);
   const char* separator = ": ";
   for (const auto& [parameter, value] : fault.parameters) {
@@ -422,7 +506,7 @@ std::string words(const RecordingFault& fault) {
     text += std::string(change < 0.0 ? ", fades by " : ", grows by ") + figure_text(std::abs(change), 2) +
             " % over the record";
   }
-  if (fault.is_cause) text += ", confidence " + figure_text(fault.confidence, 3);
+  if (fault.is_cause) text += ", confidence " + confidence_text(fault.confidence);
   return text;
 }
 
@@ -434,6 +518,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
                        : report::Verdict::good,
                    sentence(diagnosis));
   add_gaps(page, diagnosis);
+  add_overlays(page, diagnosis);
   add_parameters_off(page, diagnosis);
   add_recording_faults(page, diagnosis);
   add_effects(page, diagnosis);
@@ -455,15 +540,15 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
     page.add_text("Not determined: " + open.combination + "; " + open.why + ".");
   }
   for (const std::string& remark : diagnosis.remarks) page.add_text(remark + ".");
-  add_overlays(page, diagnosis);
-  page.add_appendix("Rig description with what was found", firmware::format_rig(diagnosis.rig));
+  page.add_appendix("Rig description with what was found", edited_rig(given, diagnosis.rig));
   return page.html();
 }
 
-std::string result_rig(const firmware::RigDescription& found, std::string_view given) {
+std::string result_rig(const firmware::RigDescription& found, const firmware::RigDescription& given,
+                       std::string_view name) {
   require_finite(found);
-  return std::string(result_rig_mark) + ": " + firmware::one_line(given) + " with what was found\n" +
-         firmware::format_rig(found);
+  return std::string(result_rig_mark) + ": " + firmware::one_line(name) + " with what was found\n" +
+         edited_rig(given, found);
 }
 
 std::string explanation(const firmware::CatalogueEntry& entry) {

@@ -34,8 +34,9 @@ namespace host_sim::identification {
 /// How the first line of rig.toml begins: a file that begins otherwise is not ours to replace.
 inline constexpr std::string_view result_rig_mark = "# rigtwin diagnose";
 
-/// rig.toml: the description with the effects that were found and the refitted parameters, for every other command.
-/// `given`: the file name of the description that was given.
-[[nodiscard]] std::string result_rig(const firmware::RigDescription& found, std::string_view given);
+/// rig.toml: the description with the effects that were found and the refitted parameters, for every other command, in
+/// the words of the description that was given (edited_rig.hpp). `name`: its file name.
+[[nodiscard]] std::string result_rig(const firmware::RigDescription& found, const firmware::RigDescription& given,
+                                     std::string_view name);
 
 }  // namespace host_sim::identification

@@ -1,6 +1,8 @@
 #include "host_sim/identification/report/law_figure.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -12,6 +14,22 @@ using report::Dash;
 using report::Figure;
 using report::figure_text;
 using report::Panel;
+
+/// Where a law does most of its change within a twentieth of what is drawn – friction that sets in over 3 mm/s of
+/// 1.2 m/s – it is drawn once more, that part alone, over its own axis.
+std::optional<double> middle_of(const DescribedLaw& law) {
+  if (law.at.size() < 3) return std::nullopt;
+  const double far = std::max(std::abs(law.at.front()), std::abs(law.at.back()));
+  const double most = std::max(std::abs(law.force.front()), std::abs(law.force.back()));
+  for (std::size_t i = 0; i < law.at.size(); ++i) {
+    constexpr double narrow = 0.05, half = 0.5;
+    if (law.at[i] > 0.0 && std::abs(law.force[i]) >= half * most) {
+      if (law.at[i] <= narrow * far) return 10.0 * law.at[i];
+      return std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
 
 /// Force over the motion: what the rig did as points, curves, and where the recordings excited it.
 Figure figure_of(const DescribedLaw& law, std::string title, std::string note, std::vector<Curve> curves) {
@@ -31,6 +49,17 @@ Figure figure_of(const DescribedLaw& law, std::string title, std::string note, s
   panel.guides.push_back({report::Guide::Along::x, law.highest, ""});
   figure.panels.push_back(std::move(panel));
   return figure;
+}
+
+/// The figure of a law, and the middle of it alone where the law is steep there.
+void add_figure_of(report::Report& page, const DescribedLaw& law, Figure figure) {
+  page.add_figure(figure);
+  const auto middle = middle_of(law);
+  if (!middle) return;
+  figure.title += ", near zero";
+  figure.note = "The same over ± " + figure_text(*middle, 2) + " " + figure.x.unit + ".";
+  figure.x.range = std::pair(-*middle, *middle);
+  page.add_figure(figure);
 }
 
 Figure figure_of_learned(const DescribedLaw& law) {
@@ -94,6 +123,27 @@ std::string words(const DescribedLaw& law) {
          std::string(name(law.law.over)) + ")";
 }
 
+/// Of a law's number, by its name and by what the law goes over.
+std::string unit_of(const DescribedLaw& law, const LawNumber& number) {
+  const bool velocity = law.law.over == CurveOver::velocity;
+  const std::string &name = number.name, slope = velocity ? "N s/m" : "N/m";
+  if (name == "exponent" || name == "share_of_load" || name == "lost_motion") return "1";
+  if (name == "rebound_harder_by_per_cent") return "%";
+  if (name == "force" || name == "break_away" || name == "sliding") return "N";
+  if (name == "velocity") return "m/s";
+  if (name == "half_travel") return "m";
+  if (name == "time_constant") return "s";
+  if (name == "stiffness") return "N/m";
+  if (name == "from" || name == "half_at") return velocity ? "m/s" : "m";
+  if (name.starts_with("damping")) return "N s/m";
+  const bool powers = std::any_of(law.numbers.begin(), law.numbers.end(),
+                                  [](const LawNumber& other) { return other.name == "exponent"; });
+  if (!powers) return slope;
+  return name == "coefficient" || name == "compression" || name == "rebound"
+             ? std::string("N/(") + (velocity ? "m/s" : "m") + ")^exponent"
+             : slope;
+}
+
 std::string words(const NextStep& next, model::RigKind rig) {
   return "to tell " + next.one + " from " + next.other + ", run " + figure_text(next.test.frequency, 3) + " Hz at ± " +
          figure_text(1e3 * next.test.amplitude, 3) + " mm" +
@@ -105,26 +155,26 @@ std::string words(const NextStep& next, model::RigKind rig) {
 void add_described_curves(report::Report& page, const std::vector<DescribedLaw>& curves) {
   if (curves.empty()) return;
   page.add_section("Laws of the rig description");
-  for (const DescribedLaw& curve : curves) page.add_figure(figure_of_described(curve));
+  for (const DescribedLaw& curve : curves) add_figure_of(page, curve, figure_of_described(curve));
 }
 
 void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws) {
   if (laws.empty()) return;
   page.add_section("Laws that the catalogue does not hold");
-  report::Table table{"", {"law", "number", "value", "95 % from", "to", "confidence"}, {}, 2};
+  report::Table table{"", {"law", "number", "unit", "value", "95 % from", "to", "confidence"}, {}, 3};
   for (const DescribedLaw& law : laws) {
     bool first = true;
     for (const LawNumber& number : law.numbers) {
-      table.rows.push_back({first ? words(law) : "", number.name, figure_text(number.value, 4),
+      table.rows.push_back({first ? words(law) : "", number.name, unit_of(law, number), figure_text(number.value, 4),
                             figure_text(number.lower, 4), figure_text(number.upper, 4),
                             first ? figure_text(law.confidence, 3) : ""});
       first = false;
     }
-    if (law.numbers.empty()) table.rows.push_back({words(law), "–", "", "", "", figure_text(law.confidence, 3)});
+    if (law.numbers.empty()) table.rows.push_back({words(law), "–", "", "", "", "", figure_text(law.confidence, 3)});
   }
   page.add_table(table);
   for (const DescribedLaw& law : laws) {
-    page.add_figure(figure_of_learned(law));
+    add_figure_of(page, law, figure_of_learned(law));
     if (!law.sections.empty()) page.add_figure(figure_of_sections(law));
   }
 }

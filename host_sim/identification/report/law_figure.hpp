@@ -9,6 +9,9 @@ namespace host_sim::identification {
 /// "suspension: grows with |v|^1.61 ± 0.04 (power law)"
 [[nodiscard]] std::string words(const DescribedLaw& law);
 
+/// "N s/m": of a number of a law; "1" for a pure number.
+[[nodiscard]] std::string unit_of(const DescribedLaw& law, const LawNumber& number);
+
 /// "to tell hysteresis from lag, run 0.5 Hz at ± 20 mm on a bench (a second of it separates them 12 times as well)";
 /// `rig`: on which it was recorded.
 [[nodiscard]] std::string words(const NextStep& next, model::RigKind rig);

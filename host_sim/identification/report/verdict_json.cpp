@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -16,6 +17,28 @@ using nlohmann::ordered_json;
 
 void put_channel(ordered_json& json, const firmware::PlacedEffect& effect) {
   if (effect.channel) json["channel"] = model::name(*effect.channel);
+}
+
+/// A number that JSON can hold: there is none of a value that is not finite.
+class FiniteNumber {
+ public:
+  [[nodiscard]] static std::optional<FiniteNumber> of(double value) {
+    if (!std::isfinite(value)) return std::nullopt;
+    return FiniteNumber(value);
+  }
+  [[nodiscard]] double value() const { return value_; }
+
+ private:
+  explicit FiniteNumber(double value) : value_(value) {}
+  double value_;
+};
+
+/// {"value": …, "ci95": […, …]}; nothing where one of the three is not finite: what the recordings leave open has no
+/// number.
+std::optional<ordered_json> finite_json(double value, double lower, double upper) {
+  const auto v = FiniteNumber::of(value), l = FiniteNumber::of(lower), u = FiniteNumber::of(upper);
+  if (!v || !l || !u) return std::nullopt;
+  return ordered_json{{"value", v->value()}, {"ci95", {l->value(), u->value()}}};
 }
 
 ordered_json to_json(const Interval& interval) {
@@ -82,8 +105,11 @@ ordered_json to_json(const DescribedLaw& law) {
     json["over"] = {name(law.law.over)};
   }
   json["parameters"] = ordered_json::object();
-  for (const LawNumber& number : law.numbers)
-    json["parameters"][number.name] = {{"value", number.value}, {"ci95", {number.lower, number.upper}}};
+  for (const LawNumber& number : law.numbers) {
+    if (auto one = finite_json(number.value, number.lower, number.upper)) {
+      json["parameters"][number.name] = std::move(*one);
+    }
+  }
   json["memory"] = has_memory(law.law.family);
   if (has_memory(law.law.family)) {
     json["branches"] = ordered_json::array();

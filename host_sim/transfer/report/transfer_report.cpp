@@ -99,9 +99,12 @@ void add_responses(const Transfer& t, report::Report& page) {
 void add_budget(const Transfer& t, report::Report& page) {
   report::Figure figure;
   figure.title = "Budget of the uncertainty: share of the variance";
-  figure.note = "Each source varied alone, all others at their centre.";
+  figure.note =
+      "Each source varied alone, all others at their centre; the shares of a quantity add up to 100 %. A source "
+      "without "
+      "a bar has no share.";
   figure.x = {"share of the variance", "%"};
-  figure.x.range = std::pair{0.0, 100.0};
+  figure.x.range = std::pair{0.0, 112.0};  // room for the number beside a whole bar
   report::Panel panel;
   panel.y.quantity = "source";
   panel.y.of_names = true;
@@ -110,11 +113,17 @@ void add_budget(const Transfer& t, report::Report& page) {
   for (const Quantity q : shown) {
     report::Bars bars{std::string(quantity_names[static_cast<std::size_t>(q)]), {}, {}, colour++};
     for (std::size_t s = 0; s < source_count; ++s) {
+      constexpr double nothing = 5e-4;
+      const bool has_share = std::any_of(shown.begin(), shown.end(), [&](Quantity of) {
+        return t.prediction.budget[static_cast<std::size_t>(of)][s] >= nothing;
+      });
+      if (!has_share) continue;
       bars.names.emplace_back(source_words[s]);
       bars.values.push_back(100.0 * t.prediction.budget[static_cast<std::size_t>(q)][s]);
     }
-    panel.bars.push_back(std::move(bars));
+    if (!bars.names.empty()) panel.bars.push_back(std::move(bars));
   }
+  if (panel.bars.empty()) return;
   figure.panels.push_back(std::move(panel));
   figure.height = 340;
   page.add_figure(figure);

@@ -164,7 +164,8 @@
 
   const show_setup = function () {
     place("rig").textContent = setup ? setup.rig : "No rig yet";
-    place("kind").textContent = setup ? setup.kind + ", " + setup.sample_rate + " Hz" : "";
+    const into = setup && setup.recording ? ", recording " + setup.recording : "";
+    place("kind").textContent = setup ? setup.kind + ", " + setup.sample_rate + " Hz" + into : "";
     place("simulated").hidden = !(setup && setup.simulated);
     document.title = (setup ? setup.rig + " – " : "") + "rigtwin watch";
     if (setup) draw_histogram();
@@ -180,6 +181,22 @@
 
   const is_orderly = function (reason) { return ["none", "reference_ended", "stop_requested"].includes(reason); };
 
+  // Since the run began, and until its road ends; of a run that is over, how long it took.
+  const times_of_run = function () {
+    let began = null, ended = null;
+    events.forEach(function (event) {
+      if (event.state === "running" && (began === null || ended !== null)) { began = event.timestamp; ended = null; }
+      if (["safe", "idle", "armed", "ended"].includes(event.state) && began !== null && ended === null) ended = event.timestamp;
+    });
+    if (began === null) return [];
+    const elapsed = Math.max(0, (ended === null ? last.timestamp : ended) - began);
+    const facts = [["elapsed", decimals(elapsed, 0) + " s"]];
+    if (setup && setup.duration && ended === null) {
+      facts.push(["remaining", decimals(Math.max(0, setup.duration - elapsed), 0) + " s"]);
+    }
+    return facts;
+  };
+
   const show_state = function () {
     if (!last || last.state === undefined) return;
     const stale = link !== "live";
@@ -193,12 +210,13 @@
     const v = last.values || {};
     const facts = [["power", v.enabled ? "on" : "off"], ["level", decimals(v.level, 2)],
                    ["late periods", String(v.late_periods === undefined ? "–" : v.late_periods)],
-                   ["bridged samples", String(v.bridged === undefined ? "–" : v.bridged)]];
+                   ["bridged samples", String(v.bridged === undefined ? "–" : v.bridged)]].concat(times_of_run());
     const list = place("facts");
     if (list.childElementCount !== facts.length) {
       list.textContent = "";
       facts.forEach(function (fact) { const pair = make("div", list); make("dt", pair, fact[0]); make("dd", pair); });
     }
+    facts.forEach(function (fact, i) { list.children[i].firstElementChild.textContent = fact[0]; });
     facts.forEach(function (fact, i) { list.children[i].lastElementChild.textContent = fact[1]; });
   };
 

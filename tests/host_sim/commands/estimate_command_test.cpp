@@ -98,6 +98,21 @@ TEST_F(EstimateCommand, PolicySwitchingIsOnRecordForDiagnose) {
   EXPECT_EQ(verdict["verdict"], "no_discrepancy");
 }
 
+// What does the first sentence say? Of a recording that is too short for the monitor of the innovations that nothing
+// was judged: no tick, null.
+TEST_F(EstimateCommand, SaysWhatItDidNotJudge) {
+  const std::string rig = file("rig.toml", shipped());
+  ASSERT_EQ(rigtwin({"simulate", "--rig", rig, "--duration", "5", "--out", at("short.csv")}).status, 0);
+  const Ended ended = rigtwin({"estimate", "--rig", rig, "--data", at("short.csv"), "--out", at("est.csv"), "--report",
+                               at("page.html"), "--json", at("est.json")});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  EXPECT_TRUE(json::parse(TemporaryFolder::read(at("est.json")))["model_wrong"].is_null());
+  EXPECT_THAT(ended.output, HasSubstr("The model was not judged: the monitor of the innovations needs 20480 samples"));
+  const std::string page = TemporaryFolder::read(at("page.html"));
+  EXPECT_THAT(page, HasSubstr("class=\"verdict remark\""));
+  EXPECT_EQ(page.find("class=\"verdict good\""), std::string::npos);
+}
+
 // Fault. One line each, nothing written.
 TEST_F(EstimateCommand, RefusesWhatCannotBeEstimated) {
   const std::string rig = file("rig.toml", shipped());

@@ -56,7 +56,7 @@ std::string fault_of(const firmware::RigDescription& description, firmware::Reco
   try {
     const Diagnosis found = diagnose(description, {{std::move(recording), Use::shared}});
     (void)to_json(found);  // refuses what is not finite
-    (void)result_rig(found.rig, "given.toml");
+    (void)result_rig(found.rig, found.rig, "given.toml");
     const std::string page = report_html(found, description);
     return page.empty() ? "no report" : "";
   } catch (const firmware::InputError& error) {

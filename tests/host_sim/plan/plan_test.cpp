@@ -261,6 +261,12 @@ TEST(Plan, WritesFiniteNumbersAndAPage) {
   for (const auto& parameter : json["parameters"]) EXPECT_LE(parameter["determined_to"].get<double>(), 1.3);
   const std::string page = report_html(plan, bench(), "four sines");
   EXPECT_NE(page.find("What would help most"), std::string::npos);
+  // Five sentences and one picture come before any section; the rows are folded.
+  const std::vector<std::string> first = sentences(plan);
+  ASSERT_EQ(first.size(), 5U);
+  for (const std::string& sentence : first) EXPECT_TRUE(sentence.ends_with(".")) << sentence;
+  EXPECT_LT(page.find("How strongly an effect of a typical size would show"), page.find("<h2"));
+  EXPECT_NE(page.find("<summary>All sizes, the strongest effect first</summary>"), std::string::npos);
   EXPECT_NE(page.find("What would be taken for what"), std::string::npos);
 }
 

@@ -215,6 +215,61 @@ TEST(Report, TellsCurvesApartByMoreThanColour) {
   EXPECT_EQ(colours_seen.size(), 7U);
 }
 
+// Law. Two curves that would have one colour and one dash get different ones: nobody could tell them apart.
+TEST(Report, GivesNoTwoCurvesOneLook) {
+  Figure figure = small_figure();
+  figure.panels[0].curves.resize(10, figure.panels[0].curves[0]);
+  for (std::size_t i = 0; i < 10; ++i) {
+    Curve& curve = figure.panels[0].curves[i];
+    curve.name = "channel " + std::to_string(i);
+    curve.colour = static_cast<int>(i);
+    curve.dash = Dash::solid;
+  }
+  Report page("t");
+  page.add_figure(figure);
+  std::set<std::pair<std::string, std::string>> looks;
+  for (const auto& trace : support::figures_of(page.html()).at(0)["data"]) {
+    looks.insert({trace["line"]["color"].get<std::string>(), trace["line"]["dash"].get<std::string>()});
+  }
+  EXPECT_EQ(looks.size(), 10U);
+}
+
+// Point. The title of a low panel stands in two lines, that of a high one in one; the frame of each panel is closed.
+TEST(Report, KeepsAxisTitlesInTheirPanels) {
+  Figure figure = small_figure();
+  figure.panels[0].y.quantity = "power of the residual in terms of its noise";
+  figure.panels.resize(4, figure.panels[0]);
+  Report page("t");
+  page.add_figure(figure);
+  figure.height = 3000;
+  page.add_figure(figure);
+  const auto figures = support::figures_of(page.html());
+  const auto title = [](const auto& f) { return f["layout"]["yaxis2"]["title"]["text"].template get<std::string>(); };
+  EXPECT_NE(title(figures.at(0)).find("<br>"), std::string::npos);
+  EXPECT_EQ(title(figures.at(1)).find("<br>"), std::string::npos);
+  EXPECT_EQ(figures.at(0)["layout"]["xaxis"]["mirror"], "all");
+}
+
+// Point. A channel's name says what it is when it is pointed at; a path that holds the letters does not.
+TEST(Report, SaysWhatChannelsAre) {
+  Report page("t");
+  page.add_text("The error of F_w & of noise.F_w in F_w.csv");
+  page.add_table({"", {"channel"}, {{"F"}, {"F of x"}}});
+  const std::string html = page.html();
+  EXPECT_NE(html.find("of <abbr title=\"dynamic wheel load, without (m_b + m_w) g [N], positive more load\">F_w</abbr> "
+                      "&amp; of noise.F_w in F_w.csv"),
+            std::string::npos);
+  EXPECT_NE(html.find(">F</abbr></td>"), std::string::npos);
+  EXPECT_NE(html.find(">F of x</td>"), std::string::npos);
+}
+
+// A folded table is in the page, and a heading unfolds it.
+TEST(Report, FoldsTables) {
+  Report page("t");
+  page.add_folded_table({"All rows", {"a"}, {{"1"}}});
+  EXPECT_NE(page.html().find("<details><summary>All rows</summary>"), std::string::npos);
+}
+
 // Point. Zero is white: the sign of a value is seen even where the values reach much further on one side.
 TEST(Report, KeepsZeroInTheMiddleOfAHeatMap) {
   Figure figure{"map", {}, {"delay", "ms"}};

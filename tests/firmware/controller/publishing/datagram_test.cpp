@@ -84,11 +84,21 @@ TEST_F(Written, SaysStateAndReasonInWordsToo) {
   record.energy_fed = 1.5;
   record.energy_taken = 6.0;
   const json object = period();
-  EXPECT_EQ(object["trip"], "force of F (2.6e+04, limit 2.5e+04)");
+  EXPECT_EQ(object["trip"], "force of F (2.6e+04 N, limit 2.5e+04)");
   EXPECT_EQ(object["reason"], static_cast<int>(Reason::force));
   EXPECT_EQ(object["second_reason"], "stop_button");
   EXPECT_EQ(object["energy_fed"], 1.5);
   EXPECT_EQ(object["energy_taken"], 6.0);
+}
+
+// What is recorded, and how long the run takes, once the session knows it.
+TEST_F(Written, SaysWhatIsRecorded) {
+  DatagramWriter described = writer();
+  EXPECT_FALSE(period(true)["setup"].contains("recording"));
+  described.describe_run("RUN.csv", 60.0);
+  const json setup = json::parse(described.period(record, {17, 3}, true))["setup"];
+  EXPECT_EQ(setup["recording"], "RUN.csv");
+  EXPECT_EQ(setup["duration"], 60.0);
 }
 
 TEST_F(Written, BringsLimitsUnitsAndHistogramsWithItsSetup) {

@@ -221,7 +221,7 @@ TEST(Assess, SaysWhatIsMissingAndHowSureThatIs) {
   EXPECT_TRUE(all_finite(json)) << json.dump(2);
   EXPECT_EQ(json.at("effects").at(0).at("name"), "coulomb_friction");
   EXPECT_TRUE(sentence(found).starts_with("The model lacks coulomb_friction")) << sentence(found);
-  EXPECT_TRUE(result_rig(found.rig, "given.toml").starts_with(result_rig_mark));
+  EXPECT_TRUE(result_rig(found.rig, found.rig, "given.toml").starts_with(result_rig_mark));
   EXPECT_NE(report_html(found, sample::bench()).find("coulomb_friction"), std::string::npos);
 }
 
@@ -262,12 +262,12 @@ TEST(VerdictJson, HoldsFiniteNumbersOnly) {
   EXPECT_EQ(refusal([&] { (void)to_json(broken); }),
             "verdict.json: parameters.suspension.stiffness.ci95.0 is not a finite number");
   firmware::RigDescription rig = sample::with_effect(sample::bench(), "coulomb_friction", {40.0});
-  EXPECT_EQ(refusal([&] { (void)result_rig(rig, "given.toml"); }), "");
+  EXPECT_EQ(refusal([&] { (void)result_rig(rig, rig, "given.toml"); }), "");
   rig = sample::with_effect(sample::bench(), "coulomb_friction", {std::nan("")});
-  EXPECT_EQ(refusal([&] { (void)result_rig(rig, "given.toml"); }), "rig.toml: coulomb_friction is not finite");
+  EXPECT_EQ(refusal([&] { (void)result_rig(rig, rig, "given.toml"); }), "rig.toml: coulomb_friction is not finite");
   rig = sample::bench();
   rig.rig.suspension.damping = INFINITY;
-  EXPECT_EQ(refusal([&] { (void)result_rig(rig, "given.toml"); }), "rig.toml: suspension.damping is not finite");
+  EXPECT_EQ(refusal([&] { (void)result_rig(rig, rig, "given.toml"); }), "rig.toml: suspension.damping is not finite");
 }
 
 // Fault. A candidate that explains what was fitted and diverges on what was held out is no answer: the verdict says

@@ -35,7 +35,7 @@ TEST(Hypothesis, HasAStartForEachRecording) {
   ASSERT_EQ(bench.given.starts.size(), 1U);
   EXPECT_EQ(bench.given.starts[0], host_sim::resting(bench.given.rig, bench.problem.samples()[0].input));
   Hypothesis other = bench.given;
-  estimate_held_out_starts(other, sample::bench(), bench.problem.samples());
+  estimate_held_out_starts(other, bench.problem.samples());
   EXPECT_EQ(other.starts[0], bench.given.starts[0]) << "its beginning is fitted";
 }
 
