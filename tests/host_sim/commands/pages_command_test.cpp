@@ -23,7 +23,7 @@ class Pages : public ::testing::Test {
  protected:
   void SetUp() override {
     const Ended made =
-        rigtwin({"simulate", "--rig", rig_, "--duration", "6", "--out", at("run.csv"), "--report", at("run.html")});
+        rigtwin({"simulate", "--rig", rig_, "--duration", "8", "--out", at("run.csv"), "--report", at("run.html")});
     ASSERT_EQ(made.status, 0) << made.errors;
   }
   std::string at(const std::string& name) const { return (folder_ / name).string(); }
@@ -40,7 +40,7 @@ TEST_F(Pages, AreLeftByEachCommand) {
   const Ended shown = rigtwin(
       {"show", at("run.csv"), at("run.csv"), "--rig", rig_, "--report", at("show.html"), "--json", at("show.json")});
   ASSERT_EQ(shown.status, 0) << shown.errors;
-  EXPECT_THAT(shown.output, HasSubstr("run.csv: 6 s at 1000 Hz, 7 channels."));
+  EXPECT_THAT(shown.output, HasSubstr("run.csv: 8 s at 1000 Hz, 7 channels."));
   EXPECT_EQ(figures("show.html"), 3U);
   EXPECT_THAT(TemporaryFolder::read(folder_ / "show.html"), HasSubstr("model paper_rig_fdva.toml"));
   EXPECT_EQ(json::parse(TemporaryFolder::read(folder_ / "show.json"))["recordings"].size(), 2U);
