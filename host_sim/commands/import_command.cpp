@@ -1,11 +1,13 @@
 #include "host_sim/commands/import_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
@@ -24,6 +26,13 @@ std::string text_of_file(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
+void print_left_out(const std::vector<LeftOut>& list) {
+  for (const LeftOut& one : list) {
+    std::printf("  left out: %s: %s\n", firmware::one_line(firmware::in_quotes(one.name)).c_str(),
+                firmware::one_line(one.reason).c_str());
+  }
+}
+
 void print_account(const Import& import, const ImportOptions& options) {
   const firmware::Recording& recording = import.recording;
   const double step = firmware::median_step(recording.time);
@@ -37,7 +46,14 @@ void print_account(const Import& import, const ImportOptions& options) {
     if (column.offset != 0.0) how += "  + " + firmware::shortest(column.offset);
     std::printf("  %-6s %s%s\n", column.quantity.empty() ? "kept" : column.quantity.c_str(), from.c_str(), how.c_str());
   }
+  print_left_out(import.left_out);
   for (const std::string& note : import.notes) std::printf("  note: %s\n", firmware::one_line(note).c_str());
+}
+
+nlohmann::ordered_json left_out_json(const std::vector<LeftOut>& list) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const LeftOut& one : list) json.push_back({{"name", one.name}, {"reason", one.reason}});
+  return json;
 }
 
 nlohmann::ordered_json account_json(const Import& import, const ImportOptions& options) {
@@ -55,8 +71,70 @@ nlohmann::ordered_json account_json(const Import& import, const ImportOptions& o
                                {"offset", column.offset},
                                {"reason", column.reason}});
   }
+  json["left_out"] = left_out_json(import.left_out);
   json["notes"] = import.notes;
   return json;
+}
+
+std::string number_text(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return text.data();
+}
+
+void print_listing(const FileListing& listing, const ImportOptions& options) {
+  std::printf("%s: %s\n", options.file.c_str(), listing.format.c_str());
+  for (const ListedColumn& column : listing.columns) {
+    std::string line = "  " + firmware::in_quotes(column.name);
+    if (!column.unit.empty()) line += " in " + column.unit;
+    line += ": " + std::to_string(column.count) + " values";
+    if (column.rate) line += " at " + number_text(*column.rate) + " Hz";
+    if (column.count > 0) {
+      line += ", " + number_text(column.low) + " … " + number_text(column.high) + ", rms " + number_text(column.rms) +
+              ", first";
+      for (const double value : column.first) line += " " + number_text(value);
+    }
+    line += column.quantity.empty() ? "; no channel" : "; " + column.quantity;
+    if (!column.reason.empty()) line += " (" + column.reason + ")";
+    std::printf("%s\n", firmware::one_line(line).c_str());
+  }
+  print_left_out(listing.left_out);
+  for (const std::string& note : listing.notes) std::printf("  note: %s\n", firmware::one_line(note).c_str());
+}
+
+nlohmann::ordered_json listing_json(const FileListing& listing, const ImportOptions& options) {
+  nlohmann::ordered_json json;
+  json["file"] = options.file.string();
+  json["format"] = listing.format;
+  json["columns"] = nlohmann::ordered_json::array();
+  for (const ListedColumn& column : listing.columns) {
+    nlohmann::ordered_json one{{"column", column.name}, {"unit", column.unit}, {"count", column.count}};
+    one["rate"] = column.rate ? nlohmann::ordered_json(*column.rate) : nlohmann::ordered_json();
+    if (column.count > 0) {
+      one["low"] = column.low;
+      one["high"] = column.high;
+      one["rms"] = column.rms;
+    }
+    one["first"] = column.first;
+    one["channel"] = column.quantity;
+    one["reason"] = column.reason;
+    json["columns"].push_back(std::move(one));
+  }
+  json["left_out"] = left_out_json(listing.left_out);
+  json["notes"] = listing.notes;
+  return json;
+}
+
+// The JSON to a file or to standard output; true: nothing else is printed.
+bool write_json(const ImportOptions& options, const nlohmann::ordered_json& json) {
+  if (!options.json) return false;
+  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  if (*options.json == "-") {
+    std::fputs(text.c_str(), stdout);
+    return true;
+  }
+  firmware::write_file(*options.json, text);
+  return false;
 }
 
 }  // namespace
@@ -69,7 +147,13 @@ void import_recording(const ImportOptions& options) {
   const firmware::ChannelMap none;
   const RigContext context{rig ? rig->channels : none, rig ? std::optional(rig->sample_rate) : std::nullopt,
                            rig ? std::optional(rig->rig.kind) : std::nullopt};
-  Import import = import_file(options.file, context);
+  if (!options.out) {
+    if (options.write_channels) throw firmware::UsageError("--write-channels needs --out");
+    const FileListing listing = list_file(options.file, context, options.choices);
+    if (!write_json(options, listing_json(listing, options))) print_listing(listing, options);
+    return;
+  }
+  Import import = import_file(options.file, context, options.choices);
   std::string description;
   if (options.write_channels) {
     description = with_channels(text_of_file(*options.rig), import.channels,
@@ -80,19 +164,13 @@ void import_recording(const ImportOptions& options) {
   import.recording.comments.push_back("rigtwin " + std::string(firmware::version) +
                                       " import: " + options.file.filename().string() + ", " + import.format);
   for (const std::string& note : import.notes) import.recording.comments.push_back(note);
-  write_recording(options.out, import.recording);
+  for (const LeftOut& one : import.left_out)
+    import.recording.comments.push_back("left out: " + firmware::in_quotes(one.name) + ": " + one.reason);
+  write_recording(*options.out, import.recording);
   if (options.write_channels) firmware::write_file(*options.rig, description);
-  if (options.json) {
-    const std::string text =
-        account_json(import, options).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (*options.json == "-") {
-      std::fputs(text.c_str(), stdout);
-      return;
-    }
-    firmware::write_file(*options.json, text);
-  }
+  if (write_json(options, account_json(import, options))) return;
   print_account(import, options);
-  std::printf("recording %s\n", options.out.c_str());
+  std::printf("recording %s\n", options.out->c_str());
   if (options.write_channels) std::printf("channels  %s, table [channels]\n", options.rig->c_str());
 }
 
@@ -103,10 +181,23 @@ void add_import(CLI::App& app, ImportOptions& options) {
                    "Text (any separator, decimal comma, preamble, units, clock times; MTS exports), MATLAB (dSPACE "
                    "ControlDesk, Simulink, timetables as structures), NI TDMS or HDF5")
       ->required();
+  command->add_option(
+      "--out", options.out,
+      "Recording to write; the ending decides: .csv, .mat, .mcap, .uff, .tsv and .de.csv (spreadsheets). "
+      "Without it the file's columns are listed, with what they are taken for");
   command
-      ->add_option("--out", options.out,
-                   "Recording to write; the ending decides: .csv, .mat, .mcap, .uff, .tsv and .de.csv (spreadsheets)")
-      ->required();
+      ->add_option("--map", options.choices.maps,
+                   "CHANNEL=COLUMN for a column under another name, with unit, factor and offset where they are "
+                   "wanted: 'F=Kraft [kN]', 'x_act=CHANNEL0 * 0.01 + 0.2' (SI); 'group/name' where names repeat")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--rate", options.choices.rate, "Sampling rate in Hz: the rows are samples at this rate")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--time", options.choices.time,
+                      "Column that is the time, with its unit if it states none: 'Zeit 2 [ms]'");
+  command->add_option("--skip", options.choices.skip, "Lines of text at the begin that are not looked at");
+  command->add_option("--from", options.choices.from, "Keep the recording from this time on, in s");
+  command->add_option("--to", options.choices.to, "Keep the recording up to this time, in s");
   command->add_option("--rig", options.rig,
                       "Rig description: its [channels] name columns; its kind and rate help to guess");
   command->add_flag("--write-channels", options.write_channels,

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "host_sim/recording_files/import.hpp"
+
 namespace CLI {  // NOLINT(readability-identifier-naming): not ours
 class App;
 }
@@ -12,10 +14,11 @@ namespace host_sim {
 
 struct ImportOptions {
   std::filesystem::path file;
-  std::filesystem::path out;
+  std::optional<std::filesystem::path> out;  ///< nullopt: the columns are listed
   std::optional<std::filesystem::path> rig;
   bool write_channels = false;                ///< put the mapping into the rig description
   std::optional<std::filesystem::path> json;  ///< "-": standard output
+  ImportChoices choices;
 };
 void import_recording(const ImportOptions& options);
 

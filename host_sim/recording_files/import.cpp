@@ -1,35 +1,179 @@
 #include "host_sim/recording_files/import.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/recording/recording_file.hpp"
 #include "firmware/recording/recording_gaps.hpp"
+#include "firmware/recording/sample_checks.hpp"
 #include "host_sim/recording_files/measurement_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
+#include "host_sim/recording_files/tables/headings.hpp"
 #include "host_sim/recording_files/tables/table_recording.hpp"
 #include "host_sim/recording_files/text/text_encoding.hpp"
+#include "host_sim/recording_files/text/text_values.hpp"
 
 namespace host_sim {
 namespace {
 
 using firmware::in_quotes;
 
-RawTable read_any_table(const std::filesystem::path& file) {
+RawTable read_any_table(const std::filesystem::path& file, std::size_t skip) {
   const firmware::RecordingFile opened(file);
   const FileKind kind = kind_of_file(file, opened.head(), opened.is_matlab());
   std::string bytes;
-  if (kind == FileKind::text && !looks_like_text(opened.head())) {
-    throw firmware::InputError(file.string(), 0, "the file is no text",
-                               "text, MATLAB 5 or 7.3, NI TDMS, HDF5 or a universal file");
-  }
+  if (kind == FileKind::text && !looks_like_text(opened.head())) throw unknown_kind(file, opened.head());
   if (is_read_whole(kind)) bytes = read_whole(opened.descriptor(), opened.head(), file.string());
-  return read_measurement(file, kind, std::move(bytes));
+  return read_measurement(file, kind, std::move(bytes), skip);
+}
+
+// "COLUMN * factor + offset", taken apart from its end; operators stand between blanks.
+struct ColumnFormula {
+  std::string column;
+  std::optional<double> factor;
+  double offset = 0.0;
+};
+
+// The number behind the last " + ", " * " … of the text, which are removed; nullopt: it does not end so.
+std::optional<double> take_operand(std::string& text, std::string_view signs, char& sign) {
+  const std::size_t at = text.find_last_of(signs);
+  if (at == std::string::npos || at < 2 || text[at - 1] != ' ') return std::nullopt;
+  const std::string_view operand = firmware::trimmed(std::string_view(text).substr(at + 1));
+  const std::optional<TextNumber> number = read_text_number(operand, '.');
+  if (!number || number->weak || !std::isfinite(number->value)) return std::nullopt;
+  sign = text[at];
+  text.resize(at);
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return number->value;
+}
+
+ColumnFormula read_formula(std::string text) {
+  ColumnFormula formula;
+  char sign = '+';
+  // "1e-3": the minus of an exponent has no blank before it.
+  if (const std::optional<double> offset = take_operand(text, "+-", sign))
+    formula.offset = sign == '-' ? -*offset : *offset;
+  if (const std::optional<double> factor = take_operand(text, "*/", sign))
+    formula.factor = sign == '/' ? 1.0 / *factor : *factor;
+  text = firmware::trimmed(text);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  formula.column = text;
+  return formula;
+}
+
+// The entry of [channels] that a choice stands for.
+firmware::ColumnSource entry_of(const RawTable& table, const std::string& text, firmware::Quantity quantity) {
+  const auto entry = [&](std::size_t c, std::optional<double> scale, double offset) {
+    return firmware::ColumnSource{unique_name(table, c), scale, offset};
+  };
+  if (const auto whole = find_column(table, text)) {
+    // A heading that ends as a formula does is a heading.
+    return entry(*whole, std::nullopt, 0.0);
+  }
+  const ColumnFormula formula = read_formula(text);
+  std::optional<std::size_t> column = find_column(table, formula.column);
+  std::optional<firmware::Unit> unit;
+  NameAndUnit heading = split_heading(formula.column);
+  if (column && formula.column.ends_with(']')) unit = firmware::find_unit(heading.unit);
+  if (!column && formula.column.ends_with(']')) {
+    column = find_column(table, heading.name);
+    unit = firmware::find_unit(heading.unit);
+    if (column && (!unit || unit->dimension != firmware::dimension_of(quantity))) {
+      throw firmware::UsageError(in_quotes(heading.unit) + " is no unit of " +
+                                 std::string(firmware::quantity_name(quantity)) + " [" +
+                                 std::string(firmware::quantity_unit(quantity)) + "]");
+    }
+  }
+  if (!column) {
+    throw firmware::InputError(table.source, table.header_line, "no column is called " + in_quotes(formula.column),
+                               "one of " + list_of_columns(table));
+  }
+  const double by_unit = unit ? unit->scale : 1.0;
+  if (!unit && !formula.factor && formula.offset == 0.0) return entry(*column, std::nullopt, 0.0);
+  if (!unit && !formula.factor) return entry(*column, std::nullopt, formula.offset);
+  return entry(*column, formula.factor.value_or(1.0) * by_unit, formula.offset * by_unit);
+}
+
+// [channels] with the user's choices in front of it.
+firmware::ChannelMap with_choices(const RawTable& table, const firmware::ChannelMap& channels,
+                                  const ImportChoices& choices) {
+  firmware::ChannelMap map = channels;
+  std::vector<std::string> named;
+  for (const std::string& text : choices.maps) {
+    const std::size_t equals = text.find('=');
+    const std::string wanted(firmware::trimmed(std::string_view(text).substr(0, equals)));
+    const std::optional<firmware::Quantity> quantity = firmware::find_quantity(wanted);
+    if (equals == std::string::npos || !quantity) {
+      throw firmware::UsageError("--map " + in_quotes(text) + " names no channel" +
+                                 (quantity ? "" : ": 'CHANNEL=COLUMN', as in 'F=Kraft [kN]'"));
+    }
+    map[wanted] = entry_of(table, std::string(firmware::trimmed(std::string_view(text).substr(equals + 1))), *quantity);
+    named.push_back(map[wanted].column);
+  }
+  if (choices.time) {
+    map["t"] = entry_of(table, *choices.time, firmware::time_quantity);
+    named.push_back(map["t"].column);
+  }
+  // A column that the user names is no other channel of the description.
+  std::erase_if(map, [&](const auto& entry) {
+    const bool by_user = (choices.time && entry.first == "t") ||
+                         std::any_of(choices.maps.begin(), choices.maps.end(), [&](const std::string& text) {
+                           return firmware::trimmed(std::string_view(text).substr(0, text.find('='))) == entry.first;
+                         });
+    return !by_user && std::find(named.begin(), named.end(), entry.second.column) != named.end();
+  });
+  return map;
+}
+
+// The part of a recording between two instants.
+void keep_part(firmware::Recording& recording, const ImportChoices& choices) {
+  if (!choices.from && !choices.to) return;
+  const double from = choices.from.value_or(-INFINITY);
+  const double to = choices.to.value_or(INFINITY);
+  const auto begin = std::lower_bound(recording.time.begin(), recording.time.end(), from) - recording.time.begin();
+  const auto end = std::upper_bound(recording.time.begin(), recording.time.end(), to) - recording.time.begin();
+  if (end - begin < 2) {
+    throw firmware::InputError(recording.source, 0,
+                               "no two samples lie between --from and --to: the recording is " +
+                                   firmware::shortest(recording.time.front()) + " … " +
+                                   firmware::shortest(recording.time.back()) + " s",
+                               "a part of it");
+  }
+  const auto cut = [&](std::vector<double>& column) {
+    if (column.empty()) return;
+    column.erase(column.begin() + end, column.end());
+    column.erase(column.begin(), column.begin() + begin);
+  };
+  for (firmware::Quantity q = 0; q < firmware::quantity_count; ++q) cut(values(recording, q));
+  for (firmware::ExtraColumn& extra : recording.extra) cut(extra.values);
+}
+
+ListedColumn listed(const RawTable& table, std::size_t c) {
+  const RawColumn& column = table.columns[c];
+  ListedColumn one;
+  one.name = unique_name(table, c);
+  if (one.name == column.text && !column.unit.empty()) one.name = column.text;
+  one.unit = column.unit;
+  one.low = INFINITY;
+  one.high = -INFINITY;
+  double squares = 0.0;
+  for (const double value : column.values) {
+    if (std::isnan(value)) continue;
+    ++one.count;
+    one.low = std::min(one.low, value);
+    one.high = std::max(one.high, value);
+    squares += value * value;
+    if (one.first.size() < 3) one.first.push_back(value);
+  }
+  one.rms = one.count == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(one.count));
+  return one;
 }
 
 // A column's text as a TOML basic string.
@@ -82,10 +226,12 @@ bool is_channels_header(std::string_view line) {
 
 }  // namespace
 
-Import import_file(const std::filesystem::path& file, const RigContext& rig) {
-  const RawTable table = read_any_table(file);
-  const Interpretation meaning = interpret(table, rig);
-  TableRecording built = to_recording(table, meaning, rig, true);
+Import import_file(const std::filesystem::path& file, const RigContext& rig, const ImportChoices& choices) {
+  RawTable table = read_any_table(file, choices.skip);
+  const firmware::ChannelMap map = with_choices(table, rig.channels, choices);
+  const RigContext context{map, rig.rate, rig.kind, choices.rate};
+  const Interpretation meaning = interpret(table, context);
+  TableRecording built = to_recording(table, meaning, context, true);
   Import result;
   result.format = table.format;
   result.channels = channel_map_of(table, meaning);
@@ -118,7 +264,55 @@ Import import_file(const std::filesystem::path& file, const RigContext& rig) {
   if (table.faults.size() > most_faults) {
     result.notes.push_back("… and " + std::to_string(table.faults.size() - most_faults) + " more such lines");
   }
+  for (const std::vector<LeftOut>* list : {&std::as_const(table.left_out), &std::as_const(built.left_out)})
+    result.left_out.insert(result.left_out.end(), list->begin(), list->end());
   result.recording = std::move(built.recording);
+  keep_part(result.recording, choices);
+  return result;
+}
+
+FileListing list_file(const std::filesystem::path& file, const RigContext& rig, const ImportChoices& choices) {
+  RawTable table = read_any_table(file, choices.skip);
+  FileListing result;
+  result.format = table.format;
+  const firmware::ChannelMap map = with_choices(table, rig.channels, choices);
+  const RigContext context{map, rig.rate, rig.kind, choices.rate, true};
+  Interpretation meaning;
+  try {
+    meaning = interpret(table, context);
+  } catch (const firmware::InputError& error) {
+    result.notes.emplace_back(error.what());
+  }
+  std::optional<double> rate;
+  if (meaning.time.column && !meaning.time.counts) {
+    const std::vector<double>& stamps = table.columns[*meaning.time.column].values;
+    if (stamps.size() > 1) {
+      const double step = firmware::median_step(stamps) * std::abs(meaning.time.scale);
+      if (step > 0.0) rate = 1.0 / step;
+    }
+  } else if (meaning.time.rate > 0.0) {
+    rate = meaning.time.rate;
+  }
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    ListedColumn one = listed(table, c);
+    const RawColumn& column = table.columns[c];
+    one.rate = rate;
+    if (column.own_time.size() > 1) one.rate = 1.0 / firmware::median_step(column.own_time);
+    if (column.is_slow && rate) one.rate = *rate * static_cast<double>(one.count) / static_cast<double>(table.rows);
+    if (meaning.time.column == c) {
+      one.quantity = "t";
+      one.reason = meaning.time.reason;
+    }
+    for (const ColumnMeaning& channel : meaning.channels) {
+      if (channel.column != c) continue;
+      one.quantity = firmware::quantity_name(channel.quantity);
+      one.reason = channel.reason;
+    }
+    result.columns.push_back(std::move(one));
+  }
+  result.left_out = table.left_out;
+  for (const std::vector<std::string>* notes : {&std::as_const(meaning.notes), &std::as_const(table.notes)})
+    result.notes.insert(result.notes.end(), notes->begin(), notes->end());
   return result;
 }
 

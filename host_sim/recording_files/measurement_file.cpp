@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -17,6 +18,9 @@
 #include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/binary/hdf5_leaves.hpp"
 #include "host_sim/recording_files/binary/leaf_table.hpp"
+#include "host_sim/recording_files/binary/matlab_leaves.hpp"
+#include "host_sim/recording_files/binary/mdf_file.hpp"
+#include "host_sim/recording_files/binary/rpc_file.hpp"
 #include "host_sim/recording_files/binary/tdms_table.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
 #include "host_sim/recording_files/text/text_table.hpp"
@@ -89,6 +93,9 @@ bool has_contract_header(std::string_view line, const firmware::ChannelMap& map)
 FileKind kind_of_file(const std::filesystem::path& file, std::string_view head, bool is_matlab) {
   if (is_matlab) return FileKind::matlab;
   if (head.starts_with("TDSm")) return FileKind::tdms;
+  if (is_mdf(head)) return FileKind::mdf;
+  if (is_rpc(head)) return FileKind::rpc;
+  if (is_matlab_4(head)) return FileKind::matlab_4;
   if (head.starts_with(hdf5_signature)) return FileKind::hdf5;
   if (is_universal_file(head)) return FileKind::universal;
   return has_hdf5_signature(file) ? FileKind::hdf5 : FileKind::text;
@@ -123,7 +130,7 @@ bool is_contract_csv(std::string_view text, const firmware::ChannelMap& map) {
   return columns.has_value();
 }
 
-RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string bytes) {
+RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string bytes, std::size_t skip) {
   const std::string source = file.string();
   switch (kind) {
     case FileKind::matlab:
@@ -136,6 +143,12 @@ RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std:
       }
       return std::move(*table);
     }
+    case FileKind::matlab_4:
+      return table_of_mat(file, read_matlab_4_leaves(bytes, source));
+    case FileKind::rpc:
+      return table_of_rpc(bytes, source);
+    case FileKind::mdf:
+      return table_of_mdf(bytes, source);
     case FileKind::tdms:
       return table_of_tdms(bytes, source);
     case FileKind::universal:
@@ -143,7 +156,49 @@ RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std:
     case FileKind::text:
       break;
   }
-  return read_text_table(std::move(bytes), source);
+  return read_text_table(std::move(bytes), source, skip);
+}
+
+firmware::InputError unknown_kind(const std::filesystem::path& file, std::string_view head) {
+  struct Known {
+    std::string_view begin, what, advice;
+  };
+  using std::string_view_literals::operator""sv;
+  constexpr std::array known{
+      Known{"TDSh"sv, "the index of an NI TDMS file", "the .tdms file beside it"},
+      Known{"\x1f\x8b"sv, "a gzip archive", "its contents: gunzip it first"},
+      Known{"BZh"sv, "a bzip2 archive", "its contents: bunzip2 it first"},
+      Known{"\xfd"
+            "7zXZ"sv,
+            "an xz archive", "its contents: unxz it first"},
+      Known{"\x28\xb5\x2f\xfd"sv, "a Zstandard archive", "its contents: unzstd it first"},
+      Known{"7z\xbc\xaf"sv, "a 7z archive", "its contents: unpack it first"},
+      Known{"\xd0\xcf\x11\xe0"sv, "an Excel workbook of before 2007 (.xls)", "its sheet exported as CSV"},
+      Known{"PAR1"sv, "a Parquet file", "its columns exported as CSV"},
+      Known{"SQLite format 3"sv, "an SQLite database", "its table exported as CSV"},
+      Known{"RIFF"sv, "a RIFF file (sound or video)", "its samples exported as CSV"},
+      Known{"\x89MCAP0"sv, "an MCAP log", "its topic exported as CSV, or the recording that it was made from"},
+      Known{"#ROSBAG"sv, "a ROS bag", "its topic exported as CSV"},
+      Known{"%PDF"sv, "a PDF document", "the measurement itself"},
+      Known{"\x89PNG"sv, "a picture", "the measurement itself"},
+      Known{"\x0e\x03\x13\x01"sv, "an HDF4 file", "HDF5: h4toh5 converts it"},
+  };
+  const std::string source = file.string();
+  const auto error = [&](std::string_view what, std::string_view advice) {
+    return firmware::InputError(source, 0, "this is " + std::string(what), std::string(advice));
+  };
+  if (head.starts_with("PK\x03\x04")) {
+    if (head.find("xl/") != std::string_view::npos || head.find("[Content_Types].xml") != std::string_view::npos ||
+        file.extension() == ".xlsx" || file.extension() == ".xlsm")
+      return error("an Excel workbook (.xlsx)", "its sheet exported as CSV");
+    if (head.find("opendocument.spreadsheet") != std::string_view::npos)
+      return error("an OpenDocument spreadsheet (.ods)", "its sheet exported as CSV");
+    return error("a zip archive", "its contents: unzip it first");
+  }
+  for (const Known& one : known) {
+    if (head.starts_with(one.begin)) return error(one.what, one.advice);
+  }
+  return {source, 0, "the file is no text", "text, MATLAB, NI TDMS, RPC III, MDF 4, HDF5 or a universal file"};
 }
 
 std::string read_whole(int descriptor, std::string_view head, std::string_view source) {

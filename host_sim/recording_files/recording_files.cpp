@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <functional>
+#include <utility>
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
@@ -12,6 +13,8 @@
 #include "firmware/recording/recording_file.hpp"
 #include "firmware/recording/recording_gaps.hpp"
 #include "host_sim/recording_files/export/mcap_file.hpp"
+#include "host_sim/recording_files/export/mdf_writer.hpp"
+#include "host_sim/recording_files/export/rpc_writer.hpp"
 #include "host_sim/recording_files/export/spreadsheet.hpp"
 #include "host_sim/recording_files/export/universal_history.hpp"
 #include "host_sim/recording_files/measurement_file.hpp"
@@ -57,7 +60,7 @@ firmware::Recording read_foreign_text(std::string text, const std::string& sourc
     static_cast<void>(firmware::parse_recording_csv(text, source, rig.channels, rig.rate, missing));
     throw;
   }
-  return read_table_recording(table, rig, missing);
+  return read_table_recording(std::move(table), rig, missing);
 }
 
 // A contract file with lines between its rows or words for missing values: once more with the other reader, which
@@ -74,7 +77,7 @@ firmware::Recording read_contract_text(const std::string& text, const std::strin
       const bool damaged = std::any_of(table.faults.begin(), table.faults.end(),
                                        [](const RawFault& fault) { return !fault.says_missing; });
       if (damaged || (table.faults.empty() && table.notes.empty())) throw;
-      return read_table_recording(table, rig, missing);
+      return read_table_recording(std::move(table), rig, missing);
     } catch (const firmware::InputError&) {
     }
     throw;
@@ -91,6 +94,10 @@ firmware::Recording read(const std::filesystem::path& file, const RigContext& ri
       return read_recording_mat(file, std::move(leaves), rig.channels, rig.rate, missing);
     }
     return read_table_recording(table_of_mat(file, leaves), rig, missing);
+  }
+  if (kind == FileKind::text && !opened.head().empty() && !looks_like_text(opened.head()) && !is_called_mat(file)) {
+    const firmware::InputError known = unknown_kind(file, opened.head());
+    if (std::string_view(known.what()).find("this is ") != std::string_view::npos) throw known;
   }
   if (is_called_mat(file) && kind == FileKind::text && !opened.head().empty()) {
     throw firmware::InputError(source, 0, "is not a MATLAB 5 or 7.3 file", "one saved with -v6, -v7 or -v7.3");
@@ -142,7 +149,11 @@ void write_recording(const std::filesystem::path& file, const firmware::Recordin
   if (is_called_mat(file)) return write_recording_mat(file, recording);
   firmware::OutputFile output(file);
   const std::function<void(std::string_view)> take = [&](std::string_view bytes) { output.write(bytes); };
-  if (is_called(file, ".mcap")) {
+  if (is_called(file, ".rsp") || is_called(file, ".drv") || is_called(file, ".tim")) {
+    format_rpc(recording, file.string(), take);
+  } else if (is_called(file, ".mf4")) {
+    format_mdf(recording, take);
+  } else if (is_called(file, ".mcap")) {
     format_mcap(recording, take);
   } else if (is_called(file, ".uff") || is_called(file, ".unv")) {
     format_universal(recording, file.string(), take);

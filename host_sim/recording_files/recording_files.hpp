@@ -59,9 +59,9 @@ struct PartsOfEnds {
                                                             std::size_t least_size = firmware::long_recording);
 
 /// Writes all columns present, `t` first, by the ending of the name: .mat MATLAB 5, .mcap MCAP with JSON messages,
-/// .uff and .unv universal file, .tsv and .de.csv text for spreadsheet programs (with decimal point and comma), else
-/// CSV. Texts have the shortest decimals that read back to the same bits. The file appears complete or not at all
-/// (firmware/recording/output_file.hpp). OutputError if it cannot be written.
+/// .uff and .unv universal file, .rsp, .drv and .tim RPC III, .mf4 MDF 4.10, .tsv and .de.csv text for spreadsheet
+/// programs (with decimal point and comma), else CSV. Texts have the shortest decimals that read back to the same bits.
+/// The file appears complete or not at all (firmware/recording/output_file.hpp). OutputError if it cannot be written.
 void write_recording(const std::filesystem::path& file, const firmware::Recording& recording);
 
 }  // namespace host_sim

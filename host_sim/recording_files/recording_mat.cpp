@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,6 +24,7 @@
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_gaps.hpp"
 #include "firmware/recording/sample_checks.hpp"
+#include "host_sim/recording_files/binary/hdf5_leaves.hpp"
 #include "host_sim/recording_files/binary/leaf_table.hpp"
 #include "host_sim/recording_files/binary/matlab_leaves.hpp"
 
@@ -42,6 +45,35 @@ std::string header_text(const std::filesystem::path& path) {
   std::string text(116, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   return text;
+}
+
+// A name of a MATLAB variable: letters, digits and underscores, up to 48 of them, a letter first.
+std::string variable_name(const std::string& name) {
+  std::string result;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xc0U) == 0x80U) continue;  // the rest of a letter in UTF-8
+    result += std::isalnum(byte) != 0 ? c : '_';
+  }
+  if (result.empty() || std::isalpha(static_cast<unsigned char>(result.front())) == 0) result.insert(0, "x");
+  return result.substr(0, 48);
+}
+
+bool is_hdf5_of_matlab(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(8, '\0');
+  return file.seekg(512) && file.read(bytes.data(), 8) && bytes == "\x89HDF\r\n\x1a\n";
+}
+
+// "/S/force" of HDF5 is "S.force" of MATLAB; its attributes are none of the user's.
+std::vector<Leaf> matlab_paths(std::vector<Leaf> leaves) {
+  std::erase_if(
+      leaves, [](const Leaf& leaf) { return leaf.path.find('@') != std::string::npos || leaf.path.starts_with("/#"); });
+  for (Leaf& leaf : leaves) {
+    if (leaf.path.starts_with('/')) leaf.path.erase(0, 1);
+    std::replace(leaf.path.begin(), leaf.path.end(), '/', '.');
+  }
+  return leaves;
 }
 
 std::string_view after_dot(std::string_view name) {
@@ -74,7 +106,15 @@ std::vector<firmware::Heading> headings_of(const std::vector<Leaf>& leaves, cons
 }  // namespace
 
 std::vector<Leaf> read_mat_leaves(const std::filesystem::path& path) {
-  std::vector<Leaf> leaves = read_matlab_leaves(path);
+  std::vector<Leaf> leaves;
+  try {
+    leaves = read_matlab_leaves(path);
+  } catch (const firmware::InputError&) {
+    // matio refuses files of version 7.3 that other libraries than MATLAB's wrote (h5py pads texts differently).
+    if (!is_hdf5_of_matlab(path)) throw;
+    leaves = matlab_paths(read_hdf5_leaves(path));
+    if (leaves.empty()) throw;
+  }
   if (leaves.empty()) {
     throw firmware::InputError(path.string(), 0, "no variable can be read",
                                "a whole MATLAB 5 or 7.3 file with a vector t");
@@ -100,7 +140,11 @@ bool is_contract_mat(const std::filesystem::path& path, const std::vector<Leaf>&
 RawTable table_of_mat(const std::filesystem::path& path, const std::vector<Leaf>& leaves) {
   std::optional<RawTable> table = table_of_leaves(leaves, '.', path.string(), "MATLAB");
   if (!table) {
-    throw firmware::InputError(path.string(), 0, "there is no column t", "a first column t, in seconds");
+    std::string list;
+    for (std::size_t i = 0; i < std::min<std::size_t>(leaves.size(), 12); ++i)
+      list += (list.empty() ? "" : ", ") + leaves[i].path;
+    throw firmware::InputError(path.string(), 0, "there is no column t, and no vector of numbers: " + list,
+                               "a first column t, in seconds");
   }
   return std::move(*table);
 }
@@ -121,6 +165,7 @@ firmware::Recording read_recording_mat(const std::filesystem::path& path, std::v
   for (std::size_t i = 0; i < variables.size(); ++i) {
     Leaf& variable = variables[i];
     if (!targets[i]) {
+      if (own && variable.kind == LeafKind::text) continue;  // the name or unit of a column
       recording.ignored_columns.push_back(variable.path);
       continue;
     }
@@ -170,24 +215,39 @@ void write_recording_mat(const std::filesystem::path& path, const firmware::Reco
   MatFile file(Mat_CreateVer(output.temporary().c_str(), header.c_str(), MAT_FT_MAT5));
   require(file != nullptr);
 
-  std::uintmax_t size = 128;
+  std::size_t variables = 0;
   const auto write = [&](std::string_view name, const std::vector<double>& numbers) {
     std::array<std::size_t, 2> shape{numbers.size(), 1};
     std::vector<double> data = numbers;  // matio does not promise to leave them alone
     const Variable variable(Mat_VarCreate(std::string(name).c_str(), MAT_C_DOUBLE, MAT_T_DOUBLE, 2, shape.data(),
                                           data.data(), MAT_F_DONT_COPY_DATA));
     require(variable != nullptr && Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_NONE) == 0);
-    // Tags of the element and the numbers, flags, shape; the name with its tag, in one if it is short; the numbers.
-    size += 8 + 8 + 16 + 16 + (name.size() <= 4 ? 8 : 8 + (name.size() + 7) / 8 * 8) + 8 * numbers.size();
+    ++variables;
+  };
+  const auto write_text = [&](const std::string& name, const std::string& text) {
+    std::array<std::size_t, 2> shape{1, text.size()};
+    std::string data = text;
+    const Variable variable(
+        Mat_VarCreate(name.c_str(), MAT_C_CHAR, MAT_T_UTF8, 2, shape.data(), data.data(), MAT_F_DONT_COPY_DATA));
+    require(variable != nullptr && Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_NONE) == 0);
+    ++variables;
   };
   for (firmware::Quantity q = 0; q < firmware::quantity_count; ++q) {
     if (!values(recording, q).empty()) write(firmware::quantity_name(q), values(recording, q));
   }
-  for (const firmware::ExtraColumn& extra : recording.extra) write(extra.name, extra.values);
+  // A variable's name has letters, digits and underscores; the name and unit that a column had stand beside it.
+  std::set<std::string> used;
+  for (const firmware::ExtraColumn& extra : recording.extra) {
+    std::string name = variable_name(extra.name);
+    while (!used.insert(name).second) name += "_";
+    write(name, extra.values);
+    if (name != extra.name) write_text(name + "_name", extra.name);
+    if (!extra.unit.empty()) write_text(name + "_unit", extra.unit);
+  }
 
-  // matio does not report a failed write; the file size shows it.
+  // matio does not report a failed write; the elements show it: as many as were written, the last ends with the file.
   require(Mat_Close(file.release()) == 0);
-  require(std::filesystem::file_size(output.temporary()) == size);
+  require(count_matlab_elements(output.temporary()) == variables);
   output.commit();
 }
 

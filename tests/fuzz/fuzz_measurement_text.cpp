@@ -27,8 +27,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const host_sim::RawTable table =
         host_sim::read_text_table(std::string(reinterpret_cast<const char*>(data) + 1, size - 1), "REC.csv");
-    for (const host_sim::RawColumn& column : table.columns) require(column.values.size() == table.rows);
-    require(table.lines.size() == table.rows);
+    for (const host_sim::RawColumn& column : table.columns)
+      require(column.values.size() == (column.own_time.empty() ? table.rows : column.own_time.size()));
+    require(table.lines.empty() || table.lines.size() == table.rows);
     const firmware::Recording recording = host_sim::read_table_recording(table, {map, rate}, firmware::Missing::mark);
     require(recording.size() >= 2 && recording.sample_period > 0.0);
     for (std::size_t k = 1; k < recording.size(); ++k) require(recording.time[k] > recording.time[k - 1]);

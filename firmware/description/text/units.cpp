@@ -77,6 +77,7 @@ constexpr std::array named_units{
     NamedUnit{"gal", {Dimension::acceleration, 1e-2}},
     NamedUnit{"g", {Dimension::acceleration, standard_gravity}},
     NamedUnit{"gn", {Dimension::acceleration, standard_gravity}},
+    NamedUnit{"g_n", {Dimension::acceleration, standard_gravity}},
     NamedUnit{"g0", {Dimension::acceleration, standard_gravity}},
     NamedUnit{"gs", {Dimension::acceleration, standard_gravity}},
     NamedUnit{"mg", {Dimension::acceleration, 1e-3 * standard_gravity}},
@@ -107,6 +108,11 @@ constexpr std::array named_units{
     NamedUnit{"1/s", {Dimension::frequency, 1.0}},
     NamedUnit{"S/s", {Dimension::frequency, 1.0}},
     NamedUnit{"Sa/s", {Dimension::frequency, 1.0}},
+    NamedUnit{"samples/s", {Dimension::frequency, 1.0}},
+    NamedUnit{"samples/sec", {Dimension::frequency, 1.0}},
+    NamedUnit{"samples/second", {Dimension::frequency, 1.0}},
+    NamedUnit{"pts/s", {Dimension::frequency, 1.0}},
+    NamedUnit{"kS/s", {Dimension::frequency, 1e3}},
     NamedUnit{"sps", {Dimension::frequency, 1.0}},
     NamedUnit{"kHz", {Dimension::frequency, 1e3}},
     NamedUnit{"MHz", {Dimension::frequency, 1e6}},
@@ -115,6 +121,35 @@ constexpr std::array named_units{
     NamedUnit{"1", {Dimension::none, 1.0}},
     NamedUnit{"none", {Dimension::none, 1.0}},
     NamedUnit{"%", {Dimension::none, 1e-2}},
+};
+
+// Units of quantities that no channel has, in their usual case. Among them the ones that differ from a unit above by
+// their case alone: a torque in Nm is no length in nm.
+constexpr std::array units_of_no_channel{
+    std::string_view{"V"},        std::string_view{"mV"},      std::string_view{"uV"},     std::string_view{"kV"},
+    std::string_view{"Volt"},     std::string_view{"Volts"},   std::string_view{"A"},      std::string_view{"mA"},
+    std::string_view{"uA"},       std::string_view{"kA"},      std::string_view{"Amp"},    std::string_view{"Amps"},
+    std::string_view{"Ampere"},   std::string_view{"W"},       std::string_view{"mW"},     std::string_view{"kW"},
+    std::string_view{"°C"},       std::string_view{"C"},       std::string_view{"degC"},   std::string_view{"Celsius"},
+    std::string_view{"°F"},       std::string_view{"degF"},    std::string_view{"K"},      std::string_view{"Kelvin"},
+    std::string_view{"Nm"},       std::string_view{"N.m"},     std::string_view{"N-m"},    std::string_view{"kNm"},
+    std::string_view{"Ncm"},      std::string_view{"Nmm"},     std::string_view{"lbfft"},  std::string_view{"ft-lb"},
+    std::string_view{"rpm"},      std::string_view{"1/min"},   std::string_view{"U/min"},  std::string_view{"min-1"},
+    std::string_view{"rad"},      std::string_view{"mrad"},    std::string_view{"rad/s"},  std::string_view{"rad/s2"},
+    std::string_view{"deg"},      std::string_view{"°"},       std::string_view{"deg/s"},  std::string_view{"°/s"},
+    std::string_view{"grad"},     std::string_view{"l/min"},   std::string_view{"l/h"},    std::string_view{"l/s"},
+    std::string_view{"m3/s"},     std::string_view{"m3/h"},    std::string_view{"m3"},     std::string_view{"ml"},       std::string_view{"kg"},      std::string_view{"kg/m3"},  std::string_view{"kg/s"},
+    std::string_view{"J"},       std::string_view{"kJ"},     std::string_view{"Ohm"},
+    std::string_view{"Ω"},        std::string_view{"kOhm"},    std::string_view{"mV/V"},   std::string_view{"V/V"},
+    std::string_view{"um/m"},     std::string_view{"ustrain"}, std::string_view{"strain"}, std::string_view{"dB"},
+    std::string_view{"dB(A)"},    std::string_view{"%rH"},     std::string_view{"ppm"},    std::string_view{"counts"},
+    std::string_view{"count"},    std::string_view{"cts"},     std::string_view{"cycle"},  std::string_view{"cycles"},
+    std::string_view{"segments"}, std::string_view{"bit"},     std::string_view{"bits"},   std::string_view{"digit"},
+    std::string_view{"LSB"},      std::string_view{"rev"},     std::string_view{"km"},     std::string_view{"N/m"},
+    std::string_view{"N/mm"},     std::string_view{"kN/mm"},   std::string_view{"Ns/m"},   std::string_view{"mm2"},
+    std::string_view{"m2"},       std::string_view{"mT"},     std::string_view{"lx"},
+    std::string_view{"pulse"},    std::string_view{"pulses"},  std::string_view{"mm3"},    std::string_view{"uC"},
+    std::string_view{"pC"},       std::string_view{"Hz/s"},    std::string_view{"VDC"},    std::string_view{"VAC"},
 };
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
@@ -130,6 +165,9 @@ std::string normalized(std::string_view text) {
        std::initializer_list<std::pair<std::string_view, std::string_view>>{{"²", "2"},
                                                                             {"\xb2", "2"},
                                                                             {"⁻", "-"},
+                                                                            {"³", "3"},
+                                                                            {"^3", "3"},
+                                                                            {"º", "°"},
                                                                             {"^-2", "-2"},
                                                                             {"^2", "2"},
                                                                             {"**2", "2"},
@@ -157,6 +195,8 @@ std::optional<Unit> find_plain_unit(std::string_view text) {
     if (known.name == text) return known.unit;
   }
   if (text == "mS") return std::nullopt;  // siemens, or a careless millisecond: not for us to say
+  if (std::find(units_of_no_channel.begin(), units_of_no_channel.end(), text) != units_of_no_channel.end())
+    return std::nullopt;
   const std::string lower = lower_ascii(text);
   for (const NamedUnit& known : named_units) {
     if (known.name != "mN" && lower_ascii(known.name) == lower) return known.unit;
@@ -176,6 +216,21 @@ std::optional<Unit> find_unit(std::string_view text) {
   std::optional<Unit> scaled = find_plain_unit({end, static_cast<std::size_t>(unit.data() + unit.size() - end)});
   if (scaled) scaled->scale *= factor;
   return scaled;
+}
+
+bool is_unit_of_no_channel(std::string_view text) {
+  const std::string unit = normalized(text);
+  if (unit.empty() || find_plain_unit(unit)) return false;
+  const std::string lower = lower_ascii(unit);
+  return std::any_of(units_of_no_channel.begin(), units_of_no_channel.end(), [&](std::string_view known) {
+    // A single letter counts in its own case: a column "a" is no current.
+    return known == unit || (known.size() > 1 && lower_ascii(known) == lower);
+  });
+}
+
+bool is_unit(std::string_view text) {
+  const std::optional<Unit> unit = find_unit(text);
+  return unit ? unit->dimension != Dimension::none : is_unit_of_no_channel(text);
 }
 
 Dimension dimension_of(Quantity quantity) {

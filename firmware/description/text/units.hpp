@@ -21,6 +21,13 @@ struct Unit {
 /// otherwise "KN" and "Mm" in upper-case files are kN and mm.
 [[nodiscard]] std::optional<Unit> find_unit(std::string_view text);
 
+/// Whether the text is a unit of a quantity that no channel has: V, A, °C, Nm, rpm, l/min, kg … Such a column has a
+/// unit and is kept in it.
+[[nodiscard]] bool is_unit_of_no_channel(std::string_view text);
+
+/// A unit of either kind, other than those of a bare number ("-", "1").
+[[nodiscard]] bool is_unit(std::string_view text);
+
 /// The dimension of a recorded quantity, and the name of its SI unit.
 [[nodiscard]] Dimension dimension_of(Quantity quantity);
 [[nodiscard]] std::string_view si_unit(Dimension dimension);

@@ -3,8 +3,11 @@
 #define H5_USE_110_API  // one interface in HDF5 1.10 (Debian 12) and 1.14 (Debian 13)
 #include <hdf5.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -184,13 +187,44 @@ void send_all_sets(const LeafSender& sender, const char* path) {
   sender.finish(walk.count);
 }
 
+// netCDF's value for what was never written, where no attribute states another.
+constexpr double netcdf_fill = 9.9692099683868690e+36;
+
+// Scaling as netCDF stores it beside a variable:   value = scale_factor × stored + add_offset, NaN where the stored
+// value is _FillValue or missing_value. Source: NetCDF Users Guide, appendix A, attribute conventions.
+void apply_stored_scaling(std::vector<Leaf>& leaves) {
+  const auto attribute = [&](const Leaf& leaf, std::string_view name) -> std::optional<double> {
+    const std::string path = leaf.path + "@" + std::string(name);
+    const auto found =
+        std::find_if(leaves.begin(), leaves.end(), [&](const Leaf& other) { return other.path == path; });
+    if (found == leaves.end() || found->numbers.size() != 1) return std::nullopt;
+    return found->numbers[0];
+  };
+  for (Leaf& leaf : leaves) {
+    if (leaf.kind != LeafKind::numbers || leaf.path.find('@') != std::string::npos) continue;
+    const std::optional<double> fill = attribute(leaf, "_FillValue");
+    const std::optional<double> missing = attribute(leaf, "missing_value");
+    const double scale = attribute(leaf, "scale_factor").value_or(1.0);
+    const double offset = attribute(leaf, "add_offset").value_or(0.0);
+    for (double& value : leaf.numbers) {
+      if ((fill && value == *fill) || (missing && value == *missing) || value == netcdf_fill) {
+        value = std::numeric_limits<double>::quiet_NaN();
+      } else if (scale != 1.0 || offset != 0.0) {
+        value = scale * value + offset;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Leaf> read_hdf5_leaves(const std::filesystem::path& file) {
   const std::string source = file.string();
-  return read_isolated(source, a_whole_hdf5_file,
-                       [&](const LeafSender& sender) { send_all_sets(sender, source.c_str()); })
-      .leaves;
+  std::vector<Leaf> leaves = read_isolated(source, a_whole_hdf5_file, [&](const LeafSender& sender) {
+                               send_all_sets(sender, source.c_str());
+                             }).leaves;
+  apply_stored_scaling(leaves);
+  return leaves;
 }
 
 }  // namespace host_sim

@@ -1,8 +1,10 @@
 // The contents of a MATLAB file, structures and cells included, through matio.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_sim/recording_files/binary/isolated_reader.hpp"
@@ -13,6 +15,15 @@ namespace host_sim {
 /// array or cell as "a(2).b" and "a{2}" (a single element has no number), up to eight levels deep. In a child process.
 /// InputError for damaged files: a crash or early end of the library, elements of a MATLAB 5 file that do not fill it,
 /// fewer variables read than there are elements.
+/// Objects, function handles and sparse matrices of the workspace are leaves of LeafKind::other with the reason as
+/// text.
 [[nodiscard]] std::vector<Leaf> read_matlab_leaves(const std::filesystem::path& file);
+
+/// The number of variables of a MATLAB 5 file that is whole; 0: it is not whole, or none.
+[[nodiscard]] std::size_t count_matlab_elements(const std::filesystem::path& file);
+
+/// Whether a file begins as one of MATLAB 4 does, and its matrices. InputError: it is cut off or damaged.
+[[nodiscard]] bool is_matlab_4(std::string_view head);
+[[nodiscard]] std::vector<Leaf> read_matlab_4_leaves(std::string_view bytes, std::string_view source);
 
 }  // namespace host_sim

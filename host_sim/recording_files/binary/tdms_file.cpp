@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -173,6 +174,12 @@ class Parser {
     std::uint64_t count = 0;      // values in a chunk
     std::uint64_t text_size = 0;  // bytes in a chunk
     bool daqmx = false;
+    struct Scaler {
+      std::uint32_t type, buffer, offset, id;
+    };
+    std::vector<Scaler> scalers{};        // of DAQmx raw data
+    std::vector<std::uint32_t> widths{};  // bytes of a sample in each raw buffer
+    std::uint32_t scaler_id = 0;          // of the values in the channel
   };
 
   void read_segment() {
@@ -270,11 +277,25 @@ class Parser {
     bytes_.u32();  // dimension, always 1
     object.count = bytes_.number(8);
     if (object.daqmx) {
-      // Scalers (type, buffer, offset, format, identifier: 20 bytes), then the widths of the raw buffers.
+      // Scalers of 20 bytes (digital lines: 17), then the widths of the raw buffers.
+      object.scalers.clear();
+      object.widths.clear();
       const std::uint32_t scalers = bytes_.u32();
-      bytes_.take(std::uint64_t{scalers} * (length == daqmx_digital ? 17 : 20));
+      const bool digital = length == daqmx_digital;
+      if (!bytes_.holds(std::uint64_t{scalers} * (digital ? 17 : 20))) bytes_.fail("more scalers than bytes");
+      for (std::uint32_t k = 0; k < scalers; ++k) {
+        Object::Scaler scaler{};
+        scaler.type = bytes_.u32();
+        scaler.buffer = bytes_.u32();
+        scaler.offset = bytes_.u32();
+        bytes_.number(digital ? 1 : 4);  // format of the sample
+        scaler.id = bytes_.u32();
+        object.scalers.push_back(scaler);
+      }
       const std::uint32_t widths = bytes_.u32();
-      bytes_.take(std::uint64_t{widths} * 4);
+      if (!bytes_.holds(std::uint64_t{widths} * 4)) bytes_.fail("more raw buffers than bytes");
+      for (std::uint32_t k = 0; k < widths; ++k) object.widths.push_back(bytes_.u32());
+      if (digital) object.scalers.clear();
       return;
     }
     if (object.type == type_string) object.text_size = bytes_.number(8);
@@ -290,6 +311,8 @@ class Parser {
         file_.channels[object.channel].properties[name] = std::move(value);
       } else if (object.path == "/") {
         file_.properties[name] = std::move(value);
+      } else if (const std::vector<std::string> parts = parts_of(object.path); parts.size() == 1) {
+        file_.groups[parts[0]][name] = std::move(value);
       }
     }
   }
@@ -325,7 +348,8 @@ class Parser {
     segment_is_big_endian_ = is_big_endian;
     std::vector<std::size_t> objects;
     std::uint64_t chunk = 0;
-    bool readable = !is_daqmx;
+    if (is_daqmx) return read_daqmx(end);
+    bool readable = true;
     for (const std::size_t index : active_) {
       const Object& object = objects_[index];
       if (!object.has_index) continue;
@@ -335,8 +359,7 @@ class Parser {
       chunk += bytes_in_chunk(object);
     }
     if (!readable) {
-      for (const std::size_t index : objects)
-        mark_unreadable(objects_[index], is_daqmx ? "DAQmx raw data" : "an unknown type");
+      for (const std::size_t index : objects) mark_unreadable(objects_[index], "an unknown type");
       return;
     }
     const std::uint64_t room = end - bytes_.at();
@@ -345,6 +368,88 @@ class Parser {
     if (room % chunk != 0) file_.cut_off = true;
     for (std::uint64_t c = 0; c < chunks; ++c) {
       is_interleaved ? read_interleaved(objects) : read_contiguous(objects);
+    }
+    if (room % chunk == 0) return;
+    // The program that wrote it was stopped within a chunk: whole rows, or what each channel has in its turn.
+    if (is_interleaved) {
+      std::uint64_t row = 0;
+      for (const std::size_t index : objects) row += size_of(objects_[index].type);
+      for (std::uint64_t k = 0; row > 0 && k < room % chunk / row; ++k) {
+        for (const std::size_t index : objects) read_sample(objects_[index]);
+      }
+      return;
+    }
+    for (const std::size_t index : objects) {
+      Object& object = objects_[index];
+      if (object.type == type_string || !object.is_channel) return;
+      const std::uint64_t size = size_of(object.type);
+      for (std::uint64_t k = 0; k < object.count; ++k) {
+        if (end - bytes_.at() < size) return;
+        read_sample(object);
+      }
+    }
+  }
+
+  static std::size_t size_of_scaler(std::uint32_t type) {
+    constexpr std::array<std::size_t, 6> sizes{1, 1, 2, 2, 4, 4};  // u8, i8, u16, i16, u32, i32
+    return type < sizes.size() ? sizes[type] : 0;
+  }
+
+  static double scaler_number(std::uint32_t type, std::uint64_t bits) {
+    constexpr std::array<std::uint32_t, 6> types{type_u8, type_i8, type_u16, type_i16, type_u32, type_i32};
+    return as_number(types[type], bits);
+  }
+
+  // DAQmx raw data: a chunk is one raw buffer after the other; in a buffer a sample of all its channels after the
+  // other, each at its byte offset.
+  void read_daqmx(std::size_t end) {
+    std::vector<Object*> objects;
+    std::vector<std::uint32_t> widths;
+    std::vector<std::uint64_t> counts;
+    for (const std::size_t index : active_) {
+      Object& object = objects_[index];
+      if (!object.has_index) continue;
+      if (!object.daqmx || object.scalers.empty()) {
+        mark_unreadable(object, "DAQmx raw data of digital lines");
+        if (object.widths.empty()) continue;
+      }
+      if (object.count > bytes_.size()) bytes_.fail("more samples than bytes");
+      if (widths.size() < object.widths.size()) {
+        widths.resize(object.widths.size());
+        counts.resize(object.widths.size());
+      }
+      for (std::size_t b = 0; b < object.widths.size(); ++b) widths[b] = object.widths[b];
+      for (const Object::Scaler& scaler : object.scalers) {
+        if (scaler.buffer >= widths.size() || size_of_scaler(scaler.type) == 0 ||
+            scaler.offset > widths[scaler.buffer] ||
+            widths[scaler.buffer] - scaler.offset < size_of_scaler(scaler.type))
+          bytes_.fail("a DAQmx scaler outside its buffer");
+        counts[scaler.buffer] = std::max(counts[scaler.buffer], object.count);
+      }
+      if (!object.scalers.empty()) objects.push_back(&object);
+    }
+    std::uint64_t chunk = 0;
+    for (std::size_t b = 0; b < widths.size(); ++b) {
+      if (widths[b] > bytes_.size()) bytes_.fail("a DAQmx buffer larger than the file");
+      chunk += std::uint64_t{widths[b]} * counts[b];
+    }
+    if (chunk == 0) return;
+    if ((end - bytes_.at()) % chunk != 0) file_.cut_off = true;
+    while (end - bytes_.at() >= chunk) {
+      const std::size_t begin = bytes_.at();
+      for (Object* object : objects) {
+        const Object::Scaler& scaler = object->scalers.front();
+        object->scaler_id = scaler.id;
+        std::size_t buffer = begin;
+        for (std::uint32_t b = 0; b < scaler.buffer; ++b)
+          buffer += static_cast<std::size_t>(std::uint64_t{widths[b]} * counts[b]);
+        for (std::uint64_t k = 0; k < object->count && object->is_channel; ++k) {
+          bytes_.go_to(buffer + static_cast<std::size_t>(k * widths[scaler.buffer]) + scaler.offset);
+          file_.channels[object->channel].values.push_back(
+              scaler_number(scaler.type, bytes_.number(size_of_scaler(scaler.type))));
+        }
+      }
+      bytes_.go_to(begin + static_cast<std::size_t>(chunk));
     }
   }
 
@@ -402,45 +507,131 @@ class Parser {
     }
   }
 
-  static std::optional<double> number_property(const TdmsChannel& channel, const std::string& name) {
-    const auto found = channel.properties.find(name);
-    return found != channel.properties.end() && found->second.is_number ? std::optional(found->second.number)
-                                                                        : std::nullopt;
+  static std::optional<double> number_in(const TdmsProperties& properties, const std::string& name) {
+    const auto found = properties.find(name);
+    return found != properties.end() && found->second.is_number ? std::optional(found->second.number) : std::nullopt;
   }
-  static std::string text_property(const TdmsChannel& channel, const std::string& name) {
-    const auto found = channel.properties.find(name);
-    return found == channel.properties.end() ? "" : found->second.text;
+  static std::string text_in(const TdmsProperties& properties, const std::string& name) {
+    const auto found = properties.find(name);
+    return found == properties.end() ? "" : found->second.text;
   }
 
-  // Scales of raw counts, each on the result of the one before.
-  void finish(const Object& object) {
-    if (!object.is_channel) return;
-    TdmsChannel& channel = file_.channels[object.channel];
-    const double scales = number_property(channel, "NI_Number_Of_Scales").value_or(0.0);
-    if (!(scales >= 1.0) || scales > 16.0 || text_property(channel, "NI_Scaling_Status") == "scaled") return;
-    for (int i = 0; i < static_cast<int>(scales); ++i) {
-      const std::string prefix = "NI_Scale[" + std::to_string(i) + "]_";
-      const std::string kind = text_property(channel, prefix + "Scale_Type");
-      if (kind.empty() && i == 0) continue;  // the raw counts themselves
-      std::vector<double> coefficients;
-      if (kind == "Linear") {
-        coefficients = {number_property(channel, prefix + "Linear_Y_Intercept").value_or(0.0),
-                        number_property(channel, prefix + "Linear_Slope").value_or(1.0)};
-      } else if (kind == "Polynomial") {
-        const double size = number_property(channel, prefix + "Polynomial_Coefficients_Size").value_or(4.0);
-        for (int k = 0; k < std::clamp(static_cast<int>(std::isfinite(size) ? size : 0.0), 0, 16); ++k) {
-          coefficients.push_back(
-              number_property(channel, prefix + "Polynomial_Coefficients[" + std::to_string(k) + "]").value_or(0.0));
-        }
-      } else {
-        channel.unreadable = "a scale of type " + kind;
-        return;
+  static constexpr std::uint32_t source_is_raw = 0xffffffff;
+
+  // The scales of a channel, from its own properties, its group's or the file's.
+  class Scales {
+   public:
+    Scales(const TdmsProperties& properties, int count, std::uint32_t scaler, bool daqmx)
+        : properties_(properties), count_(count), scaler_(scaler), daqmx_(daqmx) {}
+
+    // Empty: done. Otherwise why the values cannot be scaled.
+    std::string apply(std::vector<double>& values) {
+      // The scaler of DAQmx data stands among the scales without a type of its own; it is the raw counts.
+      int last = count_ - 1;
+      while (last >= 0 && is_raw(last)) --last;
+      if (last < 0) return "";
+      raw_ = values;
+      return compute(last, values, 0);
+    }
+
+   private:
+    [[nodiscard]] std::string prefix(int scale) const { return "NI_Scale[" + std::to_string(scale) + "]_"; }
+    [[nodiscard]] bool is_raw(int scale) const {
+      if (daqmx_ && static_cast<std::uint32_t>(scale) == scaler_) return true;
+      return text_in(properties_, prefix(scale) + "Scale_Type").empty();
+    }
+
+    std::string compute_source(double source, std::vector<double>& values, int depth) const {
+      if (source >= static_cast<double>(source_is_raw)) {
+        values = raw_;
+        return "";
       }
-      for (double& value : channel.values) {
+      if (!(source >= 0.0) || source >= static_cast<double>(count_)) return "a scale of a scale that it has not";
+      return compute(static_cast<int>(source), values, depth);
+    }
+
+    std::string compute(int scale, std::vector<double>& values, int depth) const {
+      if (depth > count_) return "scales in a circle";
+      if (is_raw(scale)) {
+        values = raw_;
+        return "";
+      }
+      const std::string kind = text_in(properties_, prefix(scale) + "Scale_Type");
+      const std::string own = prefix(scale) + kind + "_";
+      const auto number = [&](const std::string& name, double otherwise) {
+        return number_in(properties_, own + name).value_or(otherwise);
+      };
+      if (kind == "Add" || kind == "Subtract") {
+        std::vector<double> right;
+        std::string why = compute_source(number("Left_Operand_Input_Source", source_is_raw), values, depth + 1);
+        if (why.empty()) why = compute_source(number("Right_Operand_Input_Source", source_is_raw), right, depth + 1);
+        for (std::size_t k = 0; why.empty() && k < values.size(); ++k)
+          values[k] = kind == "Add" ? values[k] + right[k] : right[k] - values[k];  // as the driver subtracts
+        return why;
+      }
+      if (kind != "Linear" && kind != "Polynomial" && kind != "Table") return "a scale of type " + kind;
+      if (std::string why = compute_source(number("Input_Source", source_is_raw), values, depth + 1); !why.empty())
+        return why;
+      if (kind == "Table") return by_table(own, values);
+      std::vector<double> coefficients{number("Y_Intercept", 0.0), number("Slope", 1.0)};
+      if (kind == "Polynomial") {
+        const double size = number("Coefficients_Size", 4.0);
+        coefficients.clear();
+        for (int k = 0; k < std::clamp(static_cast<int>(std::isfinite(size) ? size : 0.0), 0, 16); ++k)
+          coefficients.push_back(number("Coefficients[" + std::to_string(k) + "]", 0.0));
+      }
+      for (double& value : values) {
         double scaled = 0.0;
         for (std::size_t k = coefficients.size(); k-- > 0;) scaled = scaled * value + coefficients[k];
         value = scaled;
       }
+      return "";
+    }
+
+    std::string by_table(const std::string& own, std::vector<double>& values) const {
+      const double size = number_in(properties_, own + "Scaled_Values_Size").value_or(0.0);
+      std::vector<std::pair<double, double>> points;
+      for (int k = 0; k < static_cast<int>(std::clamp(std::isfinite(size) ? size : 0.0, 0.0, 4096.0)); ++k) {
+        const std::string index = "[" + std::to_string(k) + "]";
+        points.emplace_back(number_in(properties_, own + "Pre_Scaled_Values" + index).value_or(0.0),
+                            number_in(properties_, own + "Scaled_Values" + index).value_or(0.0));
+      }
+      if (points.size() < 2) return "a table of fewer than two points";
+      std::sort(points.begin(), points.end());
+      for (double& value : values) {
+        const auto after = std::upper_bound(points.begin() + 1, points.end() - 1,
+                                            std::pair(value, std::numeric_limits<double>::infinity()));
+        const auto before = after - 1;
+        const double step = after->first - before->first;
+        const double share = step > 0.0 ? std::clamp((value - before->first) / step, 0.0, 1.0) : 0.0;
+        value = before->second + share * (after->second - before->second);
+      }
+      return "";
+    }
+
+    const TdmsProperties& properties_;
+    int count_;
+    std::uint32_t scaler_;
+    bool daqmx_;
+    std::vector<double> raw_;
+  };
+
+  void finish(const Object& object) {
+    if (!object.is_channel) return;
+    TdmsChannel& channel = file_.channels[object.channel];
+    if (text_in(channel.properties, "NI_Scaling_Status") == "scaled") return;
+    const auto group = file_.groups.find(channel.group);
+    const TdmsProperties none;
+    const TdmsProperties& of_group = group == file_.groups.end() ? none : group->second;
+    for (const TdmsProperties* properties :
+         std::array<const TdmsProperties*, 3>{&channel.properties, &of_group, &file_.properties}) {
+      const double scales = number_in(*properties, "NI_Number_Of_Scales").value_or(0.0);
+      if (!(scales >= 1.0) || scales > 16.0) continue;
+      if (text_in(*properties, "NI_Scaling_Status") == "scaled") return;
+      const std::string why =
+          Scales(*properties, static_cast<int>(scales), object.scaler_id, object.daqmx).apply(channel.values);
+      if (!why.empty()) channel.unreadable = why;
+      return;
     }
   }
 

@@ -27,19 +27,27 @@ struct TdmsChannel {
   std::string unreadable{};       ///< why the channel has no values: "text", "a scale of type Table"; empty: it has
 };
 
+using TdmsProperties = std::map<std::string, TdmsValue, std::less<>>;
+
 struct TdmsFile {
-  std::vector<TdmsChannel> channels;                         ///< in the order of their first appearance
-  std::map<std::string, TdmsValue, std::less<>> properties;  ///< of the file
-  bool cut_off = false;                                      ///< the last segment is not complete
+  std::vector<TdmsChannel> channels;                          ///< in the order of their first appearance
+  TdmsProperties properties;                                  ///< of the file
+  std::map<std::string, TdmsProperties, std::less<>> groups;  ///< properties of the groups
+  bool cut_off = false;                                       ///< the last segment is not complete
 };
 
 /// Reads the bytes of a TDMS file. Segments: lead-in (tag "TDSm", contents, version, offsets), metadata (objects with
 /// the index of their raw data and properties), raw data (chunks, contiguous or interleaved, of either byte order).
-/// Linear and polynomial scales of raw counts are applied. Not read: DAQmx raw data, complex numbers, texts. InputError
-/// for bytes that are not such a file or contradict themselves; an incomplete last segment is read up to its last whole
-/// chunk.
+/// DAQmx raw data are read by their scalers. Scales of raw counts stand on the channel, its group or the file; each
+/// takes the raw counts or the result of another scale (Input_Source), and the last one is the value:
 ///
-/// Source: National Instruments, "TDMS File Format Internal Structure", 2024.
+///   Linear  y = slope x + intercept     Polynomial  y = Σ cᵢ xⁱ     Table  linear between points     Add, Subtract
+///
+/// Not read: complex numbers, texts, other scales. InputError for bytes that are not such a file or contradict
+/// themselves; of an incomplete last chunk each channel has what is there.
+///
+/// Source: National Instruments, "TDMS File Format Internal Structure", 2024; scales as npTDMS describes them (A.
+/// Reeve, documentation, "DAQmx data and scaling").
 [[nodiscard]] TdmsFile parse_tdms(std::string_view bytes, std::string_view source);
 
 }  // namespace host_sim

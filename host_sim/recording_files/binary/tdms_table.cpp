@@ -1,15 +1,20 @@
 #include "host_sim/recording_files/binary/tdms_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/units.hpp"
 #include "host_sim/recording_files/binary/tdms_file.hpp"
 #include "host_sim/recording_files/tables/channel_guess.hpp"
 #include "host_sim/recording_files/tables/headings.hpp"
+#include "host_sim/recording_files/text/text_preamble.hpp"
 
 namespace host_sim {
 namespace {
@@ -29,8 +34,35 @@ std::string unit_property(const TdmsChannel& channel) {
   return "";
 }
 
+std::vector<double> waveform_times(std::size_t count, double rate, double offset) {
+  const bool whole = std::abs(rate - std::round(rate)) < 1e-9 * rate;
+  std::vector<double> time(count);
+  for (std::size_t k = 0; k < count; ++k) time[k] = offset + static_cast<double>(k) / (whole ? std::round(rate) : rate);
+  return time;
+}
+
 bool is_time_channel(const TdmsChannel& channel) {
   return channel.unreadable.empty() && (channel.is_time_stamp || is_time_name(split_heading(channel.name).name));
+}
+
+}  // namespace
+
+namespace {
+
+// A rate among the properties of the channel, its group or the file, by their names ("Sample Rate").
+std::optional<StatedRate> stated_rate(const TdmsFile& file, const TdmsChannel& channel) {
+  const auto group = file.groups.find(channel.group);
+  const TdmsProperties none;
+  const TdmsProperties& of_group = group == file.groups.end() ? none : group->second;
+  for (const TdmsProperties* properties :
+       std::array<const TdmsProperties*, 3>{&channel.properties, &of_group, &file.properties}) {
+    for (const auto& [name, value] : *properties) {
+      if (name.starts_with("wf_") || name.starts_with("NI_")) continue;
+      const std::string line = name + ": " + (value.is_number ? firmware::shortest(value.number) : value.text);
+      if (auto rate = find_rate({line})) return rate;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -41,30 +73,44 @@ RawTable table_of_tdms(std::string_view bytes, std::string_view source) {
   table.source = source;
   table.format = "NI TDMS";
   if (file.cut_off)
-    table.notes.emplace_back("the last segment is not complete: what stands behind its last whole chunk is lost");
+    table.notes.emplace_back("the last segment is not complete: of its last chunk each channel has what is there");
 
   double earliest = INFINITY;
   for (const TdmsChannel& channel : file.channels)
     earliest = std::min(earliest, property_of(channel, "wf_start_time", INFINITY));
 
   struct Kept {
-    const TdmsChannel* channel;
+    TdmsChannel* channel;
     std::vector<double> time;
   };
   std::vector<Kept> kept;
-  std::string without_time;
-  for (const TdmsChannel& channel : file.channels) {
+  std::vector<TdmsChannel*> without_time;
+  const auto leave_out = [&](const TdmsChannel& channel, std::string why) {
+    table.left_out.push_back({channel.group + "/" + channel.name, std::move(why)});
+  };
+  for (TdmsChannel& channel : file.channels) {
     if (!channel.unreadable.empty()) {
-      table.notes.push_back(in_quotes(channel.name) + " is left out: it holds " + channel.unreadable);
+      leave_out(channel, channel.unreadable);
       continue;
     }
-    if (channel.values.size() < 2 || is_time_channel(channel)) continue;
-    const auto axis = std::find_if(file.channels.begin(), file.channels.end(), [&](const TdmsChannel& other) {
-      return other.group == channel.group && is_time_channel(other) && other.values.size() == channel.values.size();
-    });
+    if (is_time_channel(channel)) continue;
+    if (channel.values.size() < 2) {
+      leave_out(channel, channel.values.empty() ? "no values" : "one value");
+      continue;
+    }
+    // The time channel of the group with as many stamps, else with the most.
+    const TdmsChannel* axis = nullptr;
+    for (const TdmsChannel& other : file.channels) {
+      if (other.group != channel.group || !is_time_channel(other) || other.values.size() < 2) continue;
+      const bool fits = other.values.size() == channel.values.size();
+      if (axis == nullptr || (fits && axis->values.size() != channel.values.size()) ||
+          (axis->values.size() != channel.values.size() && other.values.size() > axis->values.size()))
+        axis = &other;
+    }
     Kept one{&channel, {}};
     const double increment = property_of(channel, "wf_increment", 0.0);
-    if (axis != file.channels.end()) {
+    const bool waveform = increment > 0.0 && std::isfinite(increment);
+    if (axis != nullptr && (axis->values.size() == channel.values.size() || !waveform)) {
       one.time = axis->values;
       const NameAndUnit heading = split_heading(axis->name);
       const std::optional<firmware::Unit> unit =
@@ -74,29 +120,65 @@ RawTable table_of_tdms(std::string_view bytes, std::string_view source) {
       if (scale != 1.0) {
         for (double& t : one.time) t *= scale;
       }
-    } else if (increment > 0.0 && std::isfinite(increment)) {
+      if (one.time.size() < channel.values.size()) {
+        leave_out(channel,
+                  std::to_string(channel.values.size() - one.time.size()) + " values behind the last time stamp");
+        channel.values.resize(one.time.size());
+      }
+      one.time.resize(channel.values.size());
+    } else if (waveform) {
       const double start = property_of(channel, "wf_start_time", earliest);
       const double offset =
           property_of(channel, "wf_start_offset", 0.0) + (std::isfinite(start) ? start - earliest : 0.0);
-      const double rate = 1.0 / increment;
-      const bool whole = std::abs(rate - std::round(rate)) < 1e-9 * rate;
-      one.time.resize(channel.values.size());
-      for (std::size_t k = 0; k < one.time.size(); ++k) {
-        const double t = whole ? static_cast<double>(k) / std::round(rate) : static_cast<double>(k) * increment;
-        one.time[k] = offset == 0.0 ? t : offset + t;
-      }
+      one.time = waveform_times(channel.values.size(), 1.0 / increment, offset);
+    } else if (const auto rate = stated_rate(file, channel)) {
+      one.time = waveform_times(channel.values.size(), rate->rate, 0.0);
+      const std::string note = "t from the row number and " + in_quotes(rate->text);
+      if (std::find(table.notes.begin(), table.notes.end(), note) == table.notes.end()) table.notes.push_back(note);
     } else {
-      without_time = channel.name;
+      without_time.push_back(&channel);
       continue;
     }
     kept.push_back(std::move(one));
   }
-  if (kept.empty()) {
-    const std::string why =
-        without_time.empty() ? "no channel holds numbers" : "no time belongs to " + in_quotes(without_time);
-    throw firmware::InputError(source, 0, why + (table.notes.empty() ? "" : " (" + table.notes.front() + ")"),
-                               "channels with a time channel in their group or the property wf_increment");
+  if (kept.empty() && without_time.empty()) {
+    std::string why = "no channel holds numbers";
+    if (!table.left_out.empty()) why += ": " + in_quotes(table.left_out[0].name) + " holds " + table.left_out[0].reason;
+    throw firmware::InputError(source, 0, why, "channels with numbers");
   }
+  const auto add = [&](TdmsChannel& channel, std::vector<double> own_time) {
+    const NameAndUnit heading = split_heading(channel.name);
+    RawColumn column{heading.name};
+    column.unit = unit_property(channel);
+    if (column.unit.empty()) {
+      column.unit = heading.unit;
+    } else {
+      column.name = channel.name;
+    }
+    column.text = channel.name;
+    column.group = channel.group;
+    column.values = std::move(channel.values);
+    column.own_time = std::move(own_time);
+    table.columns.push_back(std::move(column));
+  };
+  if (kept.empty()) {
+    // The user may give the rate: the columns of one length.
+    std::map<std::size_t, std::size_t> lengths;
+    for (const TdmsChannel* channel : without_time) ++lengths[channel->values.size()];
+    for (const auto& [length, count] : lengths) {
+      if (table.rows == 0 || count >= lengths[table.rows]) table.rows = length;
+    }
+    for (TdmsChannel* channel : without_time) {
+      if (channel->values.size() == table.rows) {
+        add(*channel, {});
+      } else {
+        leave_out(*channel,
+                  std::to_string(channel->values.size()) + " values, others have " + std::to_string(table.rows));
+      }
+    }
+    return table;
+  }
+  for (const TdmsChannel* channel : without_time) leave_out(*channel, "no time belongs to it");
   const bool one_axis =
       std::all_of(kept.begin(), kept.end(), [&](const Kept& one) { return one.time == kept.front().time; });
   if (one_axis) {
@@ -107,20 +189,7 @@ RawTable table_of_tdms(std::string_view bytes, std::string_view source) {
     table.rows = time.values.size();
     table.columns.push_back(std::move(time));
   }
-  for (Kept& one : kept) {
-    const NameAndUnit heading = split_heading(one.channel->name);
-    RawColumn column{heading.name};
-    column.unit = unit_property(*one.channel);
-    if (column.unit.empty()) {
-      column.unit = heading.unit;
-    } else {
-      column.name = one.channel->name;
-    }
-    column.text = one.channel->name;
-    column.values = one.channel->values;
-    if (!one_axis) column.own_time = std::move(one.time);
-    table.columns.push_back(std::move(column));
-  }
+  for (Kept& one : kept) add(*one.channel, one_axis ? std::vector<double>{} : std::move(one.time));
   return table;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/recording/recording.hpp"
@@ -17,5 +18,8 @@ struct ExportColumn {
 
 /// t, the channels and ducts present, then the extra columns; valid as long as the recording.
 [[nodiscard]] std::vector<ExportColumn> columns_to_export(const firmware::Recording& recording);
+
+/// A text in Latin-1, for formats of bytes without a stated code page; other letters become '?'.
+[[nodiscard]] std::string latin_1(std::string_view utf_8);
 
 }  // namespace host_sim

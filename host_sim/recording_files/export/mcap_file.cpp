@@ -97,9 +97,8 @@ std::string schema_of(const std::vector<ExportColumn>& columns) {
   std::string schema = "{\"type\":\"object\",\"properties\":{";
   for (const ExportColumn& column : columns) {
     if (&column != columns.data()) schema += ',';
-    schema += json_string(column.name) +
-              ":{\"type\":\"number\",\"description\":" + json_string(column.unit.empty() ? "no unit" : column.unit) +
-              "}";
+    schema += json_string(column.name) + ":{\"type\":[\"number\",\"null\"],\"description\":" +
+              json_string(column.unit.empty() ? "no unit" : column.unit) + "}";
   }
   return schema + "}}";
 }

@@ -11,48 +11,11 @@
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
 #include "host_sim/recording_files/export/columns.hpp"
+#include "host_sim/recording_files/export/row_grid.hpp"
 #include "host_sim/recording_files/export/universal_records.hpp"
 
 namespace host_sim {
 namespace {
-
-// Part of a period by which stamps may be off and still lie on the grid: what the readers allow for jitter.
-constexpr double grid_tolerance = 1e-3;
-
-// Equally spaced rows, of which some may be missing.
-struct Grid {
-  double period;
-  std::vector<std::size_t> rows;  // of each sample
-};
-
-std::optional<Grid> grid_of(const std::vector<double>& time, double period) {
-  Grid grid{period, {}};
-  for (const double t : time) {
-    const double row = std::round((t - time.front()) / period);
-    const bool rises = grid.rows.empty() || row > static_cast<double>(grid.rows.back());
-    // A recording of which half is missing is no grid with holes.
-    if (!rises || !(row < 2.0 * static_cast<double>(time.size()))) return std::nullopt;
-    if (std::abs(t - time.front() - row * period) > grid_tolerance * period) return std::nullopt;
-    grid.rows.push_back(static_cast<std::size_t>(row));
-  }
-  return grid;
-}
-
-// The period of most steps: with missing rows the mean step is longer.
-double median_step(const std::vector<double>& time) {
-  std::vector<double> steps;
-  for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
-
-std::optional<Grid> find_grid(const std::vector<double>& time) {
-  if (time.size() < 2) return Grid{0.0, std::vector<std::size_t>(time.size(), 0)};
-  const double mean = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
-  const std::optional<Grid> grid = grid_of(time, mean);
-  return grid ? grid : grid_of(time, median_step(time));
-}
 
 // E13.5 rounds a time by half a unit of its sixth digit; two of them must not move a step by a tenth.
 void demand_distinct(const std::vector<double>& time, std::string_view file) {
@@ -87,7 +50,7 @@ universal::Function function_of(const ExportColumn& column) {
 void format_universal(const firmware::Recording& recording, std::string_view file,
                       const std::function<void(std::string_view)>& take) {
   const std::vector<double>& time = recording.time;
-  const std::optional<Grid> grid = find_grid(time);
+  const std::optional<RowGrid> grid = find_row_grid(time);
   if (!grid) demand_distinct(time, file);
   take(universal::units_dataset());
   int number = 0;

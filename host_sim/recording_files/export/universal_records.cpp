@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host_sim/recording_files/export/columns.hpp"
 #include "host_sim/report/formatted.hpp"
 
 namespace host_sim::universal {
@@ -22,20 +23,18 @@ void begin(std::string& file, int dataset) {
   put(file, formatted("%6d", dataset));
 }
 
-// The format is ASCII: other letters of a name become "?".
-std::string ascii(std::string_view text, std::size_t most) {
-  std::string plain;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if ((byte & 0xc0U) == 0x80U) continue;  // the rest of a letter in UTF-8
-    plain += byte >= 0x20 && byte < 0x7f ? c : '?';
+// The records have columns of bytes: letters beyond ASCII are Latin-1, which has "Ö" and "°" in one byte.
+std::string field(std::string_view text, std::size_t most) {
+  std::string plain = latin_1(text);
+  for (char& c : plain) {
+    if (static_cast<unsigned char>(c) < 0x20) c = '?';
   }
   return plain.substr(0, most);
 }
 
 void put_axis(std::string& file, const Axis& axis) {
-  put(file, formatted("%10d%5d%5d%5d %-20s %-20s", axis.type, axis.length, axis.force, 0, ascii(axis.label, 20).c_str(),
-                      ascii(axis.unit, 20).c_str()));
+  put(file, formatted("%10d%5d%5d%5d %-20s %-20s", axis.type, axis.length, axis.force, 0, field(axis.label, 20).c_str(),
+                      field(axis.unit, 20).c_str()));
 }
 
 std::string number(int width, int digits, double value) {
@@ -88,11 +87,11 @@ std::string function_header(const Function& f) {
   constexpr std::size_t name_width = 10, line_width = 80;
   std::string file;
   begin(file, 58);
-  for (const std::string& line : f.id) put(file, ascii(line, line_width));
+  for (const std::string& line : f.id) put(file, field(line, line_width));
   const auto direction = [](int node) { return node == 0 ? 0 : 3; };
   put(file, formatted("%5d%10d%5d%10d %-10s%10d%4d %-10s%10d%4d", static_cast<int>(f.type), f.number, 0, 0,
-                      ascii(f.response, name_width).c_str(), f.response_node, direction(f.response_node),
-                      ascii(f.reference, name_width).c_str(), f.reference_node, direction(f.reference_node)));
+                      field(f.response, name_width).c_str(), f.response_node, direction(f.response_node),
+                      field(f.reference, name_width).c_str(), f.reference_node, direction(f.reference_node)));
   put(file, formatted("%10d%10zu%10d%13.5E%13.5E%13.5E", f.complex ? 6 : 4, f.points, f.even ? 1 : 0, f.first,
                       f.increment, 0.0));
   for (const Axis& axis : {f.abscissa, f.ordinate, f.denominator, Axis{}}) put_axis(file, axis);

@@ -57,6 +57,9 @@ constexpr std::array known_words{
     Word{"length", Match::word, Meaning::displacement},
     Word{"lvdt", Match::begin, Meaning::displacement},
     Word{"extension", Match::anywhere, Meaning::displacement},
+    Word{"stempel", Match::begin, Meaning::displacement},
+    Word{"crosshead", Match::anywhere, Meaning::displacement},
+    Word{"traverse", Match::anywhere, Meaning::displacement},
     Word{"einfederung", Match::anywhere, Meaning::deflection},
     Word{"federweg", Match::anywhere, Meaning::deflection},
     Word{"deflection", Match::anywhere, Meaning::deflection},
@@ -78,6 +81,8 @@ constexpr std::array known_words{
     Word{"load", Match::begin, Meaning::force},
     Word{"last", Match::word, Meaning::force},
     Word{"kmd", Match::word, Meaning::force},
+    Word{"messdose", Match::anywhere, Meaning::force},
+    Word{"loadcell", Match::anywhere, Meaning::force},
     Word{"radlast", Match::anywhere, Meaning::wheel_force},
     Word{"aufstandskraft", Match::anywhere, Meaning::wheel_force},
     Word{"wheelload", Match::anywhere, Meaning::wheel_force},
@@ -159,6 +164,12 @@ constexpr std::array known_words{
     Word{"segments", Match::word, Meaning::none_of_ours},
     Word{"temp", Match::begin, Meaning::none_of_ours},
     Word{"status", Match::anywhere, Meaning::none_of_ours},
+    Word{"torque", Match::anywhere, Meaning::none_of_ours},
+    Word{"drehmoment", Match::anywhere, Meaning::none_of_ours},
+    Word{"rain", Match::begin, Meaning::none_of_ours},
+    Word{"regen", Match::begin, Meaning::none_of_ours},
+    Word{"precipitation", Match::anywhere, Meaning::none_of_ours},
+    Word{"niederschlag", Match::anywhere, Meaning::none_of_ours},
 };
 
 struct Abbreviation {
@@ -314,6 +325,9 @@ std::optional<Channel> displacement(const Reading& reading, model::RigKind kind)
 
 std::optional<Channel> force(const Reading& reading, model::RigKind kind) {
   if (reading.has(Meaning::command)) return std::nullopt;  // the force is measured
+  const bool says_force = reading.has(Meaning::force) || reading.has(Meaning::wheel_force);
+  if (!says_force && reading.has(Meaning::road))
+    return std::nullopt;  // an excitation in newtons is a shaker's or a hammer's
   if (kind == model::RigKind::component_bench) return Channel::F;
   const bool at_the_wheel = reading.has(Meaning::wheel_force) || reading.has(Meaning::wheel) ||
                             reading.has(Meaning::tyre) || reading.has(Meaning::road);
@@ -345,9 +359,27 @@ bool exists_on(Channel channel, model::RigKind kind) {
   return channel != Channel::F_act;
 }
 
+// Names of a data logger's inputs: words that mean nothing, numbers, single letters.
+bool says_nothing(std::string_view text) {
+  constexpr std::array<std::string_view, 24> words{"channel", "kanal",  "ch",     "chan",   "sensor",  "signal",
+                                                   "input",   "analog", "ai",     "in",     "data",    "daten",
+                                                   "value",   "wert",   "values", "column", "spalte",  "col",
+                                                   "raw",     "mod",    "dev",    "slot",   "eingang", "messwert"};
+  const std::vector<std::string_view> in_name = words_of(text);
+  return std::all_of(in_name.begin(), in_name.end(), [&](std::string_view word) {
+    while (!word.empty() && std::isdigit(static_cast<unsigned char>(word.back())) != 0) word.remove_suffix(1);
+    return word.size() <= 2 || std::find(words.begin(), words.end(), word) != words.end();
+  });
+}
+
 firmware::Quantity quantity_of(Channel channel) { return 1 + model::index(channel); }
 
 }  // namespace
+
+bool names_a_signal(std::string_view name) {
+  const std::string text = folded(name);
+  return abbreviated(text).has_value() || read_words(text).words > 0;
+}
 
 bool names_a_place(std::string_view name) {
   const std::string text = folded(name);
@@ -379,7 +411,7 @@ std::optional<ChannelGuess> guess_channel(std::string_view name, std::optional<f
   }
 
   const std::optional<firmware::Dimension> of = kind_of_quantity(reading, dimension);
-  if (!of) return std::nullopt;
+  if (!of || (reading.words == 0 && !says_nothing(text))) return std::nullopt;
   std::optional<Channel> channel;
   if (*of == firmware::Dimension::length) channel = displacement(reading, rig);
   if (*of == firmware::Dimension::force) channel = force(reading, rig);
@@ -405,14 +437,16 @@ bool is_time_name(std::string_view name) {
   if (std::find(names.begin(), names.end(), text) != names.end()) return true;
   const std::vector<std::string_view> in_name = words_of(text);
   return std::any_of(in_name.begin(), in_name.end(), [](std::string_view word) {
+    while (!word.empty() && std::isdigit(static_cast<unsigned char>(word.back())) != 0) word.remove_suffix(1);
     return word == "time" || word == "zeit" || word == "timestamp" || word == "elapsed" || word == "uhrzeit";
   });
 }
 
 bool is_sample_number_name(std::string_view name) {
-  constexpr std::array<std::string_view, 17> names{
-      "sample", "samples", "sample number", "sample no", "index",  "idx",   "nr",          "no",       "n",
-      "scan",   "row",     "zeile",         "messpunkt", "lfd nr", "punkt", "scan number", "sample nr"};
+  constexpr std::array<std::string_view, 20> names{
+      "count", "counter",   "sample index", "sample", "samples",     "sample number", "sample no",
+      "index", "idx",       "nr",           "no",     "n",           "scan",          "row",
+      "zeile", "messpunkt", "lfd nr",       "punkt",  "scan number", "sample nr"};
   const std::string text = folded(name);
   return std::find(names.begin(), names.end(), text) != names.end() || name == "#";
 }

@@ -28,10 +28,17 @@ struct ChannelGuess {
 ///   machine            Soll, command, reference → x_cmd; Ist, actual, feedback, Kolben, stroke → x_act
 ///   abbreviations      zr, zu, zs, Fz, xist … as the textbooks have them
 ///
+/// A unit alone suggests nothing, except for names that say nothing either ("Channel 1 [mm]", "AI3 [N]"): rain is
+/// measured in mm as well.
+///
 /// Names that speak of errors, limits, extremes, counts or temperatures are no channel. nullopt: nothing is suggested.
 [[nodiscard]] std::optional<ChannelGuess> guess_channel(std::string_view name,
                                                         std::optional<firmware::Dimension> dimension,
                                                         std::optional<model::RigKind> kind);
+
+/// Whether the name says what kind of signal it is ("Weg", "force", "body") or abbreviates a channel: then it is no
+/// time.
+[[nodiscard]] bool names_a_signal(std::string_view name);
 
 /// Whether the name speaks of a place on a quarter car: with one such column the file is taken as a quarter car's.
 [[nodiscard]] bool names_a_place(std::string_view name);

@@ -36,6 +36,7 @@ class Builder {
     recording.source = table_.source;
     recording.time = shared_axis();
     choose_axis();
+    cut_to_slow_channels();
     for (const ColumnMeaning& channel : meaning_.channels) {
       values(recording, channel.quantity) =
           scaled(on_axis(table_.columns[channel.column]), channel.scale, channel.offset);
@@ -65,6 +66,7 @@ class Builder {
                 : clock     ? std::round(1e9 * since_first) / 1e9
                             : firmware::Target::in_seconds(stamps[k], axis.scale) + axis.offset;
     }
+    lay_on_grid(time);
     for (std::size_t k = 1; k < time.size(); ++k) {
       if (time[k] > time[k - 1]) continue;
       const bool falls = time[k] < time[k - 1];
@@ -80,6 +82,72 @@ class Builder {
                        "a time stamp in each row");
     }
     return time;
+  }
+
+  // Stamps that repeat because they are coarser than the period (whole milliseconds at 1024 Hz): every row is one
+  // period after the row before it, if all stamps are within their rounding of that grid.
+  void lay_on_grid(std::vector<double>& time) {
+    bool repeats = false;
+    for (std::size_t k = 1; k < time.size(); ++k) {
+      if (!(time[k] >= time[k - 1])) return;
+      repeats = repeats || time[k] == time[k - 1];
+    }
+    if (!repeats || time.size() < 10) return;
+    double middle_k = 0.5 * static_cast<double>(time.size() - 1), middle_t = 0.0, kk = 0.0, kt = 0.0;
+    for (const double t : time) middle_t += (t - time.front()) / static_cast<double>(time.size());
+    for (std::size_t k = 0; k < time.size(); ++k) {
+      const double from_middle = static_cast<double>(k) - middle_k;
+      kk += from_middle * from_middle;
+      kt += from_middle * (time[k] - time.front() - middle_t);
+    }
+    double period = kt / kk;
+    // A whole rate within what the rounding leaves open of it.
+    const firmware::StampRounding rounding = stamps();
+    const double place = rounding.scale * std::pow(10.0, -rounding.decimals);
+    const double doubt = place / (period * static_cast<double>(time.size()));
+    if (const double whole = std::round(1.0 / period); std::abs(period * whole - 1.0) < doubt) period = 1.0 / whole;
+    const double begin = time.front() + middle_t - period * middle_k;
+    double worst = 0.0;
+    for (std::size_t k = 0; k < time.size(); ++k)
+      worst = std::max(worst, std::abs(time[k] - begin - static_cast<double>(k) * period));
+    if (!(worst <= place * (1.0 + 1e-6))) return;
+    const double start = std::abs(begin - time.front()) <= place ? time.front() : begin;
+    const std::vector<double> grid = firmware::sample_times(time.size(), 1.0 / period);
+    for (std::size_t k = 0; k < time.size(); ++k) time[k] = start + grid[k];
+    result_.notes.push_back("the times are rounded to " + shortest(std::round(1e9 * place) / 1e6) +
+                            " ms and repeat; the rows lie on a grid of " + shortest(std::round(1e3 / period) / 1e3) +
+                            " Hz");
+  }
+
+  // Before its first and behind its last filled cell a slow channel says nothing.
+  void cut_to_slow_channels() {
+    std::vector<double>& axis = result_.recording.time;
+    double begin = -INFINITY;
+    double end = INFINITY;
+    for (const ColumnMeaning& channel : meaning_.channels) {
+      const RawColumn& column = table_.columns[channel.column];
+      if (!column.is_slow || !column.own_time.empty()) continue;
+      const auto [time, values] = filled_cells(column);
+      if (time.size() < 2) continue;
+      begin = std::max(begin, time.front());
+      end = std::min(end, time.back());
+    }
+    const std::size_t before = axis.size();
+    std::erase_if(axis, [&](double t) { return t < begin || t > end; });
+    if (axis.size() == before) return;
+    result_.notes.push_back(std::to_string(before - axis.size()) +
+                            " rows before the first or behind the last value of a slow channel are left out");
+    if (axis.size() < 2) throw InputError(table_.source, 0, "the columns have no common time", "columns that overlap");
+  }
+
+  [[nodiscard]] std::pair<std::vector<double>, std::vector<double>> filled_cells(const RawColumn& column) const {
+    std::pair<std::vector<double>, std::vector<double>> cells;
+    for (std::size_t k = 0; k < std::min(column.values.size(), shared_.size()); ++k) {
+      if (std::isnan(column.values[k])) continue;
+      cells.first.push_back(shared_[k]);
+      cells.second.push_back(column.values[k]);
+    }
+    return cells;
   }
 
   // With several rates the recording's axis is one of theirs.
@@ -101,6 +169,12 @@ class Builder {
     std::vector<double>& axis = result_.recording.time;
     const std::vector<double> shared = axis;
     bool several = false;
+    // A single guess does not set the rate of the other columns.
+    if (meaning_.channels.size() == 1 && !meaning_.channels.front().reason.empty() && keep_others_) {
+      for (const RawColumn& column : table_.columns) {
+        if (!column.own_time.empty() && strictly_rises(column.own_time)) consider(column.own_time);
+      }
+    }
     for (const ColumnMeaning& channel : meaning_.channels) {
       const std::vector<double>& own = table_.columns[channel.column].own_time;
       several = several || !own.empty();
@@ -136,6 +210,10 @@ class Builder {
       if (t >= begin && t <= end) kept.push_back(t);
     }
     if (kept.size() < 2) throw InputError(table_.source, 0, "the columns have no common time", "columns that overlap");
+    if (const std::size_t lost = best->size() - kept.size(); lost > 0) {
+      result_.notes.push_back(std::to_string(lost) + " of " + std::to_string(best->size()) +
+                              " samples outside the time that all channels cover are left out");
+    }
     shared_ = shared;
     axis = std::move(kept);
   }
@@ -163,6 +241,14 @@ class Builder {
   std::vector<double> on_axis(const RawColumn& column) {
     const std::vector<double>& axis = result_.recording.time;
     const std::vector<double>& own = column.own_time.empty() ? shared_ : column.own_time;
+    if (column.is_slow && column.own_time.empty()) {
+      const auto [time, values] = filled_cells(column);
+      const Resampled resampled = resample(time, values, axis);
+      result_.notes.push_back(in_quotes(column.name) + " has " + std::to_string(time.size()) + " values in " +
+                              std::to_string(shared_.size()) + " rows" +
+                              (resampled.how.empty() ? "" : ": " + resampled.how));
+      return resampled.values;
+    }
     if (own == axis) return column.values;
     const Resampled resampled = resample(own, column.values, axis);
     if (!column.own_time.empty() && !resampled.how.empty()) {
@@ -178,14 +264,22 @@ class Builder {
                                         [&](const ColumnMeaning& channel) { return channel.column == c; });
     if (is_time || is_channel) return;
     result_.recording.ignored_columns.push_back(column.text);
-    const bool numbers = !column.is_clock && std::any_of(column.values.begin(), column.values.end(),
-                                                         [](double v) { return !std::isnan(v); });
-    if (!keep_others_ || !numbers) return;
-    if (column.own_time.empty() && column.values.size() != shared_.size()) return;
-    if (!column.own_time.empty() && !strictly_rises(column.own_time)) return;
+    if (!keep_others_) return;
+    const auto leave_out = [&](std::string why) {
+      result_.left_out.push_back({unique_name(table_, c), std::move(why)});
+    };
+    const bool also_time = std::find(meaning_.times.begin(), meaning_.times.end(), c) != meaning_.times.end();
+    if (also_time) return leave_out("a time");
+    if (column.is_clock) return leave_out("a clock");
+    if (std::none_of(column.values.begin(), column.values.end(), [](double v) { return !std::isnan(v); }))
+      return leave_out(column.values.empty() ? "text" : "no numbers");
+    if (column.own_time.empty() && column.values.size() != shared_.size())
+      return leave_out(std::to_string(column.values.size()) + " values, the time has " +
+                       std::to_string(shared_.size()));
+    if (!column.own_time.empty() && !strictly_rises(column.own_time)) return leave_out("its time does not increase");
     const std::optional<firmware::Unit> unit = firmware::find_unit(column.unit);
     std::string name;
-    for (const char ch : column.name)
+    for (const char ch : unique_name(table_, c) == column.text ? column.name : unique_name(table_, c))
       name += ch == ',' || ch == '"' || static_cast<unsigned char>(ch) < 0x20 ? '_' : ch;
     // A name that a reader takes for a channel is one only where the channel is this column.
     if (name.empty() || firmware::find_quantity(name) || name == "late" || name == "mode") name += "_raw";
@@ -235,7 +329,7 @@ TableRecording to_recording(const RawTable& table, const Interpretation& meaning
   return Builder(table, meaning, rig, keep_others).run();
 }
 
-firmware::Recording read_table_recording(const RawTable& table, const RigContext& rig, firmware::Missing missing) {
+firmware::Recording read_table_recording(RawTable table, const RigContext& rig, firmware::Missing missing) {
   const Interpretation meaning = interpret(table, rig);
   if (missing == firmware::Missing::refuse && !table.faults.empty()) {
     const RawFault& fault = table.faults.front();
@@ -270,6 +364,8 @@ firmware::Recording read_table_recording(const RawTable& table, const RigContext
        {&std::as_const(meaning.notes), &std::as_const(built.notes), &std::as_const(table.notes)}) {
     for (const std::string& note : *notes) remark += (remark.empty() ? "" : "; ") + note;
   }
+  for (const LeftOut& one : table.left_out)
+    remark += (remark.empty() ? "" : "; ") + in_quotes(one.name) + " is left out: " + one.reason;
   if (!table.faults.empty()) {
     remark += (remark.empty() ? "line " : "; line ") + std::to_string(table.faults.front().line) + ": " +
               table.faults.front().wrong;

@@ -21,15 +21,18 @@ namespace host_sim {
 ///
 /// `keep_others`: columns that are no channel become Recording::extra, in SI units where their unit is known.
 /// InputError: time that does not rise, fewer than two rows, ducts other than 0 and 1.
+///   slow channels   most cells of a column empty: interpolated linearly between the filled ones
+///   coarse stamps   repeated stamps that are the rounding of an even grid: the grid
 struct TableRecording {
   firmware::Recording recording;
   std::vector<std::string> notes;
+  std::vector<LeftOut> left_out;  ///< columns of the table that are not in the recording
 };
 [[nodiscard]] TableRecording to_recording(const RawTable& table, const Interpretation& meaning, const RigContext& rig,
                                           bool keep_others = false);
 
 /// The recording of a table for an analysis, with the checks of read_recording(); the notes become its remark.
-[[nodiscard]] firmware::Recording read_table_recording(const RawTable& table, const RigContext& rig,
+[[nodiscard]] firmware::Recording read_table_recording(RawTable table, const RigContext& rig,
                                                        firmware::Missing missing);
 
 }  // namespace host_sim

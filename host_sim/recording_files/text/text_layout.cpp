@@ -4,9 +4,11 @@
 #include <array>
 #include <cctype>
 #include <map>
+#include <utility>
 
 #include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
+#include "host_sim/recording_files/text/text_fields.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
 
 namespace host_sim {
@@ -18,11 +20,6 @@ using firmware::trimmed;
 constexpr std::size_t lines_to_judge = 2000;
 // A number with thousands separators counts less than one without: "1,500" between semicolons is one and a half.
 constexpr double weak_weight = 0.9;
-
-std::vector<std::string> fields_without_last_separator(std::string_view line, char column) {
-  std::vector<std::string> fields = split_fields(line, column);
-  return fields;
-}
 
 struct Score {
   double numbers = 0.0;
@@ -52,16 +49,15 @@ bool looks_like_row(const std::vector<std::string>& fields, char decimal, double
         break;
     }
   }
-  return fields.size() >= 2 && values >= 1 && values + (fields.size() - text - values) > text &&
-         2 * text <= fields.size();
+  return values >= 1 && values + (fields.size() - text - values) > text && 2 * text <= fields.size();
 }
 
 Score score_of(const std::vector<std::string_view>& lines, TextSeparators separators) {
   std::map<std::size_t, double> by_columns;
   for (std::size_t i = 0; i < std::min(lines.size(), lines_to_judge); ++i) {
-    const std::vector<std::string> fields = fields_without_last_separator(lines[i], separators.column);
+    const std::vector<std::string> fields = split_fields(lines[i], separators.column);
     double numbers = 0.0;
-    if (looks_like_row(fields, separators.decimal, numbers)) by_columns[fields.size()] += numbers;
+    if (fields.size() >= 2 && looks_like_row(fields, separators.decimal, numbers)) by_columns[fields.size()] += numbers;
   }
   Score best;
   for (const auto& [columns, numbers] : by_columns) {
@@ -73,6 +69,20 @@ Score score_of(const std::vector<std::string_view>& lines, TextSeparators separa
 // The row with one empty field too many or too few counts as well: separators behind the last value.
 bool fits(std::size_t fields, std::size_t columns) {
   return fields == columns || fields == columns + 1 || fields + 1 == columns;
+}
+
+// Whether the lines are single numbers, most of those behind the first one.
+bool is_one_column(const std::vector<std::string_view>& lines) {
+  std::size_t numbers = 0;
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < std::min(lines.size(), lines_to_judge); ++i) {
+    const std::string_view text = trimmed(lines[i]);
+    if (text.empty() || is_comment(text)) continue;
+    const bool number = read_text_number(text, '.') || read_text_number(text, ',');
+    if (number) ++numbers;
+    if (!number && numbers > 0 && !is_missing_value(text)) ++others;
+  }
+  return numbers >= 2 && others * 10 < numbers;
 }
 
 void find_column_kinds(const std::vector<std::string_view>& lines, TextLayout& layout) {
@@ -118,31 +128,58 @@ bool is_first_row(std::string_view line, const TextLayout& layout) {
   return true;
 }
 
-// "[mm]", "(kN)", "mm", "-", "": a field of a row of units.
+// The sign that a number of the first lines shows beyond doubt, of most such numbers.
+char find_stated_decimal(const std::vector<std::string_view>& lines, const TextLayout& layout) {
+  std::size_t points = 0;
+  std::size_t commas = 0;
+  for (std::size_t i = layout.first_row; i < std::min(lines.size(), layout.first_row + lines_to_judge); ++i) {
+    const std::vector<std::string> fields = split_fields(lines[i], layout.separators.column);
+    if (fields.size() != layout.columns) continue;
+    for (std::size_t c = 0; c < layout.columns; ++c) {
+      if (!layout.is_value[c] || layout.is_clock[c]) continue;
+      const DecimalEvidence evidence = decimal_evidence(fields[c]);
+      points += evidence == DecimalEvidence::point ? 1 : 0;
+      commas += evidence == DecimalEvidence::comma ? 1 : 0;
+    }
+  }
+  if (points == commas) return '\0';
+  return points > commas ? '.' : ',';
+}
+
+bool in_brackets(std::string_view field) {
+  return field.size() >= 2 &&
+         ((field.front() == '[' && field.back() == ']') || (field.front() == '(' && field.back() == ')'));
+}
+
+// "[mm]", "(kN)", "mm", "V", "-": a field of a row of units.
 bool is_unit_field(std::string_view field) {
   field = trimmed(field);
-  if (field.size() >= 2 &&
-      ((field.front() == '[' && field.back() == ']') || (field.front() == '(' && field.back() == ')'))) {
-    return true;
-  }
-  return firmware::find_unit(field).has_value();
+  return in_brackets(field) || firmware::find_unit(field).has_value() || firmware::is_unit(field);
 }
 
 std::string without_brackets(std::string_view field) {
   field = trimmed(field);
-  if (field.size() >= 2 && (field.front() == '[' || field.front() == '('))
-    field = trimmed(field.substr(1, field.size() - 2));
+  if (in_brackets(field)) field = trimmed(field.substr(1, field.size() - 2));
   return std::string(field);
 }
 
-bool is_row_of_units(const std::vector<std::string>& fields) {
+// Whether the fields are units: at least one is, and of the others not more are longer than unknown units are. Without
+// names above them (`alone`) letters such as V and A may be names themselves.
+bool is_row_of_units(const std::vector<std::string>& fields, bool alone) {
+  constexpr std::size_t longest_unknown = 6;  // "mV/Vex"; names of one line are mostly longer
   std::size_t units = 0;
+  std::size_t unknown = 0;
   std::size_t others = 0;
   for (const std::string& field : fields) {
-    if (trimmed(field).empty()) continue;
-    (is_unit_field(field) ? units : others) += 1;
+    const std::string_view text = trimmed(field);
+    if (text.empty()) continue;
+    if (alone ? in_brackets(text) || firmware::find_unit(text).has_value() : is_unit_field(text)) {
+      ++units;
+    } else {
+      (text.size() <= longest_unknown && !alone ? unknown : others) += 1;
+    }
   }
-  return units > 0 && others * 2 <= units;  // one may be a label or a unit that is not known
+  return units > 0 && 2 * others + unknown <= units;
 }
 
 // A header's comment sign is not part of its first name.
@@ -155,10 +192,29 @@ std::string_view without_comment_sign(std::string_view line) {
   return trimmed(line);
 }
 
+// Headings with commas between commas: a unit in brackets ends a heading ("Force, filtered [N],Position [mm]").
+std::vector<std::string> joined_at_units(const std::vector<std::string>& fields, char column) {
+  std::vector<std::string> joined;
+  bool open = false;
+  for (const std::string& field : fields) {
+    if (open) {
+      joined.back() += std::string(1, column) + " " + field;
+    } else {
+      joined.push_back(field);
+    }
+    open = !field.ends_with(']') && !field.ends_with(')');
+  }
+  return open ? std::vector<std::string>{} : joined;
+}
+
 // Fields of a line above the table; between blanks a line of names in quotes or with another separator is taken too.
 std::vector<std::string> header_fields(std::string_view line, const TextLayout& layout) {
   std::vector<std::string> fields = split_fields(without_comment_sign(line), layout.separators.column);
   if (fields.size() == layout.columns) return fields;
+  if (fields.size() > layout.columns) {
+    std::vector<std::string> joined = joined_at_units(fields, layout.separators.column);
+    if (joined.size() == layout.columns) return joined;
+  }
   fields = split_fields(line, layout.separators.column);
   if (fits(fields.size(), layout.columns)) return fields;
   fields = split_fields(without_comment_sign(line), layout.separators.column);
@@ -171,13 +227,13 @@ std::vector<std::string> header_fields(std::string_view line, const TextLayout& 
 }
 
 // A line of units in the preamble, behind its label: "Y_Unit_Label\tmm\tkN" of LabVIEW, "Einheit;s;mm;kN".
-void find_labelled_units(const std::vector<std::string_view>& lines, TextLayout& layout) {
+void find_labelled_units(const std::vector<std::string_view>& lines, std::size_t begin, TextLayout& layout) {
   constexpr std::array<std::string_view, 6> labels{"Y_Unit_Label", "Unit", "Units", "Einheit", "Einheiten", "EngUnits"};
-  for (std::size_t i = 0; i < layout.preamble_end; ++i) {
+  for (std::size_t i = begin; i < layout.preamble_end; ++i) {
     std::vector<std::string> fields = split_fields(without_comment_sign(lines[i]), layout.separators.column);
     if (fields.size() < 2 || std::find(labels.begin(), labels.end(), fields.front()) == labels.end()) continue;
     while (!fields.empty() && fields.back().empty()) fields.pop_back();
-    if (!is_row_of_units({fields.begin() + 1, fields.end()})) continue;
+    if (!is_row_of_units({fields.begin() + 1, fields.end()}, false)) continue;
     // The label stands above the time, or before the first column.
     if (fields.size() > layout.columns) {
       fields.erase(fields.begin());
@@ -189,37 +245,18 @@ void find_labelled_units(const std::vector<std::string_view>& lines, TextLayout&
   }
 }
 
-void find_header(const std::vector<std::string_view>& lines, TextLayout& layout) {
-  layout.preamble_end = layout.first_row;
-  std::vector<std::string> above;
-  for (std::size_t i = layout.first_row; i-- > 0 && i + 8 > layout.first_row;) {
-    if (trimmed(lines[i]).empty()) continue;
-    std::vector<std::string> fields = header_fields(lines[i], layout);
-    if (fields.empty()) break;
-    fields.front() = std::string(without_comment_sign(fields.front()));
-    if (layout.units.empty() && is_row_of_units(fields)) {
-      for (const std::string& field : fields) layout.units.push_back(without_brackets(field));
-      layout.preamble_end = i;
-      continue;
-    }
-    // A line between names and rows that is neither (types, comments per column) is passed over when a unit row or
-    // names stand above it.
-    const auto filled =
-        std::count_if(fields.begin(), fields.end(), [](const std::string& f) { return !trimmed(f).empty(); });
-    if (2 * static_cast<std::size_t>(filled) < layout.columns) break;
-    layout.header_fields = fields.size();
-    layout.names = std::move(fields);
-    layout.header_line = i + 1;
-    layout.preamble_end = i;
-    break;
-  }
-  if (layout.units.empty()) find_labelled_units(lines, layout);
-  for (std::string& name : layout.names) name = std::string(trimmed(name));
-  layout.names.resize(layout.columns);
-  layout.units.resize(layout.units.empty() ? 0 : layout.columns);
-  for (std::size_t c = 0; c < layout.columns; ++c) {
-    if (layout.names[c].empty()) layout.names[c] = "column " + std::to_string(c + 1);
-  }
+// "SR=1000 Hz", "ID 0": fields that say something of each column, and are no names of columns.
+bool says_rates(const std::vector<std::string>& fields) {
+  return std::all_of(fields.begin(), fields.end(), [](const std::string& field) {
+    const std::string_view text = trimmed(field);
+    return text.empty() || text.find('=') != std::string_view::npos;
+  });
+}
+
+bool is_row_of_names(const std::vector<std::string>& fields, const TextLayout& layout) {
+  const auto filled =
+      std::count_if(fields.begin(), fields.end(), [](const std::string& f) { return !trimmed(f).empty(); });
+  return 2 * static_cast<std::size_t>(filled) >= layout.columns && !says_rates(fields);
 }
 
 }  // namespace
@@ -231,32 +268,9 @@ bool is_comment(std::string_view line) {
 }
 
 std::vector<std::string> split_fields(std::string_view line, char column) {
-  std::vector<std::string> fields;
-  const auto is_end = [&](char c) { return column == ' ' ? c == ' ' || c == '\t' : c == column; };
-  if (column == ' ') line = trimmed(line);
-  std::size_t i = 0;
-  for (;;) {
-    std::string field;
-    while (i < line.size() && (line[i] == ' ' || (line[i] == '\t' && column != '\t'))) ++i;
-    if (i < line.size() && line[i] == '"') {
-      for (++i; i < line.size(); ++i) {
-        if (line[i] == '"') {
-          if (i + 1 >= line.size() || line[i + 1] != '"') break;
-          ++i;
-        }
-        field += line[i];
-      }
-      while (i < line.size() && !is_end(line[i])) ++i;
-    } else {
-      const std::size_t begin = i;
-      while (i < line.size() && !is_end(line[i])) ++i;
-      field = std::string(trimmed(line.substr(begin, i - begin)));
-    }
-    fields.push_back(std::move(field));
-    if (i >= line.size()) break;
-    ++i;
-  }
-  return fields;
+  FieldSplitter splitter;
+  const std::vector<std::string_view>& fields = splitter.split(line, column);
+  return {fields.begin(), fields.end()};
 }
 
 FieldKind kind_of_field(std::string_view field, char decimal) {
@@ -264,7 +278,78 @@ FieldKind kind_of_field(std::string_view field, char decimal) {
     return number->weak ? FieldKind::weak_number : FieldKind::number;
   }
   if (is_missing_value(field)) return FieldKind::missing;
+  if (read_number_with_unit(field, decimal)) return FieldKind::number;
   return read_clock_time(field) ? FieldKind::clock : FieldKind::text;
+}
+
+void find_header(const std::vector<std::string_view>& lines, std::size_t begin, TextLayout& layout) {
+  constexpr std::size_t most_lines = 8;  // of a header
+  layout.preamble_end = layout.first_row;
+  layout.names.clear();
+  layout.units.clear();
+  layout.header_line = 0;
+  // The lines above the row that have its number of fields, the nearest first.
+  std::vector<std::pair<std::size_t, std::vector<std::string>>> above;
+  for (std::size_t i = layout.first_row; i-- > begin && i + most_lines > layout.first_row;) {
+    if (trimmed(lines[i]).empty()) continue;
+    std::vector<std::string> fields = header_fields(lines[i], layout);
+    if (fields.empty()) {
+      if (above.empty() && !is_comment(lines[i])) {
+        const std::size_t count = split_fields(lines[i], layout.separators.column).size();
+        if (count > 1)
+          layout.header_trouble = "line " + std::to_string(i + 1) + " has " + std::to_string(count) +
+                                  " fields, the rows " + std::to_string(layout.columns);
+      }
+      break;
+    }
+    fields.front() = std::string(without_comment_sign(fields.front()));
+    above.emplace_back(i, std::move(fields));
+  }
+  // Names stand above units; without units right above the rows.
+  auto units = above.end();
+  for (auto line = above.begin(); line != above.end() && units == above.end(); ++line) {
+    const auto next = std::next(line);
+    const bool names_above = next != above.end() && is_row_of_names(next->second, layout);
+    if (is_row_of_units(line->second, !names_above) && (line == above.begin() || names_above)) units = line;
+  }
+  if (units != above.end()) {
+    for (const std::string& field : units->second) layout.units.push_back(without_brackets(field));
+    layout.preamble_end = units->first;
+  }
+  const auto names = std::find_if(units == above.end() ? above.begin() : std::next(units), above.end(),
+                                  [&](const auto& line) { return is_row_of_names(line.second, layout); });
+  if (names != above.end()) {
+    layout.header_fields = names->second.size();
+    layout.names = std::move(names->second);
+    layout.header_line = names->first + 1;
+    layout.preamble_end = names->first;
+    layout.header_trouble.clear();
+  }
+  if (layout.units.empty()) find_labelled_units(lines, begin, layout);
+  for (std::string& name : layout.names) name = std::string(trimmed(name));
+  layout.names.resize(layout.columns);
+  layout.units.resize(layout.units.empty() ? 0 : layout.columns);
+  for (std::size_t c = 0; c < layout.columns; ++c) {
+    if (layout.names[c].empty()) layout.names[c] = "column " + std::to_string(c + 1);
+  }
+}
+
+bool is_table_row(std::string_view line, const TextLayout& layout) {
+  const std::vector<std::string> fields = split_fields(line, layout.separators.column);
+  std::size_t numbers = 0;
+  std::size_t texts = 0;
+  bool first = true;
+  for (std::size_t c = 0; c < std::min(fields.size(), layout.columns); ++c) {
+    if (!layout.is_value[c]) continue;
+    // Which decimal sign a column has may turn out later than here.
+    FieldKind kind = kind_of_field(fields[c], layout.separators.decimal);
+    if (kind == FieldKind::text) kind = kind_of_field(fields[c], layout.separators.decimal == '.' ? ',' : '.');
+    if (first && kind == FieldKind::text) return false;
+    first = false;
+    numbers += kind == FieldKind::number || kind == FieldKind::weak_number || kind == FieldKind::clock ? 1 : 0;
+    texts += kind == FieldKind::text ? 1 : 0;
+  }
+  return numbers > 0 && texts <= numbers;
 }
 
 TextLayout find_layout(const std::vector<std::string_view>& lines) {
@@ -287,7 +372,11 @@ TextLayout find_layout(const std::vector<std::string_view>& lines) {
     layout.separators = separators;
     layout.columns = score.columns;
   }
-  if (layout.columns == 0) return layout;
+  if (layout.columns == 0 && !is_one_column(lines)) return layout;
+  if (layout.columns == 0) {
+    layout.columns = 1;
+    layout.separators = {';', '.'};
+  }
   find_column_kinds(lines, layout);
   layout.first_row = lines.size();
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -299,7 +388,9 @@ TextLayout find_layout(const std::vector<std::string_view>& lines) {
     layout.first_row = i;
     break;
   }
-  find_header(lines, layout);
+  layout.stated_decimal = find_stated_decimal(lines, layout);
+  if (layout.columns == 1 && layout.stated_decimal != '\0') layout.separators.decimal = layout.stated_decimal;
+  find_header(lines, 0, layout);
   return layout;
 }
 

@@ -1,6 +1,7 @@
 #include "host_sim/recording_files/text/text_table.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -8,8 +9,11 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
+#include "host_sim/recording_files/tables/channel_guess.hpp"
 #include "host_sim/recording_files/tables/headings.hpp"
+#include "host_sim/recording_files/text/lvm_file.hpp"
 #include "host_sim/recording_files/text/text_encoding.hpp"
+#include "host_sim/recording_files/text/text_fields.hpp"
 #include "host_sim/recording_files/text/text_layout.hpp"
 #include "host_sim/recording_files/text/text_preamble.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
@@ -38,6 +42,29 @@ std::vector<std::string_view> lines_of(std::string_view text, std::string_view s
   return lines;
 }
 
+// The names and units of a table's columns: from the headings and a row of units below them.
+struct ColumnHead {
+  std::string name, text, unit;
+};
+std::vector<ColumnHead> heads_of(const TextLayout& layout) {
+  std::vector<ColumnHead> heads;
+  for (std::size_t c = 0; c < layout.columns; ++c) {
+    const NameAndUnit heading = split_heading(layout.names[c]);
+    ColumnHead head{heading.name, layout.names[c], heading.unit};
+    const std::string below = layout.units.empty() ? "" : layout.units[c];
+    const bool says_nothing = below.empty() || (firmware::find_unit(below) &&
+                                                firmware::find_unit(below)->dimension == firmware::Dimension::none);
+    if (!below.empty() && (heading.unit.empty() || !says_nothing)) {
+      head.unit = below;
+      if (heading.unit.empty()) head.name = layout.names[c];
+    }
+    // RaceCapture: the whole heading is a list, its first part the name.
+    if (head.text.find("|") != std::string::npos && !heading.unit.empty()) head.text = heading.name;
+    heads.push_back(std::move(head));
+  }
+  return heads;
+}
+
 class TableReader {
  public:
   TableReader(std::vector<std::string_view> lines, std::string_view source) : lines_(std::move(lines)) {
@@ -50,116 +77,344 @@ class TableReader {
       throw InputError(table_.source, 0, "no table of numbers is found in the text",
                        "rows of numbers between semicolons, tabs, commas or blanks");
     }
-    table_.format = format_text();
     table_.header_line = layout_.header_line;
-    const std::vector<std::string_view> preamble(lines_.begin(),
-                                                 lines_.begin() + static_cast<std::ptrdiff_t>(layout_.preamble_end));
-    if (auto rate = find_rate(preamble)) {
-      table_.rate = rate->rate;
-      table_.rate_text = rate->text;
-    }
+    heads_ = heads_of(layout_);
     make_columns();
-    for (std::size_t i = layout_.first_row; i < lines_.size(); ++i) read_line(i);
+    read_rows();
     finish_clocks();
+    judge_empty_cells();
     note_skipped();
     table_.rows = table_.lines.size();
+    table_.format = format_text();
+    find_stated_rate();
     return std::move(table_);
   }
 
  private:
+  // How one field of the rows belongs to a column of the table.
+  struct FieldUse {
+    std::size_t column = no_column;
+    double scale = 1.0;  // to the unit of the table's column
+  };
+  static constexpr std::size_t no_column = static_cast<std::size_t>(-1);
+
   [[nodiscard]] std::string format_text() const {
     const char column = layout_.separators.column;
     const std::string shown = column == '\t' ? "tabs" : column == ' ' ? "blanks" : std::string("'") + column + "'";
-    return "text, columns separated by " + shown + ", decimal '" + layout_.separators.decimal + "'";
+    const std::string decimal = std::string("decimal '") + usual_decimal() + "'";
+    if (layout_.columns == 1) return "text, one column, " + decimal;
+    return "text, columns separated by " + shown + ", " + decimal;
+  }
+
+  [[nodiscard]] char usual_decimal() const {
+    for (const char decimal : decimals_) {
+      if (decimal != '\0') return decimal;
+    }
+    return layout_.stated_decimal != '\0' ? layout_.stated_decimal : layout_.separators.decimal;
   }
 
   void make_columns() {
     for (std::size_t c = 0; c < layout_.columns; ++c) {
-      const NameAndUnit heading = split_heading(layout_.names[c]);
-      RawColumn column{heading.name};
-      column.text = layout_.names[c];
-      column.unit = heading.unit;
-      const std::string below = layout_.units.empty() ? "" : layout_.units[c];
-      const bool says_nothing = below.empty() || (firmware::find_unit(below) &&
-                                                  firmware::find_unit(below)->dimension == firmware::Dimension::none);
-      if (!below.empty() && (heading.unit.empty() || !says_nothing)) {
-        column.unit = below;
-        if (heading.unit.empty()) column.name = layout_.names[c];
-      }
+      RawColumn column{heads_[c].name};
+      column.text = heads_[c].text;
+      column.unit = heads_[c].unit;
       column.is_clock = layout_.is_clock[c];
       column.decimals = 0;
       column.significant_digits = 0;
       table_.columns.push_back(std::move(column));
     }
+    decimals_.assign(layout_.columns, '\0');
+    clocks_.resize(layout_.columns);
+    uses_.resize(layout_.columns);
+    for (std::size_t c = 0; c < layout_.columns; ++c) uses_[c].column = c;
+    if (!layout_.header_trouble.empty())
+      table_.notes.push_back(layout_.header_trouble + ": it is not taken as the names of the columns");
   }
 
-  void read_line(std::size_t i) {
-    const std::string_view line = lines_[i];
-    if (firmware::trimmed(line).empty() || firmware::trimmed(line) == "\x1a") {
-      ++empty_;
-      return;
+  // The lines above the first row but the names: rates stand among units and below them as well.
+  void find_stated_rate() {
+    std::vector<std::string_view> preamble;
+    for (std::size_t i = 0; i < layout_.first_row; ++i) {
+      if (i + 1 != layout_.header_line) preamble.push_back(lines_[i]);
     }
-    std::vector<std::string> fields = split_fields(line, layout_.separators.column);
-    // A separator behind the last value.
-    while (fields.size() > layout_.columns && fields.back().empty()) fields.pop_back();
+    const auto rate = find_rate(preamble, {usual_decimal(), table_.rows});
+    if (!rate) return;
+    table_.rate = rate->rate;
+    table_.rate_text = rate->text;
+    if (!rate->conflict.empty()) table_.rate_conflict = in_quotes(rate->text) + " and " + in_quotes(rate->conflict);
+  }
+
+  void read_rows() {
+    std::size_t i = layout_.first_row;
+    while (i < lines_.size()) {
+      if (take_plain_row(i) || take_row_or_blank(i)) {
+        ++i;
+        continue;
+      }
+      // Lines that are no rows: text, perhaps with the header of what follows.
+      const std::size_t begin = i;
+      while (i < lines_.size() && !begins_rows(i)) ++i;
+      i = pass_text(begin, i);
+    }
+  }
+
+  // The usual row, fast: as many plain numbers as there are columns.
+  bool take_plain_row(std::size_t i) {
+    const std::string_view line = lines_[i];
+    if (line.empty()) return false;
+    const std::vector<std::string_view>& fields = splitter_.split(line, layout_.separators.column);
+    if (fields.size() != layout_.columns) return false;
+    row_.resize(layout_.columns);
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      if (!layout_.is_value[f]) continue;
+      if (layout_.is_clock[f] || uses_[f].column == no_column) return false;
+      const std::size_t c = uses_[f].column;
+      char decimal = decimals_[c];
+      if (decimal == '\0') {
+        if (fields[f].find_first_of(".,") != std::string_view::npos) return false;  // to be decided
+        decimal = '.';
+      }
+      RawColumn& column = table_.columns[c];
+      const std::optional<double> value =
+          read_plain_number(fields[f], decimal, column.decimals, column.significant_digits);
+      if (!value) return false;
+      row_[f] = *value;
+    }
+    table_.lines.push_back(i + 1);
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      if (!layout_.is_value[f]) continue;
+      push(uses_[f].column, uses_[f].scale == 1.0 ? row_[f] : uses_[f].scale * row_[f]);
+    }
+    return true;
+  }
+
+  void push(std::size_t c, double value) { table_.columns[c].values.push_back(value); }
+
+  [[nodiscard]] bool is_row(std::size_t i) const {
+    const std::string_view line = lines_[i];
+    if (!is_table_row(line, layout_)) return false;
+    if (!is_comment(line)) return true;
     std::size_t values = 0;
     std::size_t numbers = 0;
-    std::size_t texts = 0;
+    const std::vector<std::string> fields = split_fields(line, layout_.separators.column);
     for (std::size_t c = 0; c < layout_.columns; ++c) {
       if (!layout_.is_value[c]) continue;
       ++values;
-      if (c >= fields.size()) continue;
-      const FieldKind kind = kind_of_field(fields[c], layout_.separators.decimal);
-      numbers += kind == FieldKind::number || kind == FieldKind::weak_number || kind == FieldKind::clock ? 1 : 0;
-      texts += kind == FieldKind::text ? 1 : 0;
+      if (c < fields.size() && kind_of_field(fields[c], layout_.separators.decimal) != FieldKind::text) ++numbers;
     }
-    const bool header = i + 1 != layout_.header_line && texts > 0 && numbers == 0;
-    if (header || (texts > numbers) || (is_comment(line) && numbers < values)) {
+    return numbers >= values;
+  }
+
+  // A row whose first value is a word may stand between rows: an overload in the first channel.
+  [[nodiscard]] bool is_row_with_a_word(std::size_t i) const {
+    if (i == 0 || i + 1 >= lines_.size() || table_.lines.empty() || table_.lines.back() != i) return false;
+    if (is_comment(lines_[i]) || !is_row(i + 1)) return false;
+    const std::vector<std::string> fields = split_fields(lines_[i], layout_.separators.column);
+    if (fields.size() != layout_.columns || fields.front().ends_with(':')) return false;
+    std::size_t numbers = 0;
+    for (std::size_t c = 0; c < fields.size(); ++c) {
+      const FieldKind kind = kind_of_field(fields[c], layout_.separators.decimal);
+      numbers += layout_.is_value[c] && kind != FieldKind::text && kind != FieldKind::missing ? 1 : 0;
+    }
+    return numbers > 0 && 2 * numbers >= fields.size() - 1;
+  }
+
+  bool take_row_or_blank(std::size_t i) {
+    const std::string_view line = firmware::trimmed(lines_[i]);
+    if (line.empty() || line == "\x1a") return true;
+    if (!is_row(i) && !is_row_with_a_word(i)) {
+      // Separators only: the last line of spreadsheets.
+      return line.find_first_not_of(" \t,;|\"") == std::string_view::npos;
+    }
+    std::vector<std::string> fields = split_fields(lines_[i], layout_.separators.column);
+    while (fields.size() > layout_.columns && fields.back().empty()) fields.pop_back();
+    take_row(fields, i);
+    return true;
+  }
+
+  // Rows begin at a row that another follows, or that is the last line.
+  [[nodiscard]] bool begins_rows(std::size_t i) const {
+    if (firmware::trimmed(lines_[i]).empty() || !is_row(i)) return false;
+    for (std::size_t next = i + 1; next < lines_.size(); ++next) {
+      if (firmware::trimmed(lines_[next]).empty()) continue;
+      return is_row(next);
+    }
+    return true;
+  }
+
+  // Lines begin … end − 1 between rows. Returns the line to go on with.
+  std::size_t pass_text(std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (firmware::trimmed(lines_[i]).empty()) continue;
       ++other_lines_;
       if (first_other_line_ == 0) first_other_line_ = i + 1;
-      return;
     }
-    if (numbers == 0) return;  // separators only: the last line of spreadsheets
-    take_row(fields, i + 1);
+    if (end >= lines_.size()) return end;
+    TextLayout next = layout_;
+    next.first_row = end;
+    next.header_line = 0;
+    find_header(lines_, begin, next);
+    if (next.header_line == 0) return end;
+    return take_header(next, end);
+  }
+
+  static std::string key_of(std::string_view name) {
+    std::string key;
+    for (const char c : firmware::trimmed(name)) key += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return key;
+  }
+
+  // A second header: the rows below it are read by it, into the columns of the first.
+  std::size_t take_header(const TextLayout& next, std::size_t first_row) {
+    const std::vector<ColumnHead> heads = heads_of(next);
+    std::vector<FieldUse> uses(layout_.columns);
+    std::size_t found = 0;
+    std::vector<std::string> unknown;
+    for (std::size_t f = 0; f < heads.size(); ++f) {
+      for (std::size_t c = 0; c < heads_.size(); ++c) {
+        const bool same =
+            key_of(heads[f].text) == key_of(heads_[c].text) || key_of(heads[f].name) == key_of(heads_[c].name);
+        if (!same || std::any_of(uses.begin(), uses.end(), [&](const FieldUse& use) { return use.column == c; }))
+          continue;
+        uses[f].column = c;
+        uses[f].scale = scale_between(heads[f], heads_[c], next.header_line);
+        ++found;
+        break;
+      }
+      if (uses[f].column == no_column) unknown.push_back(heads[f].text);
+    }
+    const std::string line = std::to_string(next.header_line);
+    if (unknown.empty()) {
+      uses_ = std::move(uses);
+      return first_row;
+    }
+    if (found * 2 > heads.size()) {
+      throw InputError(table_.source, next.header_line,
+                       "a second header has the column " + in_quotes(unknown.front()) + ", which the first has not",
+                       "the columns of the header in line " + std::to_string(table_.header_line));
+    }
+    // Another table: its rows are none of this one's.
+    std::size_t end = first_row;
+    std::size_t rows = 0;
+    while (end < lines_.size() && (is_row(end) || firmware::trimmed(lines_[end]).empty())) {
+      rows += firmware::trimmed(lines_[end]).empty() ? 0 : 1;
+      ++end;
+    }
+    table_.left_out.push_back({"the table below line " + line,
+                               std::to_string(rows) + " rows under other names: " + in_quotes(unknown.front()) +
+                                   (unknown.size() > 1 ? ", …" : "")});
+    return end;
+  }
+
+  double scale_between(const ColumnHead& from, const ColumnHead& to, std::size_t line) const {
+    if (from.unit == to.unit || from.unit.empty()) return 1.0;
+    const std::optional<firmware::Unit> a = firmware::find_unit(from.unit);
+    const std::optional<firmware::Unit> b = firmware::find_unit(to.unit);
+    if (a && b && a->dimension == b->dimension) return a->scale / b->scale;
+    throw InputError(table_.source, line,
+                     in_quotes(from.name) + " is in " + from.unit + " from here on, in " +
+                         (to.unit.empty() ? "no stated unit" : to.unit) + " before",
+                     "one unit for a column");
   }
 
   void fault(std::size_t line, const std::string& wrong, const std::string& expected, bool says_missing = false) {
     table_.faults.push_back({line, wrong, expected, says_missing});
   }
 
-  void take_row(const std::vector<std::string>& fields, std::size_t line) {
+  void take_row(const std::vector<std::string>& fields, std::size_t i) {
+    const std::size_t line = i + 1;
     table_.lines.push_back(line);
     if (fields.size() > std::max(layout_.columns, layout_.header_fields)) {
       fault(line, "the row has " + std::to_string(fields.size()) + " values",
             std::to_string(layout_.columns) + " as in the other rows");
     }
-    for (std::size_t c = 0; c < layout_.columns; ++c) {
-      RawColumn& column = table_.columns[c];
-      if (!layout_.is_value[c]) continue;
-      if (c >= fields.size()) {
-        if (column.values.size() + 1 == table_.lines.size()) {
-          column.values.push_back(no_value);
-          if (table_.faults.empty() || table_.faults.back().line != line) {
-            fault(line, "the row has " + std::to_string(fields.size()) + (fields.size() == 1 ? " value" : " values"),
-                  std::to_string(layout_.columns) + " as in the other rows");
-          }
+    for (std::size_t f = 0; f < layout_.columns; ++f) {
+      const std::size_t c = uses_[f].column;
+      if (!layout_.is_value[f] || c == no_column) continue;
+      if (f >= fields.size()) {
+        push(c, no_value);
+        if (table_.faults.empty() || table_.faults.back().line != line) {
+          fault(line, "the row has " + std::to_string(fields.size()) + (fields.size() == 1 ? " value" : " values"),
+                std::to_string(layout_.columns) + " as in the other rows");
         }
         continue;
       }
-      column.values.push_back(column.is_clock ? clock_value(c, fields[c], line) : number_value(c, fields[c], line));
+      const double value =
+          table_.columns[c].is_clock ? clock_value(c, fields[f], line) : number_value(c, f, fields[f], i);
+      push(c, uses_[f].scale == 1.0 ? value : uses_[f].scale * value);
     }
   }
 
-  double number_value(std::size_t c, const std::string& field, std::size_t line) {
+  double number_value(std::size_t c, std::size_t f, const std::string& field, std::size_t i) {
     RawColumn& column = table_.columns[c];
-    if (const std::optional<TextNumber> number = read_text_number(field, layout_.separators.decimal)) {
+    if (decimals_[c] == '\0' && decimal_evidence(field) != DecimalEvidence::none) decide_decimal(c, f, i);
+    const char decimal = decimals_[c] == '\0' ? layout_.separators.decimal : decimals_[c];
+    std::optional<TextNumber> number = read_text_number(field, decimal);
+    double scale = 1.0;
+    if (!number) {
+      if (const std::optional<NumberWithUnit> with_unit = read_number_with_unit(field, decimal)) {
+        number = with_unit->number;
+        scale = scale_of_cell(column, with_unit->unit);
+      }
+    }
+    if (number && std::isfinite(number->value)) {
       column.decimals = std::max(column.decimals, number->decimals);
       column.significant_digits = std::max(column.significant_digits, number->significant_digits);
-      return number->value;
+      return scale * number->value;
     }
-    fault(line, in_quotes(column.name) + (firmware::trimmed(field).empty() ? " is missing" : " is " + in_quotes(field)),
-          "a number", is_missing_value(field) && !firmware::trimmed(field).empty());
+    if (firmware::trimmed(field).empty()) {
+      empty_cells_.emplace_back(c, i + 1);
+      return no_value;
+    }
+    fault(i + 1, in_quotes(column.name) + " is " + in_quotes(field), "a number", is_missing_value(field));
     return no_value;
+  }
+
+  // "0.5 mm", "1.2 s": the unit of the first cell is the column's.
+  static double scale_of_cell(RawColumn& column, std::string_view unit) {
+    if (column.unit.empty()) column.unit = unit;
+    const std::optional<firmware::Unit> a = firmware::find_unit(unit);
+    const std::optional<firmware::Unit> b = firmware::find_unit(column.unit);
+    if (a && b && a->dimension == b->dimension) return a->scale / b->scale;
+    return unit == column.unit ? 1.0 : no_value;
+  }
+
+  // The decimal sign of a column, at its first number that has a sign. Evidence in this order: a number of the column
+  // beyond doubt, anywhere in the file; one of another column; the reading in which the values change less.
+  void decide_decimal(std::size_t c, std::size_t f, std::size_t from) {
+    double before[2] = {no_value, no_value};
+    double variation[2] = {0.0, 0.0};
+    double low[2] = {INFINITY, INFINITY};
+    double high[2] = {-INFINITY, -INFINITY};
+    char shown_sign = '.';
+    FieldSplitter splitter;
+    for (std::size_t i = layout_.first_row; i < lines_.size(); ++i) {
+      const std::vector<std::string_view>& fields = splitter.split(lines_[i], layout_.separators.column);
+      if (f >= fields.size()) continue;
+      const DecimalEvidence evidence = i < from ? DecimalEvidence::none : decimal_evidence(fields[f]);
+      if (evidence == DecimalEvidence::point || evidence == DecimalEvidence::comma) {
+        decimals_[c] = evidence == DecimalEvidence::point ? '.' : ',';
+        return;
+      }
+      if (evidence == DecimalEvidence::ambiguous)
+        shown_sign = fields[f].find('.') != std::string_view::npos ? '.' : ',';
+      for (const int k : {0, 1}) {
+        const std::optional<TextNumber> number = read_text_number(fields[f], k == 0 ? '.' : ',');
+        if (!number) continue;
+        if (std::isfinite(before[k])) variation[k] += std::abs(number->value - before[k]);
+        before[k] = number->value;
+        low[k] = std::min(low[k], number->value);
+        high[k] = std::max(high[k], number->value);
+      }
+    }
+    if (layout_.stated_decimal != '\0') {
+      decimals_[c] = layout_.stated_decimal;
+      return;
+    }
+    const double point = variation[0] * (high[1] - low[1]);
+    const double comma = variation[1] * (high[0] - low[0]);
+    const bool alike = std::abs(point - comma) <= 1e-9 * std::max(point, comma);
+    decimals_[c] = alike ? shown_sign : point < comma ? '.' : ',';
   }
 
   double clock_value(std::size_t c, const std::string& field, std::size_t line) {
@@ -171,14 +426,13 @@ class TableReader {
     }
     column.decimals = std::max(column.decimals, clock->decimals);
     column.significant_digits = 17;
-    clocks_.resize(layout_.columns);
     ClockColumn& state = clocks_[c];
     if (!state.first_day) state.first_day = clock->day;
-    // Without a date a clock that falls by more than half a day has passed midnight.
-    if (!clock->has_date && clock->seconds < state.last - 0.5 * seconds_per_day) ++state.midnights;
+    // Without a date a clock that falls by more than half its range has begun anew.
+    if (!clock->has_date && clock->seconds < state.last - 0.5 * clock->wraps) state.wrapped += clock->wraps;
     state.last = clock->seconds;
     state.dates_only = state.dates_only && !clock->has_time;
-    return clock->seconds + seconds_per_day * static_cast<double>(clock->day - *state.first_day + state.midnights);
+    return clock->seconds + seconds_per_day * static_cast<double>(clock->day - *state.first_day) + state.wrapped;
   }
 
   // A column of dates beside one of times is no time axis.
@@ -192,6 +446,37 @@ class TableReader {
     for (RawColumn& column : table_.columns) column.values.resize(table_.lines.size(), no_value);
   }
 
+  // A column with fewer filled cells than empty ones, all over the table, is a slow channel. Columns that end with a
+  // time of their own are shorter ones. Other empty cells are missing values.
+  void judge_empty_cells() {
+    std::vector<std::size_t> empty(layout_.columns), filled_until(layout_.columns);
+    for (const auto& [column, line] : empty_cells_) ++empty[column];
+    const std::size_t rows = table_.lines.size();
+    std::vector<std::size_t> ends;  // of times that end before the table
+    for (std::size_t c = 0; c < layout_.columns; ++c) {
+      RawColumn& column = table_.columns[c];
+      if (empty[c] == 0 || !layout_.is_value[c] || layout_.is_clock[c]) continue;
+      std::size_t end = rows;
+      while (end > 0 && std::isnan(column.values[end - 1])) --end;
+      filled_until[c] = end;
+      const std::size_t filled = rows - std::min(empty[c], rows);
+      const bool only_at_the_end = empty[c] == rows - end;
+      column.is_slow = filled >= 2 && empty[c] >= filled && !only_at_the_end;
+      const std::optional<firmware::Unit> unit = firmware::find_unit(column.unit);
+      const bool time = is_time_name(column.name) || (unit && unit->dimension == firmware::Dimension::time);
+      if (only_at_the_end && time) ends.push_back(end);
+    }
+    for (const auto& [column, line] : empty_cells_) {
+      if (table_.columns[column].is_slow) continue;
+      if (std::find(ends.begin(), ends.end(), filled_until[column]) != ends.end() &&
+          line > table_.lines[filled_until[column] - 1])
+        continue;
+      fault(line, in_quotes(table_.columns[column].name) + " is missing", "a number");
+    }
+    std::stable_sort(table_.faults.begin(), table_.faults.end(),
+                     [](const RawFault& a, const RawFault& b) { return a.line < b.line; });
+  }
+
   void note_skipped() {
     if (other_lines_ > 0) {
       table_.notes.push_back(std::to_string(other_lines_) + (other_lines_ == 1 ? " line" : " lines") +
@@ -202,7 +487,7 @@ class TableReader {
 
   struct ClockColumn {
     std::optional<long> first_day;
-    long midnights = 0;
+    double wrapped = 0.0;  // [s]
     double last = 0.0;
     bool dates_only = true;
   };
@@ -210,21 +495,29 @@ class TableReader {
   std::vector<std::string_view> lines_;
   RawTable table_;
   TextLayout layout_;
+  std::vector<ColumnHead> heads_;
+  std::vector<FieldUse> uses_;  // by field of the rows
+  std::vector<char> decimals_;  // by column; '\0': not decided
   std::vector<ClockColumn> clocks_;
-  std::size_t empty_ = 0;
+  std::vector<std::pair<std::size_t, std::size_t>> empty_cells_;  // column, line
+  FieldSplitter splitter_;
+  std::vector<double> row_;
   std::size_t other_lines_ = 0;
   std::size_t first_other_line_ = 0;
 };
 
 }  // namespace
 
-RawTable read_text_table(std::string bytes, std::string_view source) {
+RawTable read_text_table(std::string bytes, std::string_view source, std::size_t skip) {
   if (bytes.empty()) throw InputError(source, 0, "the file is empty", "a header line such as t,z_r,F_w");
   if (!looks_like_text(bytes)) {
     throw InputError(source, 0, "the file is no text", "CSV, MATLAB 5 or 7.3, NI TDMS or HDF5");
   }
   const std::string text = to_utf8(std::move(bytes));
-  return TableReader(lines_of(text, source), source).run();
+  std::vector<std::string_view> lines = lines_of(text, source);
+  for (std::size_t i = 0; i < std::min(skip, lines.size()); ++i) lines[i] = {};
+  if (is_lvm(lines)) return read_lvm(lines, source);
+  return TableReader(std::move(lines), source).run();
 }
 
 }  // namespace host_sim

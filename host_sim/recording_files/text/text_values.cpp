@@ -1,5 +1,7 @@
 #include "host_sim/recording_files/text/text_values.hpp"
 
+#include <fast_float/fast_float.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -8,6 +10,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
 
 namespace host_sim {
@@ -56,6 +59,73 @@ long days_since_1970(int year, int month, int day) {
   const int day_of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
   const int day_of_era = year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year;
   return static_cast<long>(era) * 146097 + day_of_era - 719468;
+}
+
+// "Mar", "March", "März", "Mai", "Dez": the month at the begin of the text, removed; 0: none.
+int take_month_name(std::string_view& text) {
+  struct Name {
+    std::string_view text;
+    int month;
+  };
+  constexpr std::array<Name, 16> names{{{"jan", 1},
+                                        {"feb", 2},
+                                        {"mar", 3},
+                                        {"m\xc3\xa4r", 3},
+                                        {"mrz", 3},
+                                        {"apr", 4},
+                                        {"may", 5},
+                                        {"mai", 5},
+                                        {"jun", 6},
+                                        {"jul", 7},
+                                        {"aug", 8},
+                                        {"sep", 9},
+                                        {"oct", 10},
+                                        {"okt", 10},
+                                        {"nov", 11},
+                                        {"dec", 12}}};
+  std::size_t length = 0;
+  while (
+      length < text.size() && length < 12 &&
+      (std::isalpha(static_cast<unsigned char>(text[length])) != 0 || static_cast<unsigned char>(text[length]) >= 0x80))
+    ++length;
+  const std::string_view word = text.substr(0, length);
+  if (word.size() >= 3 && equal_lower(word.substr(0, 3), "dez")) {
+    text.remove_prefix(length);
+    return 12;
+  }
+  for (const Name& name : names) {
+    if (word.size() < name.text.size() || !equal_lower(word.substr(0, name.text.size()), name.text)) continue;
+    text.remove_prefix(length);
+    return name.month;
+  }
+  return 0;
+}
+
+// "12-Mar-2024", "12 March 2024", "Mar 12, 2024"; nullopt: none, and the text stays.
+std::optional<long> take_date_with_name(std::string_view& text) {
+  std::string_view rest = text;
+  const auto pass = [&] {
+    std::size_t length = 0;
+    while (length < rest.size() && (rest[length] == '-' || rest[length] == ' ' || rest[length] == '.' ||
+                                    rest[length] == '/' || rest[length] == ','))
+      ++length;
+    rest.remove_prefix(length);
+    return length > 0;
+  };
+  std::optional<int> day = take_number(rest, 2);
+  if (day && !pass()) return std::nullopt;
+  const int month = take_month_name(rest);
+  if (month == 0 || !pass()) return std::nullopt;
+  if (!day) {
+    day = take_number(rest, 2);
+    if (!day || !pass()) return std::nullopt;
+  }
+  std::optional<int> year = take_number(rest, 4);
+  if (!year || *day < 1 || *day > 31) return std::nullopt;
+  if (*year < 100) *year += *year < 70 ? 2000 : 1900;
+  if (*year < 1) return std::nullopt;
+  text = rest;
+  return days_since_1970(*year, month, *day);
 }
 
 // A date at the begin of the text; the text after it remains. nullopt: none, and the text stays.
@@ -163,12 +233,107 @@ std::optional<TextNumber> read_text_number(std::string_view field, char decimal)
   return result;
 }
 
+std::optional<double> read_plain_number(std::string_view field, char decimal, int& decimals, int& significant_digits) {
+  if (field.empty()) return std::nullopt;
+  const char* begin = field.data();
+  const char* const end = begin + field.size();
+  if (*begin == '+') ++begin;
+  const char* first = begin;
+  if (first != end && *first == '-') ++first;
+  // Words such as "nan" and "inf" are not numbers here.
+  if (first == end || (!is_digit(*first) && *first != decimal)) return std::nullopt;
+  double value = 0.0;
+  const auto [stop, error] = fast_float::from_chars_advanced(
+      begin, end, value, fast_float::parse_options{fast_float::chars_format::general, decimal});
+  if (stop != end || error != std::errc{} || !std::isfinite(value)) return std::nullopt;
+  int digits = 0;
+  int zeros = 0;  // at the end so far
+  int places = 0;
+  bool fraction = false;
+  bool leading = true;
+  const char* p = first;
+  for (; p != end; ++p) {
+    if (*p == decimal) {
+      fraction = true;
+      continue;
+    }
+    if (!is_digit(*p)) break;  // the exponent
+    if (fraction) ++places;
+    if (leading && *p == '0') continue;
+    leading = false;
+    ++digits;
+    zeros = *p == '0' ? zeros + 1 : 0;
+  }
+  int exponent = 0;
+  if (p != end) {
+    ++p;
+    if (p != end && *p == '+') ++p;
+    std::from_chars(p, end, exponent);
+  }
+  // Trailing zeros behind the sign say nothing of the resolution: "11.000" is a whole millisecond.
+  const int trailing = leading ? places : std::min(zeros, places);
+  decimals = std::max(decimals, places - trailing - exponent);
+  significant_digits = std::max(significant_digits, leading ? 0 : digits - trailing);
+  return value;
+}
+
+std::optional<NumberWithUnit> read_number_with_unit(std::string_view field, char decimal) {
+  field = firmware::trimmed(field);
+  std::size_t end = field.size();
+  // The unit is what stands behind the last digit; exponents of units ("m/s2") are tried, too.
+  std::size_t first = field.find_first_not_of("0123456789.,+- eE");
+  if (first == std::string_view::npos || first == 0 || field.size() > 48) return std::nullopt;
+  while (first > 0 && (field[first - 1] == 'e' || field[first - 1] == 'E' || field[first - 1] == '-')) --first;
+  const std::string_view unit = firmware::trimmed(field.substr(first, end - first));
+  if (!firmware::is_unit(unit)) return std::nullopt;
+  const std::optional<TextNumber> number = read_text_number(field.substr(0, first), decimal);
+  if (!number) return std::nullopt;
+  return NumberWithUnit{*number, unit};
+}
+
+DecimalEvidence decimal_evidence(std::string_view field) {
+  std::size_t points = 0;
+  std::size_t commas = 0;
+  std::size_t last = 0;
+  std::size_t first = field.size();
+  std::size_t i = 0;
+  while (i < field.size() && (field[i] == '+' || field[i] == '-' || field[i] == ' ')) ++i;
+  const std::size_t begin = i;
+  std::size_t digits = 0;
+  for (; i < field.size(); ++i) {
+    if (is_digit(field[i])) {
+      ++digits;
+      continue;
+    }
+    if (field[i] != '.' && field[i] != ',') break;
+    (field[i] == '.' ? points : commas) += 1;
+    first = std::min(first, i);
+    last = i;
+  }
+  if (digits == 0 || points + commas == 0) return DecimalEvidence::none;
+  if (i < field.size() && field[i] != 'e' && field[i] != 'E' && field[i] != ' ') return DecimalEvidence::none;
+  const bool point_last = field[last] == '.';
+  const DecimalEvidence by_last = point_last ? DecimalEvidence::point : DecimalEvidence::comma;
+  const DecimalEvidence by_other = point_last ? DecimalEvidence::comma : DecimalEvidence::point;
+  if (points > 0 && commas > 0) return by_last;
+  if (points + commas > 1) return by_other;  // two equal signs separate thousands
+  const std::size_t before = first - begin;
+  const std::size_t after = i - last - 1;
+  const bool thousands = after == 3 && before >= 1 && before <= 3 && field[begin] != '0' && i == field.size();
+  return thousands ? DecimalEvidence::ambiguous : by_last;
+}
+
 bool is_missing_value(std::string_view field) {
   field = firmware::trimmed(field);
-  constexpr std::array<std::string_view, 24> words{"",     "nan",  "-nan",    "+nan",    "nan(ind)", "-nan(ind)",
-                                                   "n/a",  "na",   "n.a.",    "-",       "--",       "---",
-                                                   "----", "#n/a", "#nv",     "#div/0!", "#wert!",   "#value!",
-                                                   "null", "none", "1.#qnan", "-1.#ind", "1.#ind",   "missing"};
+  // Microsoft's C library prints 1.#QNAN0, -1.#INF00, 1.#IND.
+  if (field.starts_with("1.#") || field.starts_with("-1.#")) return true;
+  constexpr std::array<std::string_view, 47> words{
+      "inf",    "-inf",       "+inf",   "infinity", "-infinity", "\xe2\x88\x9e", "-\xe2\x88\x9e", "+\xe2\x88\x9e",
+      "<na>",   "nan(snan)",  "ol",     "over",     "overflow",  "overload",     "ovld",          "#bezug!",
+      "#zahl!", "#ref!",      "#num!",  "#name?",   "#null!",    "invalid",      "no data",       "nodata",
+      "nil",    "-nan(snan)", "",       "nan",      "-nan",      "+nan",         "nan(ind)",      "-nan(ind)",
+      "n/a",    "na",         "n.a.",   "-",        "--",        "---",          "----",          "#n/a",
+      "#nv",    "#div/0!",    "#wert!", "#value!",  "null",      "none",         "missing"};
   return std::any_of(words.begin(), words.end(), [&](std::string_view word) { return equal_lower(field, word); });
 }
 
@@ -177,7 +342,9 @@ std::optional<ClockTime> read_clock_time(std::string_view field) {
   if (field.size() < 5 || field.size() > 40) return std::nullopt;
   ClockTime clock{0.0, 0, false, false, 0};
   std::string_view rest = field;
-  if (const std::optional<long> days = take_date(rest)) {
+  std::optional<long> days = take_date(rest);
+  if (!days) days = take_date_with_name(rest);
+  if (days) {
     clock.has_date = true;
     clock.day = *days;
     if (!rest.empty() && (rest[0] == 'T' || rest[0] == ' ' || rest[0] == '_' || rest[0] == ',')) {
@@ -186,41 +353,60 @@ std::optional<ClockTime> read_clock_time(std::string_view field) {
     }
     if (rest.empty()) return clock;
   }
-  const std::optional<int> hours = take_number(rest, 2);
+  // Hours beyond a day count from the start of a run.
+  const std::optional<int> hours = take_number(rest, clock.has_date ? 2 : 4);
   if (!hours || !take_sign(rest, ':')) return std::nullopt;
   const std::optional<int> minutes = take_number(rest, 2);
-  if (!minutes || *hours > 24 || *minutes > 59) return std::nullopt;
+  if (!minutes || (clock.has_date && *hours > 24) || *minutes > 59) return std::nullopt;
   int seconds = 0;
   double fraction = 0.0;
+  const auto take_fraction = [&] {
+    std::string digits = "0.";
+    while (!rest.empty() && is_digit(rest[0])) {
+      digits += rest[0];
+      rest.remove_prefix(1);
+      ++clock.decimals;
+    }
+    fraction = std::strtod(digits.c_str(), nullptr);
+    return clock.decimals > 0;
+  };
+  bool minutes_first = false;
   if (take_sign(rest, ':')) {
     const std::optional<int> whole = take_number(rest, 2);
     if (!whole || *whole > 60) return std::nullopt;
     seconds = *whole;
     if (!rest.empty() && (rest[0] == '.' || rest[0] == ',' || rest[0] == ':')) {
       rest.remove_prefix(1);
-      std::string digits = "0.";
-      while (!rest.empty() && is_digit(rest[0])) {
-        digits += rest[0];
-        rest.remove_prefix(1);
-        ++clock.decimals;
-      }
-      if (clock.decimals == 0) return std::nullopt;
-      fraction = std::strtod(digits.c_str(), nullptr);
+      if (!take_fraction()) return std::nullopt;
     }
+  } else if (!clock.has_date && rest.size() > 1 && (rest[0] == '.' || rest[0] == ',') && is_digit(rest[1])) {
+    // "00:55.000": minutes and seconds.
+    rest.remove_prefix(1);
+    take_fraction();
+    minutes_first = true;
+    clock.wraps = 3600.0;
   }
   clock.has_time = true;
   int hour = *hours;
   rest = firmware::trimmed(rest);
-  if (rest.size() >= 2 && (equal_lower(rest.substr(0, 2), "am") || equal_lower(rest.substr(0, 2), "pm"))) {
+  std::string half;  // of the day: "am", "a.m."
+  std::size_t half_length = 0;
+  for (; half_length < rest.size() && half_length < 4 && rest[half_length] != '+' && rest[half_length] != ' ';
+       ++half_length) {
+    if (rest[half_length] != '.')
+      half += static_cast<char>(std::tolower(static_cast<unsigned char>(rest[half_length])));
+  }
+  if (!minutes_first && (half == "am" || half == "pm")) {
     if (hour > 12) return std::nullopt;
-    hour = hour % 12 + (equal_lower(rest.substr(0, 2), "pm") ? 12 : 0);
-    rest = firmware::trimmed(rest.substr(2));
+    hour = hour % 12 + (half == "pm" ? 12 : 0);
+    rest = firmware::trimmed(rest.substr(half_length));
   }
   // A zone moves all stamps alike.
   const bool zone =
       rest.empty() || rest == "Z" || rest == "UTC" || ((rest[0] == '+' || rest[0] == '-') && rest.size() <= 6);
   if (!zone) return std::nullopt;
-  clock.seconds = 3600.0 * hour + 60.0 * *minutes + seconds + fraction;
+  clock.seconds =
+      minutes_first ? 60.0 * hour + *minutes + fraction : 3600.0 * hour + 60.0 * *minutes + seconds + fraction;
   return clock;
 }
 

@@ -18,6 +18,28 @@ struct TextNumber {
 /// apostrophe) only in groups of three. nullopt: not a number.
 [[nodiscard]] std::optional<TextNumber> read_text_number(std::string_view field, char decimal);
 
+/// The same for the usual field, a number with at most one decimal sign and without thousands separators, at the speed
+/// of the parser (fast_float); `decimals` and `significant_digits` grow to those of this number. nullopt: not such a
+/// number; read_text_number() may know it.
+[[nodiscard]] std::optional<double> read_plain_number(std::string_view field, char decimal, int& decimals,
+                                                      int& significant_digits);
+
+/// A number with its unit behind it, "0.5 mm" or "0.001 sec"; nullopt: not one, or no known unit.
+struct NumberWithUnit {
+  TextNumber number;
+  std::string_view unit;
+};
+[[nodiscard]] std::optional<NumberWithUnit> read_number_with_unit(std::string_view field, char decimal);
+
+/// What one field says of its decimal sign.
+enum class DecimalEvidence : unsigned char {
+  none,       ///< no sign: a whole number, or no number
+  point,      ///< "0.5", "1,234.5", "12,345,678"
+  comma,      ///< the same the other way round
+  ambiguous,  ///< "1,234": one and a quarter, or a thousand
+};
+[[nodiscard]] DecimalEvidence decimal_evidence(std::string_view field);
+
 /// Whether the field says that there is no value: empty, NaN, n/a, -, --, #NV, #DIV/0!, 1.#QNAN, null …
 [[nodiscard]] bool is_missing_value(std::string_view field);
 
@@ -27,12 +49,14 @@ struct ClockTime {
   long day;        ///< since 1970-01-01; 0 without a date
   bool has_date;
   bool has_time;
-  int decimals;  ///< of the seconds
+  int decimals;            ///< of the seconds
+  double wraps = 86400.0;  ///< [s] after which it begins anew: an hour where it has minutes and seconds alone
 };
 
 /// "14:05:36.674", "2:05:36,674 PM", "29.06.2022 14:05:36", "06/29/2022 04:05:36.674 PM", "2022-06-29T14:05:36.674Z",
-/// "2022-06-29 14:05". The decimal sign may be '.' or ',', and ':' before three digits of milliseconds. A date alone
-/// counts as well. Dates with strokes are month/day/year unless the first number is above 12.
+/// "2022-06-29 14:05", "12-Mar-2024 14:05:36", "11:59:59.000 a.m.", "00:55.000" (minutes and seconds), "25:00:00"
+/// (hours since the start). The decimal sign may be '.' or ',', and ':' before three digits of milliseconds. A date
+/// alone counts as well. Dates with strokes are month/day/year unless the first number is above 12.
 [[nodiscard]] std::optional<ClockTime> read_clock_time(std::string_view field);
 
 }  // namespace host_sim

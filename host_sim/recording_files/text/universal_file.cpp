@@ -18,6 +18,7 @@
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
+#include "host_sim/recording_files/text/text_encoding.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
 
 namespace host_sim {
@@ -279,7 +280,14 @@ class UniversalReader {
         if (!number) fail(in_quotes(before.substr(0, 20)) + " is no number", "a number of dataset 58");
         numbers.push_back(*number);
       }
-      if (!trimmed(line).empty()) fail_behind(f);
+      // Some programs fill the last line with zeros.
+      while (!trimmed(line).empty()) {
+        const auto number = next_number(line);
+        if (!number || *number != 0.0) fail_behind(f);
+        if (padding_note_) continue;
+        table_.notes.emplace_back("the last line of a dataset is filled with zeros, which are left out");
+        padding_note_ = true;
+      }
     }
     return numbers;
   }
@@ -386,10 +394,10 @@ class UniversalReader {
     table_.header_line = kept_.front().line;
     std::map<std::string, int> names;
     for (Kept& one : kept_) {
-      RawColumn column{name_of(one.function)};
+      RawColumn column{to_utf8(name_of(one.function))};
       if (const int times = ++names[column.name]; times > 1) column.name += " (" + std::to_string(times) + ")";
       column.text = column.name;
-      column.unit = unit_of(one.function);
+      column.unit = to_utf8(unit_of(one.function));
       column.values = std::move(one.values);
       if (!one_axis) column.own_time = std::move(one.time);
       table_.columns.push_back(std::move(column));
@@ -399,6 +407,7 @@ class UniversalReader {
   std::string_view rest_;
   std::size_t line_ = 0;
   RawTable table_;
+  bool padding_note_ = false;
   std::vector<Kept> kept_;
   std::map<std::string, int> passed_;
   std::optional<double> length_, force_;  // [m], [N] of the file's units

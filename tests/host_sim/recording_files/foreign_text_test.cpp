@@ -139,7 +139,12 @@ TEST(ForeignText, ReadsTimesOfDayWithAmAndPm) {
   EXPECT_EQ(host_sim::read_clock_time("1970-01-02")->day, 1);
   EXPECT_EQ(host_sim::read_clock_time("29.02.2000 00:00:00")->day, 11016);
   EXPECT_FALSE(host_sim::read_clock_time("13:00:00 PM"));
-  EXPECT_FALSE(host_sim::read_clock_time("25:00:00"));
+  EXPECT_FALSE(host_sim::read_clock_time("2024-03-12 25:00:00"));
+  EXPECT_EQ(host_sim::read_clock_time("25:00:00")->seconds, 25 * 3600.0);  // since the start of a run
+  EXPECT_EQ(host_sim::read_clock_time("00:55.250")->seconds, 55.25);
+  EXPECT_EQ(host_sim::read_clock_time("00:00.250")->wraps, 3600.0);
+  EXPECT_EQ(host_sim::read_clock_time("12:00:00.010 a.m.")->seconds, 0.010);
+  EXPECT_EQ(host_sim::read_clock_time("12-Mar-2024 10:00:00")->day, host_sim::read_clock_time("2024-03-12")->day);
   EXPECT_FALSE(host_sim::read_clock_time("1:2:3:4:5"));
 }
 
