@@ -78,4 +78,31 @@ TEST(Import, LeavesNothingHalfDone) {
   EXPECT_FALSE(std::filesystem::exists(folder / "x.csv"));
 }
 
+// Without --out the columns are listed; names that say nothing are mapped in one command.
+TEST(Import, ListsColumnsAndTakesTheUsersWord) {
+  const TemporaryFolder folder;
+  std::string text = "CHANNEL0,vir\n";
+  for (int k = 0; k < 200; ++k) text += std::to_string(k % 20) + ".5," + std::to_string(k % 7) + ".25\n";
+  const std::string file = folder.write("raw.csv", text);
+  const Ended listed = rigtwin({"import", file, "--json", "-"});
+  ASSERT_EQ(listed.status, 0) << listed.errors;
+  const nlohmann::json json = nlohmann::json::parse(listed.output);
+  EXPECT_EQ(json["columns"][1]["column"], "vir");
+  EXPECT_EQ(json["columns"][1]["count"], 200);
+  EXPECT_EQ(json["columns"][1]["high"], 6.25);
+
+  const Ended refused = rigtwin({"import", file, "--out", folder / "r.csv"});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_NE(refused.errors.find("--map 'x_act=CHANNEL0 [mm]'"), std::string::npos) << refused.errors;
+  const Ended ended = rigtwin({"import", file, "--rate", "100", "--map", "x_act=CHANNEL0 [mm] * 10", "--map",
+                               "F=vir * 2 + 0.5", "--from", "0.1", "--to", "0.5", "--out", folder / "r.csv"});
+  ASSERT_EQ(ended.status, 0) << ended.errors;
+  const firmware::Recording recording = host_sim::read_recording(folder / "r.csv", {}, 100.0);
+  ASSERT_EQ(recording.size(), 41U);
+  EXPECT_NEAR(recording[Channel::x_act][0], 0.105, 1e-12);
+  EXPECT_NEAR(recording[Channel::F][0], 2.0 * 3.25 + 0.5, 1e-12);
+  EXPECT_EQ(rigtwin({"import", file, "--map", "speed=vir", "--out", folder / "r.csv"}).status, 2);
+  EXPECT_EQ(rigtwin({"import", file, "--map", "F=absent", "--out", folder / "r.csv"}).status, 3);
+}
+
 }  // namespace

@@ -4,14 +4,18 @@
 #include <matio.h>
 
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/recording_files/binary/tdms_file.hpp"
+#include "host_sim/recording_files/binary/tdms_table.hpp"
 #include "host_sim/recording_files/import.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "tests/host_sim/recording_files/tdms_bytes.hpp"
@@ -340,6 +344,59 @@ TEST(MatlabStructures, ReadsTimetablesSimulinkAndTimeSeries) {
       EXPECT_NEAR(recording[Channel::F][100], 1e3 * std::sin(11.0), 1e-9) << name;
     }
   }
+}
+
+// DAQmx raw data: samples of two channels side by side in one raw buffer, 16 bits each; value = 1 + 0.5 × count.
+TEST(BinaryFiles, DaqmxRawDataAreReadByTheirScalers) {
+  const auto put = [](std::string& bytes, std::uint64_t value, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xffU);
+  };
+  const auto put_text = [&](std::string& bytes, std::string_view text) {
+    put(bytes, text.size(), 4);
+    bytes += text;
+  };
+  const auto put_double = [&](std::string& bytes, std::string_view name, double value) {
+    put_text(bytes, name);
+    put(bytes, 10, 4);
+    put(bytes, std::bit_cast<std::uint64_t>(value), 8);
+  };
+  std::string meta;
+  put(meta, 2, 4);
+  for (const unsigned channel : {0U, 1U}) {
+    put_text(meta, channel == 0 ? "/'Run'/'Weg'" : "/'Run'/'Kraft'");
+    put(meta, 0x1269, 4);
+    put(meta, 0xffffffff, 4);
+    put(meta, 1, 4);
+    put(meta, 3, 8);                                                                // samples of a chunk
+    put(meta, 1, 4);                                                                // scalers
+    for (const unsigned part : {3U, 0U, 2U * channel, 0U, 0U}) put(meta, part, 4);  // i16, buffer, offset, format, id
+    put(meta, 1, 4);
+    put(meta, 4, 4);  // bytes of a sample of all channels
+    put(meta, 6, 4);  // properties
+    put_double(meta, "wf_increment", 1e-3);
+    put_text(meta, "NI_Number_Of_Scales");
+    put(meta, 7, 4);
+    put(meta, 2, 4);
+    put_text(meta, "NI_Scale[1]_Scale_Type");
+    put(meta, 0x20, 4);
+    put_text(meta, "Linear");
+    put_double(meta, "NI_Scale[1]_Linear_Slope", 0.5);
+    put_double(meta, "NI_Scale[1]_Linear_Y_Intercept", 1.0);
+    put_text(meta, "NI_Scale[1]_Linear_Input_Source");
+    put(meta, 7, 4);
+    put(meta, 0, 4);
+  }
+  std::string raw;
+  for (const int count : {10, -20, 11, -21, 12, -22}) put(raw, static_cast<std::uint16_t>(count), 2);
+  std::string file = "TDSm";
+  put(file, 2 + 4 + 8 + 128, 4);
+  put(file, 4713, 4);
+  put(file, meta.size() + raw.size(), 8);
+  put(file, meta.size(), 8);
+  const host_sim::RawTable table = host_sim::table_of_tdms(file + meta + raw, "daqmx.tdms");
+  ASSERT_EQ(table.columns.size(), 3U);
+  EXPECT_EQ(table.columns[1].values, (std::vector<double>{6.0, 6.5, 7.0}));
+  EXPECT_EQ(table.columns[2].values, (std::vector<double>{-9.0, -9.5, -10.0}));
 }
 
 }  // namespace

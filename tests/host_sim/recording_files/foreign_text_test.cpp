@@ -6,9 +6,11 @@
 #include <string>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/units.hpp"
 #include "host_sim/recording_files/import.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "host_sim/recording_files/text/text_encoding.hpp"
+#include "host_sim/recording_files/text/text_preamble.hpp"
 #include "host_sim/recording_files/text/text_table.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -317,6 +319,106 @@ TEST(ForeignText, ReadsNumbersWithSeparators) {
   EXPECT_EQ(value("e5", '.'), -999.0);
   EXPECT_EQ(value("0x10", '.'), -999.0);
   EXPECT_TRUE(host_sim::read_text_number("1,500", '.')->weak);
+}
+
+// Of all statements those with a word of sampling count; what moves the rig, how long it took and clocks are no rate.
+TEST(ForeignText, TheRateIsWhatIsSaidOfSampling) {
+  const auto rate = [](std::vector<std::string_view> lines, host_sim::RateHints hints = {}) {
+    const auto found = host_sim::find_rate(lines, hints);
+    return found ? found->rate : 0.0;
+  };
+  EXPECT_EQ(rate({"Messzeit: 10 s", "Abtastrate: 1000 Hz"}), 1000.0);
+  EXPECT_EQ(rate({"Frequency: 1.5 Hz", "Sample rate: 1000 Hz"}), 1000.0);
+  EXPECT_EQ(rate({"Period: 2 s", "Sampling interval: 1 ms"}), 1000.0);
+  EXPECT_EQ(rate({"# Config: data_rate = 2000.0 Hz, filter = 488 Hz, acc_range = 4 g"}), 2000.0);
+  EXPECT_EQ(rate({"Log time: 14:22:10"}), 0.0);
+  EXPECT_EQ(rate({"Data rate: 500 kBit/s"}), 0.0);
+  EXPECT_EQ(rate({"Rate: 5 mm/s"}), 0.0);
+  EXPECT_EQ(rate({"Excitation frequency: 3 Hz"}), 0.0);
+  EXPECT_EQ(rate({"Sample rate: 1,000 Hz"}, {'.', 0}), 1000.0);
+  EXPECT_EQ(rate({"Abtastrate: 1.000 Hz"}, {',', 0}), 1000.0);
+  EXPECT_EQ(rate({"SR=1000 Hz\tSR=1000 Hz"}), 1000.0);
+  // Two that differ: the one that agrees with duration and number of samples, else both are named.
+  EXPECT_EQ(rate({"Sample rate: 500 Hz", "Sample rate: 1000 Hz", "Duration: 0.2 s"}, {'.', 200}), 1000.0);
+  const auto conflict = host_sim::find_rate({"Sample rate: 500 Hz", "Sampling rate: 1000 Hz"}, {});
+  ASSERT_TRUE(conflict);
+  EXPECT_EQ(conflict->conflict, "Sampling rate: 1000 Hz");
+}
+
+TEST(ForeignText, AFieldTellsItsDecimalSignOrLeavesItOpen) {
+  using host_sim::decimal_evidence;
+  using host_sim::DecimalEvidence;
+  EXPECT_EQ(decimal_evidence("987"), DecimalEvidence::none);
+  EXPECT_EQ(decimal_evidence("1,234"), DecimalEvidence::ambiguous);
+  EXPECT_EQ(decimal_evidence("0,234"), DecimalEvidence::comma);
+  EXPECT_EQ(decimal_evidence("-1.5"), DecimalEvidence::point);
+  EXPECT_EQ(decimal_evidence("1,234.5"), DecimalEvidence::point);
+  EXPECT_EQ(decimal_evidence("1,234,567"), DecimalEvidence::point);
+  EXPECT_EQ(decimal_evidence("1.234,5"), DecimalEvidence::comma);
+}
+
+// The force has a time column of its own, at a tenth of the rate and 5 ms later.
+TEST(ForeignText, EveryTimeColumnGovernsTheColumnsBehindIt) {
+  std::string text = "Time1 [s],Weg [mm],Time2 [s],Kraft [kN]\n";
+  for (int k = 0; k < count; ++k) {
+    text += number(1e-3 * k, 3) + "," + number(stroke_mm(k), 5);
+    text += k < 19 ? "," + number(5e-3 + 1e-2 * k, 3) + "," + number(force_kn(10 * k + 5), 5) + "\n" : ",,\n";
+  }
+  const Recording recording = read_text(text);
+  ASSERT_EQ(recording.size(), 181U);  // 5 … 185 ms
+  EXPECT_NEAR(recording.time[0], 0.005, 1e-12);
+  for (std::size_t k = 0; k < 181; k += 10)
+    ASSERT_NEAR(recording[Channel::F][k], 1e3 * force_kn(static_cast<int>(k) + 5), 1e-2) << k;
+}
+
+// A second header in other order and units, a block's key lines, statistics at the end: none is a sample.
+TEST(ForeignText, HeadersAndStatisticsBetweenRowsAreNoSamples) {
+  std::string text = "Zeit [s];Weg [mm];Kraft [kN]\n";
+  for (int k = 0; k < 100; ++k)
+    text += number(1e-3 * k, 3) + ";" + number(stroke_mm(k), 5) + ";" + number(force_kn(k), 5) + "\n";
+  text += "\nPoints:;51;\nZeit [s];Kraft [N];Weg [mm]\n";
+  for (int k = 100; k < count; ++k)
+    text += number(1e-3 * k, 3) + ";" + number(1e3 * force_kn(k), 2) + ";" + number(stroke_mm(k), 5) + "\n";
+  text += "\nMin;-2000;-5\nMax;2000;5\n";
+  expect_measured(read_text(text), Channel::x_act, Channel::F);
+}
+
+TEST(ForeignText, UnitsOfNoChannelAreUnits) {
+  std::string text = "Time,Disp,Force,Valve,Oil\ns,mm,kN,V,°C\n";
+  text += rows([](int k) {
+    return number(1e-3 * k, 3) + "," + number(stroke_mm(k), 5) + "," + number(force_kn(k), 5) + ",1.5,40";
+  });
+  expect_measured(read_text(text), Channel::x_act, Channel::F);
+  EXPECT_FALSE(firmware::find_unit("Nm"));  // no nanometres
+  EXPECT_TRUE(firmware::is_unit_of_no_channel("Nm"));
+  EXPECT_FALSE(firmware::is_unit("Messung"));
+}
+
+TEST(ForeignText, ASlowChannelIsInterpolated) {
+  std::string text = "Zeit [s];Weg [mm];Kraft [kN]\n";
+  for (int k = 0; k < 191; ++k)
+    text +=
+        number(1e-3 * k, 3) + ";" + number(stroke_mm(k), 5) + ";" + (k % 10 == 0 ? number(force_kn(k), 5) : "") + "\n";
+  const Recording recording = read_text(text);
+  ASSERT_EQ(recording.size(), 191U);
+  // Linear between 10 steps of 0.05 rad: 0.5²/8 of 2 kN.
+  for (int k = 0; k < 191; ++k)
+    ASSERT_NEAR(recording[Channel::F][static_cast<std::size_t>(k)], 1e3 * force_kn(k), 63.0) << k;
+  EXPECT_NE(recording.remark.find("interpolated linearly"), std::string::npos) << recording.remark;
+}
+
+// Steps of 0.1 are 10 Hz or 10 kHz: the user is asked, in the words of a command.
+TEST(ForeignText, ATimeWhoseUnitIsOpenIsAskedFor) {
+  const std::string text = "Time,Weg [mm],Kraft [kN]\n" + rows([](int k) {
+                             return number(0.1 * k, 1) + "," + number(stroke_mm(k), 5) + "," + number(force_kn(k), 5);
+                           });
+  try {
+    static_cast<void>(read_text(text));
+    FAIL();
+  } catch (const firmware::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("--time 'Time [ms]'"), std::string::npos) << error.what();
+  }
+  expect_measured(read_text(text, std::nullopt, 10000.0), Channel::x_act, Channel::F, 1e-4);
 }
 
 }  // namespace
