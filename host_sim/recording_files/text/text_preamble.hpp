@@ -1,6 +1,7 @@
 // What the lines above a table say of its rate.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
