@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "firmware/loop/kalman/square_matrices.hpp"
+
 namespace firmware {
 namespace {
 
@@ -55,6 +57,10 @@ KalmanFilter::KalmanFilter(const EstimatorEquations& equations, SteadyGains& gai
         }
       }
     }
+    m.noise = gains.noise();
+    m.linear = open > 0 ? gains.transition() : m.transition;
+    const int piston = core_[CoreIndex::piston_velocity];
+    for (int j = 0; j < states_ && open == 0 && piston >= 0; ++j) m.linear(piston, j) = m.linear(j, piston) = 0.0;
     for (int lag = 0; lag <= longest_lag_; ++lag) m.priors[static_cast<std::size_t>(lag)] = gains.prior(lag);
   }
   wheel_load_row_ = equations.row(Channel::F_w, 0, false);
@@ -91,6 +97,8 @@ void KalmanFilter::step(const hal::Frame& frame, std::uint32_t bad, hal::Time no
     started_ = true;
     for (Slot& s : slots_) s = {.open = first_open_, .actuator = force};
     anchor_.ducts.start(static_cast<model::OpenDucts>(first_open_.bits()));
+    covariance_ =
+        by_count_[static_cast<std::size_t>(count(first_open_))].priors[static_cast<std::size_t>(longest_lag_)];
     last_taken_.fill(hal::never);
     push(force);
   } else {
@@ -109,7 +117,8 @@ void KalmanFilter::step(const hal::Frame& frame, std::uint32_t bad, hal::Time no
   newest_ = anchor_;
   for (int lag = longest_lag_ - 1; lag >= 0; --lag) {
     advance(newest_, slot(lag + 1), slot(lag));
-    correct(newest_.x, slot(lag), lag, nullptr);
+    work_1_ = by_count_[static_cast<std::size_t>(count(slot(lag).open))].priors[static_cast<std::size_t>(lag)];
+    correct(newest_.x, work_1_, slot(lag), nullptr);
   }
 }
 
@@ -127,8 +136,21 @@ void KalmanFilter::push(double actuator) {
 /// One period on: all samples of that instant are there, or will not come.
 void KalmanFilter::move_anchor() {
   advance(anchor_, slot(longest_lag_ + 1), slot(longest_lag_));
+  predict_covariance(slot(longest_lag_ + 1));
   innovation_.fill(0.0);
-  correct(anchor_.x, slot(longest_lag_), longest_lag_, &monitor_);
+  correct(anchor_.x, covariance_, slot(longest_lag_), &monitor_);
+}
+
+/// (4)
+void KalmanFilter::predict_covariance(const Slot& from) {
+  const PerCount& m = by_count_[static_cast<std::size_t>(count(from.open))];
+  multiply(work_1_, m.linear, covariance_, states_);
+  multiply_transposed(covariance_, work_1_, m.linear, states_);
+  for (int j = 0; j < states_; ++j) {
+    for (int i = 0; i <= j; ++i) {
+      covariance_(i, j) = covariance_(j, i) = 0.5 * (covariance_(i, j) + covariance_(j, i)) + m.noise(i, j);
+    }
+  }
 }
 
 /// By stamp.
@@ -178,9 +200,8 @@ void KalmanFilter::advance(Estimate& estimate, const Slot& from, const Slot& to)
 }
 
 /// (3)
-void KalmanFilter::correct(EstimatorVector& x, const Slot& at, int lag, InnovationMonitor* monitor) {
+void KalmanFilter::correct(EstimatorVector& x, EstimatorMatrix& p, const Slot& at, InnovationMonitor* monitor) {
   const PerCount& m = by_count_[static_cast<std::size_t>(count(at.open))];
-  EstimatorMatrix p = m.priors[static_cast<std::size_t>(lag)];
   double nis = 0.0;
   int innovations = 0;
   for (int i = 0; i < channels_; ++i) {
@@ -196,10 +217,13 @@ void KalmanFilter::correct(EstimatorVector& x, const Slot& at, int lag, Innovati
     const double delta = at.offset[c];
     const double expected = dot(row[0], x) + delta * (dot(row[1], x) + delta * dot(row[2], x));
     const double innovation = at.value[c] - expected - feedthrough_[c] * at.actuator;
+    EstimatorVector gain = EstimatorVector::Zero();
+    for (int j = 0; j < states_; ++j) gain(j) = projected(j) / variance;
     for (int j = 0; j < states_; ++j) {
-      const double gain = projected(j) / variance;
-      x(j) += gain * innovation;
-      for (int k = 0; k < states_; ++k) p(k, j) -= gain * projected(k);
+      x(j) += gain(j) * innovation;
+      for (int k = 0; k < states_; ++k) {
+        p(k, j) += variance * gain(k) * gain(j) - gain(k) * projected(j) - projected(k) * gain(j);
+      }
     }
     if (monitor == nullptr) continue;
     const double normalised = innovation / std::sqrt(variance);

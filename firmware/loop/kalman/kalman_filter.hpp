@@ -21,16 +21,21 @@ namespace firmware {
 ///   (3)  correct  e = y_i − (c_i + δ c_i A + ½ δ² c_i A²) x − d_i F_act,   k = P c_i/s,   s = c_iᵀ P c_i + r_i²,
 ///                 x ← x + k e,   P ← P − k c_iᵀ P               channel by channel, those that are there
 ///
-/// P in (3) begins every period at the steady state's for the lag and the number of ducts: a channel that is missing
-/// leaves the others the gains that they have without it. It is not carried along.
+///   (4)  predict  P ← Φ_n P Φ_nᵀ + Q_n             losses linearised; no duct open: a piston that stands still
+///
+/// The anchor's P is carried along by (3) and (4), from the steady state's: after lost samples and after a switch of
+/// ducts the innovations are as large as their s says. (3) in the form
+/// of Joseph, P ← P − k qᵀ − q kᵀ + k s kᵀ with q = P c. From the anchor to the present P begins every period at the
+/// steady state's for the lag and the number of ducts: what is missing there leaves the others the gains that they have
+/// without it.
 ///
 /// Samples count for the instant of their stamp: it chooses the period (the nearest) and δ, at most half a period. An
 /// anchor state runs longest_lag() periods behind, where all samples are there; from it the newest state is computed
-/// anew each period, with the samples that have come so far. So each period costs longest_lag() + 2 times (1)–(3),
-/// whatever the samples. A sample that is missing, bad or shown before (same stamp) is skipped; one that is too old for
-/// the history is counted and left out.
-/// The innovations of the anchor, all channels present, are white for a right model: InnovationMonitor.
-/// Memory: 190 KiB for 16 states, 8 channels, 8 late periods, 7 counts of ducts; no heap.
+/// anew each period, with the samples that have come so far. So each period costs longest_lag() + 2 times (1)–(3) and
+/// once (4), whatever the samples. A sample that is missing, bad or shown before (same stamp) is skipped; one that is
+/// too old for the history is counted and left out. The innovations of the anchor are white and of variance 1 for a
+/// right model, whichever channels are there: InnovationMonitor. Memory: 220 KiB for 16 states, 8 channels, 8 late
+/// periods, 7 counts of ducts; no heap.
 class KalmanFilter {
  public:
   /// Settings that pass EstimatorEquations::check(); `gains` is room for the construction and may be forgotten.
@@ -68,6 +73,7 @@ class KalmanFilter {
  private:
   struct PerCount {
     EstimatorMatrix transition;
+    EstimatorMatrix linear, noise;  ///< Φ_n, Q_n of (4)
     model::Block<double, estimator_states, 4> losses;
     model::Block<double, estimator_states, 2> actuator;
     std::array<std::array<EstimatorVector, 3>, estimator_channels> rows;  ///< c, c A, ½ c A²
@@ -93,7 +99,9 @@ class KalmanFilter {
   void move_anchor();
   void place(const hal::Frame& frame, std::uint32_t bad, hal::Time now);
   void advance(Estimate& estimate, const Slot& from, const Slot& to) const;
-  void correct(EstimatorVector& x, const Slot& at, int lag, InnovationMonitor* monitor);
+  void predict_covariance(const Slot& from);
+  /// The samples of one channel after the other; `p`: P before them, and after them.
+  void correct(EstimatorVector& x, EstimatorMatrix& p, const Slot& at, InnovationMonitor* monitor);
 
   int states_, channels_, longest_lag_;
   double period_;
@@ -115,6 +123,8 @@ class KalmanFilter {
   int newest_slot_ = 0;
   hal::Openings first_open_{};  ///< of the first instant
   Estimate anchor_{}, newest_{};
+  EstimatorMatrix covariance_ = EstimatorMatrix::Zero();  ///< P of the anchor, after its samples
+  EstimatorMatrix work_1_, work_2_;                       ///< not on the stack of a board
   double nis_ = 0.0;
   int innovation_count_ = 0;
   std::array<double, estimator_channels> innovation_{};

@@ -222,15 +222,18 @@ TEST(KalmanFilter, FusesSamplesBetweenTwoPeriods) {
 
 // Fault. A third of the samples lost: the rest is used. In one of 81 periods none of the four that show the wheel load
 // – z_r, dz_w, zdd_w, F_w – is there; the road then moves on unseen by its gain · √(h/2) = 0.59 mm, 118 N: 13 N rms
-// over all periods, and less than a third more for what is lost after that. The innovations stay within half of their
-// size.
+// over all periods, and less than a third more for what is lost after that. The filter knows what it has not seen: the
+// innovations are as large as it expects, and no model is called wrong for them.
 TEST(KalmanFilter, SkipsMissingSamples) {
   Made made(LinearCar::settings(every), LinearCar::rig());
   made.gains->compute(0);
   const auto& posterior = made.gains->posterior();
   const Errors e = drive(*made.filter, made.equations, posterior, every, 7, 60'000, 0, true, 0.43);
   EXPECT_LT(e.wheel_load, 17.0);
-  EXPECT_NEAR(e.nis / static_cast<double>(e.innovations), 1.0, 0.5);
+  const auto n = static_cast<double>(e.innovations);
+  EXPECT_NEAR(e.nis / n, 1.0, 4.0 * std::sqrt(2.0 / n));
+  EXPECT_FALSE(made.filter->monitor().model_wrong());
+  EXPECT_GE(made.filter->monitor().blocks(), 30U);
   EXPECT_LT(e.innovations, 57'001U * 6 * 3 / 4);
 }
 
