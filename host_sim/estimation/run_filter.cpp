@@ -174,7 +174,9 @@ Estimate run_filter(const firmware::RigDescription& description, const std::vect
         if (recording.channels[i].empty() || !std::isfinite(recording.channels[i][k])) continue;
         const double value = recording.channels[i][k];
         if (used.range[i] && !used.range[i]->holds(value)) continue;
-        const double age = ages[p][i].empty() || !std::isfinite(ages[p][i][k]) ? 0.0 : ages[p][i][k];
+        // Without stamps a sample is as old as the description says.
+        const bool stamped = !ages[p][i].empty() && std::isfinite(ages[p][i][k]);
+        const double age = stamped ? ages[p][i][k] : used.controller.kalman.age[i];
         frame.channels[i] = {value, now - hal::seconds(age), hal::Quality::good};
       }
       filter->step(frame, 0, now);

@@ -56,6 +56,22 @@ report::Curve curve(const std::string& name, const std::vector<double>& time, co
   return c;
 }
 
+/// A policy opens other ducts where the readings have other noise: such a run is another one, not the truth of this
+/// one.
+void demand_same_ducts(const firmware::Recording& recording, const firmware::Recording& truth) {
+  for (std::size_t j = 0; j < recording.ducts.size(); ++j) {
+    const auto &a = recording.ducts[j], &b = truth.ducts[j];
+    const auto first_difference = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+    if (a.empty() || b.empty() || first_difference.first == a.end() || first_difference.second == b.end()) continue;
+    const auto row = static_cast<std::size_t>(first_difference.first - a.begin());
+    throw firmware::InputError(
+        truth.source, 0,
+        "duct_" + std::to_string(j + 1) +
+            " of the truth is not that of the recording from t = " + report::figure_text(recording.time[row]) + " s on",
+        "a truth of the same run: the same openings, by [valves] plan in place of a policy");
+  }
+}
+
 }  // namespace
 
 std::vector<WheelLoad> wheel_loads(const firmware::RigDescription& description, const firmware::Recording& recording,
@@ -68,6 +84,7 @@ std::vector<WheelLoad> wheel_loads(const firmware::RigDescription& description, 
   if (recording.has(Channel::F_w)) loads.push_back({"sensor F_w", recording[Channel::F_w], {}, {}});
   loads.push_back({"filter", estimate.column("F_w_est"), {}, {}});
   if (truth == nullptr) return loads;
+  demand_same_ducts(recording, *truth);
   const std::vector<double>& right = truth->required(Channel::F_w, "as the truth");
   for (WheelLoad& load : loads) {
     if (load.values.size() != right.size()) {

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -76,6 +78,53 @@ TEST_F(EstimateCommand, FindsTheWheelLoadOfThePapersRig) {
   const Ended policy = rigtwin({"estimate", "--rig", rig, "--data", at("drive.csv"), "--out", at("policy.csv")});
   EXPECT_EQ(policy.status, 0) << policy.errors;
   EXPECT_THAT(policy.output, HasSubstr("do not contradict the model"));
+}
+
+// Law. Without stamps a sample is as old as [estimator] age says: dz_b written down five rows late costs no more than
+// the filter expects of such a rig; taken as new it costs many times that, and the monitor says that something is
+// wrong.
+TEST_F(EstimateCommand, TakesTheDescribedAgeWhereThereAreNoStamps) {
+  const std::string planned = support::with(shipped(), "policy = \"rollout\"", "plan = [{ t = 3.0, open = 4 }]");
+  const std::string rig = file("planned.toml", planned);
+  simulate(rig, at("drive.csv"), {"--seed", "33"});
+  std::istringstream rows(TemporaryFolder::read(at("drive.csv")));
+  std::string late;
+  std::size_t column = 0;
+  std::deque<std::string> past;
+  for (std::string line; std::getline(rows, line);) {
+    if (line.starts_with("#")) continue;
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (column == 0) {
+      while (!cells[column].starts_with("dz_b")) ++column;
+    } else {
+      past.push_back(cells[column]);
+      if (past.size() > 6) past.pop_front();
+      cells[column] = past.front();
+    }
+    for (std::size_t i = 0; i < cells.size(); ++i) late += (i > 0 ? "," : "") + cells[i];
+    late += '\n';
+  }
+  const std::string sensors = "kind = \"kalman\"\nsensors = [\"dz_b\", \"zdd_b\", \"zdd_w\"]";
+  const auto estimate = [&](const std::string& more) {
+    const std::string used = file("used.toml", support::with(planned, "kind = \"kalman\"", sensors + more));
+    const Ended ended = rigtwin({"estimate", "--rig", used, "--data", file("late.csv", late), "--out", at("est.csv"),
+                                 "--json", at("est.json")});
+    EXPECT_EQ(ended.status, 0) << ended.errors;
+    return json::parse(TemporaryFolder::read(at("est.json")))["nis"].get<double>();
+  };
+  EXPECT_NEAR(estimate("\nage = { dz_b = 0.005 }"), 1.0, 0.05);
+  EXPECT_GT(estimate(""), 2.0);
+}
+
+// Fault. A truth in which a policy opened other ducts is another run.
+TEST_F(EstimateCommand, RefusesATruthWithOtherDucts) {
+  const std::string rig = file("rig.toml", shipped());
+  simulate(rig, at("drive.csv"));
+  simulate(rig, at("truth.csv"), {"--no-noise"});
+  refused({"estimate", "--rig", rig, "--data", at("drive.csv"), "--truth", at("truth.csv"), "--out", at("est.csv")}, 3,
+          "of the truth is not that of the recording");
 }
 
 // Law. An estimate is no recording: diagnose finds no channel in it.
