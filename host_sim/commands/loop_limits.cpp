@@ -25,8 +25,7 @@ constexpr double allowed_step = 1e-6;    ///< rounded down to [s]
 /// What a loop without compensation leaves [s]; none: no border.
 std::optional<double> left_for_samples(const firmware::RigDescription& with, const std::string& ducts) {
   const stability::StabilityAnalysis a = stability::analyse(with);
-  const bool varies_out = a.varying && !a.varying->stable;
-  if (!a.stable || varies_out || (a.sampled && !a.sampled->stable())) {
+  if (!a.stable_as_run() || !a.stable_over_delays()) {
     refuse_limits(with, "the loop" + ducts + " is " + stability::verdict(a), "a stable loop");
   }
   const double longest =

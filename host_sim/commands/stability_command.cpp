@@ -35,6 +35,7 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 void print_roots(const StabilityAnalysis& a) {
+  std::printf("in continuous time, without sampling and hold\n");
   std::printf("roots right of Re = %.4g 1/s: %d, proven by the argument principle\n", a.roots.line, a.roots.count);
   std::printf("  %14s %14s %10s %10s\n", "Re [1/s]", "Im [1/s]", "f [Hz]", "damping");
   for (const Complex s : a.roots.roots) {
@@ -43,9 +44,15 @@ void print_roots(const StabilityAnalysis& a) {
   }
 }
 
+void print_gain(const char* name, const std::optional<stability::GainMargin>& gain) {
+  if (!gain) return;
+  std::printf("  %-25s force × %.4g (%+.2f dB) at %.4g Hz\n", name, gain->factor, 20.0 * std::log10(gain->factor),
+              gain->omega / full_turn);
+}
+
 void print_border(const StabilityAnalysis& a, double virtual_damping) {
   const auto& m = a.margins;
-  std::printf("margins\n");
+  std::printf("margins without sampling and hold\n");
   if (m.critical_delay) {
     std::printf("  critical delay            %s at %.4g Hz, given %s\n",
                 formatted("%.6g ms", 1e3 * *m.critical_delay).c_str(), m.critical_omega / full_turn,
@@ -59,13 +66,8 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
   } else {
     std::printf("  critical virtual damping  none from 0 to 10000 N s/m, given %.6g N s/m\n", virtual_damping);
   }
-  for (const auto& [name, gain] :
-       {std::pair("gain margin, upwards", m.upper_gain), std::pair("gain margin, downwards", m.lower_gain)}) {
-    if (gain) {
-      std::printf("  %-25s force × %.4g (%+.2f dB) at %.4g Hz\n", name, gain->factor, 20.0 * std::log10(gain->factor),
-                  gain->omega / full_turn);
-    }
-  }
+  print_gain("gain margin, upwards", m.upper_gain);
+  print_gain("gain margin, downwards", m.lower_gain);
   if (m.phase_margin) {
     std::printf("  phase margin              %.2f° at %.4g Hz\n", *m.phase_margin * 360.0 / full_turn,
                 m.phase_margin_omega / full_turn);
@@ -73,33 +75,59 @@ void print_border(const StabilityAnalysis& a, double virtual_damping) {
   std::printf("  sensitivity peak          %.4g at %.4g Hz\n", a.sensitivity.value, a.sensitivity.omega / full_turn);
 }
 
-void print_sampled(const StabilityAnalysis& a) {
+void print_sampled(const StabilityAnalysis& a, double virtual_damping) {
   if (!a.sampled) {
     std::printf("sampled loop: not analysed: a delay beyond the model's line at this rate\n");
     return;
   }
   const auto& s = *a.sampled;
-  std::printf("sampled loop at %.6g Hz: %s, spectral radius %.7f (%zu states)\n", 1.0 / s.period,
+  std::printf("sampled loop at %.6g Hz, as it runs: %s, spectral radius %.7f (%zu states)\n", 1.0 / s.period,
               s.stable() ? "stable" : "unstable", s.spectral_radius, s.states);
-  if (s.added_delay) {
-    std::printf("  sampling and hold add %s of delay (%.2f steps): critical delay %s\n",
-                milliseconds(*s.added_delay).c_str(), *s.added_delay / s.period,
-                formatted("%.6g ms", 1e3 * *s.critical_delay).c_str());
+  if (s.critical_delay) {
+    std::printf("  critical delay            %s, given %s\n",
+                formatted("%.6g ms", 1e3 * (*s.critical_delay + a.rig.sensor_delay)).c_str(),
+                formatted("%.6g ms", 1e3 * a.delay).c_str());
   }
+  if (s.added_delay) {
+    std::printf("  sampling and hold add     %s of delay (%.2f steps)\n", milliseconds(*s.added_delay).c_str(),
+                *s.added_delay / s.period);
+  }
+  if (a.sampled_damping) {
+    std::printf("  critical virtual damping  %.6g N s/m at %.4g Hz, given %.6g N s/m\n", a.sampled_damping->value,
+                a.sampled_damping->omega / full_turn, virtual_damping);
+  }
+  if (!a.sampled_margins) return;
+  const auto& m = *a.sampled_margins;
+  print_gain("gain margin, upwards", m.upper_gain);
+  print_gain("gain margin, downwards", m.lower_gain);
+  if (m.phase_margin) {
+    std::printf("  phase margin              %.2f° at %.4g Hz\n", *m.phase_margin * 360.0 / full_turn,
+                m.phase_margin_omega / full_turn);
+  }
+  std::printf("  sensitivity peak          %.4g at %.4g Hz\n", m.sensitivity.value, m.sensitivity.omega / full_turn);
 }
 
 void print_varying(const StabilityAnalysis& a) {
   if (!a.varying) return;
   const auto& v = *a.varying;
+  const double range = v.highest - v.lowest;
   std::printf("delay that varies from %s to %s\n", milliseconds(v.lowest).c_str(), milliseconds(v.highest).c_str());
-  std::printf("  slowly: %s; rightmost root %.4g %+.4gj 1/s at %s\n",
-              v.stable ? "stable at every delay of the range" : "unstable within the range", v.worst_root.real(),
-              v.worst_root.imag(), milliseconds(v.worst_delay).c_str());
-  if (v.at_any_speed) {
+  const auto slowly = [](bool stable) {
+    return stable ? "stable at every delay of the range" : "unstable within the range";
+  };
+  const auto speed = [](const std::optional<double>& proven, bool whole) {
+    if (!proven) return;
     std::printf("  at any speed: proven stable up to %s above the lowest (sufficient), %s\n",
-                milliseconds(*v.at_any_speed).c_str(),
-                v.stable_at_any_speed() ? "the whole range" : "not the whole range: its speed decides");
+                milliseconds(*proven).c_str(), whole ? "the whole range" : "not the whole range: its speed decides");
+  };
+  if (const auto& s = a.sampled_over_delays) {
+    std::printf("  sampled, slowly: %s; spectral radius %.7f at %s\n", slowly(s->stable), s->worst_radius,
+                milliseconds(s->worst_delay + a.rig.sensor_delay).c_str());
+    speed(s->at_any_speed, s->stable_at_any_speed(range));
   }
+  std::printf("  without sampling and hold, slowly: %s; rightmost root %.4g %+.4gj 1/s at %s\n", slowly(v.stable),
+              v.worst_root.real(), v.worst_root.imag(), milliseconds(v.worst_delay).c_str());
+  speed(v.at_any_speed, v.stable_at_any_speed());
 }
 
 std::string border_text(const stability::LocatedBorder& border) {
@@ -108,8 +136,10 @@ std::string border_text(const stability::LocatedBorder& border) {
 }
 
 void print_locations(const StabilityAnalysis& a) {
-  std::printf("interface location: critical delay, and with the component's force times a factor\n  %-20s %12s",
-              "hardware", "as given");
+  std::printf(
+      "interface location, without sampling and hold: critical delay, and with the component's force times a factor\n  "
+      "%-20s %12s",
+      "hardware", "as given");
   for (const double factor : stability::component_factors) std::printf(" %11s", formatted("× %.4g", factor).c_str());
   std::printf("\n");
   for (const auto& map : a.locations) {
@@ -149,8 +179,10 @@ void print_budget(const StabilityAnalysis& a) {
 
 void print_sensitivities(const StabilityAnalysis& a) {
   constexpr std::size_t most = 8;
-  std::printf("effect of +1 %% of each parameter on the critical root (%.4g %+.4gj 1/s) and on the critical delay\n",
-              a.critical_root.real(), a.critical_root.imag());
+  std::printf(
+      "effect of +1 %% of each parameter on the critical root (%.4g %+.4gj 1/s) and on the critical delay, "
+      "without sampling and hold\n",
+      a.critical_root.real(), a.critical_root.imag());
   for (std::size_t i = 0; i < std::min(most, a.parameters.size()); ++i) {
     const auto& s = a.parameters[i];
     std::printf("  %-36s %+11.4g 1/s %+11.4g Hz", s.path.c_str(), 0.01 * s.critical_root_change.real(),
@@ -167,14 +199,16 @@ void print_map(const stability::StabilityMap& map) {
   const auto [low, high] = std::minmax_element(map.rightmost.begin(), map.rightmost.end());
   std::size_t points = 0;
   for (const auto& curve : map.boundary) points += curve.points.size();
-  std::printf("map %s × %s: %.1f %% of %zu points stable, rightmost Re %.4g … %.4g 1/s, %zu points on borders\n",
-              map.x.variable.c_str(), map.y.variable.c_str(),
-              100.0 * static_cast<double>(stable) / static_cast<double>(map.rightmost.size()), map.rightmost.size(),
-              *low, *high, points);
+  std::printf(
+      "map %s × %s, half a step of hold in the delay: %.1f %% of %zu points stable, rightmost Re %.4g … %.4g 1/s, %zu "
+      "points on borders\n",
+      map.x.variable.c_str(), map.y.variable.c_str(),
+      100.0 * static_cast<double>(stable) / static_cast<double>(map.rightmost.size()), map.rightmost.size(), *low,
+      *high, points);
 }
 
 void print_sweep(const stability::PoleSweep& sweep) {
-  std::printf("sweep of %s\n", sweep.axis.variable.c_str());
+  std::printf("sweep of %s, half a step of hold in the delay\n", sweep.axis.variable.c_str());
   std::printf("  %14s %14s %10s\n", sweep.axis.variable.c_str(), "Re [1/s]", "f [Hz]");
   for (std::size_t i = 0; i < sweep.axis.count; ++i) {
     const Complex s = sweep.roots[i].front();
@@ -183,7 +217,7 @@ void print_sweep(const stability::PoleSweep& sweep) {
 }
 
 void print_amplitudes(const stability::OverAmplitude& over) {
-  std::printf("over the amplitude of dz_b, the nonlinear forces by their first harmonic\n");
+  std::printf("over the amplitude of dz_b, with half a step of hold, the nonlinear forces by their first harmonic\n");
   std::printf("  %11s %9s %12s %12s %12s %15s\n", "dz_b [mm]", "f [Hz]", "k [N/m]", "c [N s/m]", "Re [1/s]",
               "critical delay");
   for (const auto& at : over.rows) {
@@ -273,7 +307,8 @@ StabilityResults results_of(const StabilityOptions& options, const firmware::Rig
   StabilityResults found{.analysis = stability::analyse(description, options.line)};
   found.analysis.locations = stability::compare_locations(description.rig);
   const double delay_outside = description.delay_budget.sum();
-  const stability::LoopFamily family(description.rig, delay_outside);
+  // What is said of the loop is said of the one that runs: half a step of hold.
+  const stability::LoopFamily family(description.rig, delay_outside + 0.5 * description.period());
   for (const stability::Axis& axis : sweeps) found.sweeps.push_back(pole_sweep(family, axis, options.line));
   if (axes) {
     Progress progress("stability map");
@@ -335,10 +370,10 @@ void print_results(const std::string& rig, const firmware::RigDescription& descr
   } else {
     std::printf("%s: %s\n", rig.c_str(), stability::verdict(a).c_str());
   }
+  print_sampled(a, description.rig.machine.virtual_damping);
+  print_varying(a);
   print_roots(a);
   print_border(a, description.rig.machine.virtual_damping);
-  print_sampled(a);
-  print_varying(a);
   print_locations(a);
   print_pade(a);
   print_budget(a);
@@ -380,7 +415,8 @@ void add_stability(CLI::App& app, StabilityOptions& options) {
   command->add_option(
       "--map", options.map,
       "Rightmost root over two variables, for example tau=0:0.03:200,virtual_damping=0:2000:200; a variable "
-      "is tau, virtual_damping or a parameter path of the rig description");
+      "is tau (the whole delay of the loop, half a step of hold included), virtual_damping or a parameter path of the "
+      "rig description");
   command->add_option("--report", options.report, "Write all results as one HTML page with figures");
   command->add_option("--amplitude", options.amplitude,
                       "Also analyse the loop with its nonlinear forces at amplitudes of the deflection dz_b up to this "

@@ -12,6 +12,7 @@
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/roots/eigenvalues.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
+#include "host_sim/stability/roots/sides_of_rest.hpp"
 
 namespace host_sim::compensation {
 namespace {
@@ -96,7 +97,9 @@ std::set<int> duct_counts(const firmware::RigDescription& description) {
   return counts;
 }
 
-CompensatedStability compensated_stability(const firmware::RigDescription& description, double delay_outside) {
+namespace {
+
+CompensatedStability smooth_stability(const firmware::RigDescription& description, double delay_outside) {
   CompensatedStability result;
   const double period = description.period();
   result.settings = *firmware::compensation_settings(description);
@@ -115,6 +118,27 @@ CompensatedStability compensated_stability(const firmware::RigDescription& descr
     result.lower_gain = gain_border(rig, period, result.settings, 1.0 / gain_step);
   }
   return result;
+}
+
+/// The description as it is on each side of a rest that is a kink.
+std::vector<firmware::RigDescription> sides_of(const firmware::RigDescription& description) {
+  std::vector<firmware::RigDescription> sides;
+  for (const stability::SideOfRest& side : stability::sides_of_rest(description.rig)) {
+    sides.push_back(description);
+    sides.back().rig = side.rig;
+  }
+  return sides;
+}
+
+}  // namespace
+
+CompensatedStability compensated_stability(const firmware::RigDescription& description, double delay_outside) {
+  std::optional<CompensatedStability> worst;
+  for (const firmware::RigDescription& side : sides_of(description)) {
+    CompensatedStability found = smooth_stability(side, delay_outside);
+    if (!worst || found.spectral_radius > worst->spectral_radius) worst = std::move(found);
+  }
+  return *std::move(worst);
 }
 
 std::string in_words(const CompensatedStability& s) {
@@ -143,9 +167,13 @@ std::string in_words(const CompensatedStability& s) {
 }
 
 double compensated_radius(const firmware::RigDescription& description, double delay_outside) {
-  const Rig rig = late_rig(description, delay_outside);
-  const Settings settings = *firmware::compensation_settings(description);
-  return larger_radius(compensated_loop(rig, description.period(), &settings), rig, settings);
+  double radius = 0.0;
+  for (const firmware::RigDescription& side : sides_of(description)) {
+    const Rig rig = late_rig(side, delay_outside);
+    const Settings settings = *firmware::compensation_settings(side);
+    radius = std::max(radius, larger_radius(compensated_loop(rig, side.period(), &settings), rig, settings));
+  }
+  return radius;
 }
 
 void refuse_unstable_compensation(const firmware::RigDescription& description) {

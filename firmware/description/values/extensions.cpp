@@ -7,6 +7,7 @@
 
 #include "firmware/description/text/number_text.hpp"
 #include "model/air_spring.hpp"
+#include "model/lever_at_rest.hpp"
 
 namespace firmware {
 namespace {
@@ -102,11 +103,16 @@ void read_delay_variation(DescriptionTable& machine, Rig& rig) {
 
 void check_load(DescriptionTable& top, const Rig& rig) {
   if (!rig.air_spring.fitted || rig.suspension.stiffness > 0.0 || rig.kind == model::RigKind::component_bench) return;
+  const double ratio = model::lever_at_rest(rig).ratio;
   const double load = model::AirSpring<double>::load(rig.air_spring), weight = rig.body.mass * gravity;
-  if (std::abs(load - weight) <= load_error * weight) return;
+  const double needed = weight / ratio;
+  if (std::abs(load - needed) <= load_error * needed) return;
+  const std::string behind = rig.lever.any() ? ", which is " + shortest(std::round(needed)) +
+                                                   " N behind the lever's ratio " + shortest(ratio) + " at rest"
+                                             : std::string();
   top.fail("air_spring",
            "air_spring carries " + shortest(std::round(load)) + " N (pressure times area), the body weighs " +
-               shortest(std::round(weight)) + " N",
+               shortest(std::round(weight)) + " N" + behind,
            "equal forces within 5 %, or a [suspension] stiffness that helps");
 }
 

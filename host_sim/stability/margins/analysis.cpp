@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "firmware/description/text/input_error.hpp"
+#include "model/rig_model.hpp"
 
 namespace host_sim::stability {
 namespace {
@@ -57,9 +58,39 @@ void check_count(const StabilityAnalysis& analysis) {
   if (found != *counted) throw CountMismatch(found, *counted, 0.0);
 }
 
-}  // namespace
+/// The figures of the loop that runs.
+void add_sampled(StabilityAnalysis& result, const firmware::RigDescription& description, const AffineFamily& family) {
+  const double period = description.period(), hold = 0.5 * period;
+  const auto& m = result.margins;
+  if (m.delay_margin) result.delay_left = *m.delay_margin - hold;
+  if (!result.sampled) return;
+  const model::RigParameters<double> rig = sampled_part(description.rig);
+  const double sensor = result.rig.sensor_delay, machine = result.delay - sensor;
+  if (m.delay_margin) {
+    const double edge = result.delay + *m.delay_margin;
+    std::optional<double> border;
+    if (m.critical_delay && std::abs(edge - *m.critical_delay) < 1e-12) border = result.sampled->critical_delay;
+    if (!border) border = sampled_border(rig, period, {edge - sensor, m.delay_margin_omega});
+    if (border) result.delay_left = *border - machine;
+  }
+  result.sampled_margins = sampled_margins(step_matrix(rig, period, machine), period, result.sampled->stable());
+  const double given = description.rig.machine.virtual_damping;
+  for (const AxisValue& value : axis_values(family, result.delay + hold, 0.0, most_virtual_damping)) {
+    if (!value.border) continue;
+    const auto found = sampled_damping_border(rig, period, machine, {value.value, value.omega});
+    if (!found) continue;
+    if (!result.sampled_damping || std::abs(found->value - given) < std::abs(result.sampled_damping->value - given)) {
+      result.sampled_damping = found;
+    }
+  }
+  const auto& v = description.rig.delay_variation;
+  if (!v.any()) return;
+  const double longest = static_cast<double>(model::RigModel<>::Line::longest) * period;
+  result.sampled_over_delays = sampled_over_delays(rig, period, std::max(0.0, machine - v.farthest()),
+                                                   std::min(longest, machine + v.farthest()));
+}
 
-StabilityAnalysis analyse(const firmware::RigDescription& description, double line) try {
+StabilityAnalysis analyse_smooth(const firmware::RigDescription& description, double line) try {
   StabilityAnalysis result;
   result.rig = linearise(description.rig);
   const double extra = description.delay_budget.sum();
@@ -116,6 +147,7 @@ StabilityAnalysis analyse(const firmware::RigDescription& description, double li
   } catch (const UnfitLoop&) {
     result.sampled.reset();
   }
+  add_sampled(result, description, family);
   result.balance = balance_of(result, description);
   if (const auto& v = description.rig.delay_variation; v.any()) {
     result.varying = varying_delay(equation, result.margins, std::max(0.0, result.delay - v.farthest()),
@@ -124,6 +156,33 @@ StabilityAnalysis analyse(const firmware::RigDescription& description, double li
   return result;
 } catch (const UnfitLoop& unfit) {
   throw firmware::InputError(description.source, 0, unfit.what(), "a hil rig with a loop of less than 1 s of delay");
+}
+
+/// Whether `a` is nearer to its border than `b`.
+bool worse(const StabilityAnalysis& a, const StabilityAnalysis& b) {
+  const bool a_stable = a.stable_as_run() && a.stable_over_delays(),
+             b_stable = b.stable_as_run() && b.stable_over_delays();
+  if (a_stable != b_stable) return !a_stable;
+  return a.delay_left && (!b.delay_left || *a.delay_left < *b.delay_left);
+}
+
+}  // namespace
+
+StabilityAnalysis analyse(const firmware::RigDescription& description, double line) {
+  const std::vector<SideOfRest> sides = sides_of_rest(description.rig);
+  if (sides.size() == 1) return analyse_smooth(description, line);
+  std::optional<StabilityAnalysis> worst;
+  std::vector<FoundOnSide> found;
+  for (const SideOfRest& side : sides) {
+    firmware::RigDescription one = description;
+    one.rig = side.rig;
+    StabilityAnalysis result = analyse_smooth(one, line);
+    result.side = side.name;
+    found.push_back({side.name, result.stable_as_run() && result.stable_over_delays(), result.delay_left});
+    if (!worst || worse(result, *worst)) worst = std::move(result);
+  }
+  worst->sides = std::move(found);
+  return *std::move(worst);
 }
 
 }  // namespace host_sim::stability

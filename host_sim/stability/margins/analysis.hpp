@@ -10,11 +10,13 @@
 #include "host_sim/stability/margins/crossings.hpp"
 #include "host_sim/stability/margins/interface_location.hpp"
 #include "host_sim/stability/margins/margins.hpp"
+#include "host_sim/stability/margins/sampled_margins.hpp"
 #include "host_sim/stability/margins/sensitivity.hpp"
 #include "host_sim/stability/margins/varying_delay.hpp"
 #include "host_sim/stability/roots/characteristic_roots.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "host_sim/stability/roots/sampled_loop.hpp"
+#include "host_sim/stability/roots/sides_of_rest.hpp"
 
 namespace host_sim::stability {
 
@@ -43,7 +45,7 @@ struct StabilityAnalysis {
   LinearRig rig;
   double delay{};          ///< τ [s]
   double machine_delay{};  ///< part of τ between x_cmd and x_act [s]
-  bool stable{};
+  bool stable{};           ///< in continuous time, at τ
   RootSet roots;
   Margins margins;
   SensitivityPeak sensitivity;
@@ -53,13 +55,27 @@ struct StabilityAnalysis {
   Complex critical_root;  ///< the root that reaches the axis at the critical delay, at the given delay; else the
                           ///< rightmost [1/s]
   std::vector<ParameterSensitivity> parameters;  ///< sorted by effect on the critical root, largest first
-  std::optional<SampledLoop> sampled;  ///< none: the delay exceeds the model's delay line, or the loop has a skyhook or
-                                       ///< a lever, which are analysed in continuous time
+  std::optional<SampledLoop> sampled;  ///< the loop that the controller runs; none: the delay exceeds the delay line
+  std::optional<SampledMargins> sampled_margins;         ///< of it
+  std::optional<DampingBorder> sampled_damping;          ///< critical_damping of it
+  std::optional<SampledOverDelays> sampled_over_delays;  ///< of it, where the machine's delay varies
+  std::optional<double> delay_left;  ///< of the loop that runs, up to its next border: > 0 to be added, < 0 to be taken
+                                     ///< away [s]; without `sampled`: delay_margin less half a step of hold
   std::optional<VaryingDelay> varying;  ///< where the machine's delay varies
   std::vector<LocationMap> locations;   ///< the same rig cut elsewhere (compare_locations); empty: not asked for
   DelayBalance balance;
+  std::string side;                ///< of a rest that is a kink: this analysis is of the worse side; empty: smooth
+  std::vector<FoundOnSide> sides;  ///< what was found on each
 
   [[nodiscard]] DelayEquation equation() const { return rig.equation(delay); }
+  /// The loop at its given delay: sampled and in continuous time; the worse decides.
+  [[nodiscard]] bool stable_as_run() const { return stable && (!sampled || sampled->stable()) && !past_border(); }
+  /// Without a sampled loop: half a step of hold takes what is left.
+  [[nodiscard]] bool past_border() const { return !sampled && stable && delay_left && *delay_left <= 0.0; }
+  /// Every constant delay of the range that the machine's delay has.
+  [[nodiscard]] bool stable_over_delays() const {
+    return (!varying || varying->stable) && (!sampled_over_delays || sampled_over_delays->stable);
+  }
 };
 
 inline constexpr double usual_line = -60.0;               ///< roots right of it are listed [1/s]

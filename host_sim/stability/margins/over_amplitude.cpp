@@ -139,8 +139,10 @@ model::Laws<double> others(const model::Laws<double>& laws) {
 LinearRig loop_at(const Description& description, double amplitude, double omega, double share = 1.0) {
   return linearise(equivalent_rig(description.rig, amplitude, omega, share).rig);
 }
+/// The loop that runs holds the force for a period: half a step of delay.
+double hold_of(const Description& description) { return 0.5 * description.period(); }
 DelayEquation equation_of(const LinearRig& rig, const Description& description) {
-  return rig.equation(rig.delay() + description.delay_budget.sum());
+  return rig.equation(rig.delay() + description.delay_budget.sum() + hold_of(description));
 }
 
 /// A root s of the loop at ω = Im s, by Newton's method in both parts of s from a root near by.
@@ -205,7 +207,8 @@ class Modes {
     const EquivalentRig rig = equivalent_rig(description_.rig, amplitude_, at.omega);
     at.suspension = rig.suspension;
     at.tyre = rig.tyre;
-    at.critical_delay = margins(equation_of(linearise(rig.rig), description_), at.stable()).critical_delay;
+    const auto critical = margins(equation_of(linearise(rig.rig), description_), at.stable()).critical_delay;
+    if (critical) at.critical_delay = std::max(0.0, *critical - hold_of(description_));
     return at;
   }
 

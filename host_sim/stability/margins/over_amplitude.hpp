@@ -42,7 +42,7 @@ struct AtAmplitude {
   double omega{};                          ///< [rad/s] of (1), and the imaginary part of the root
   EquivalentForce suspension{}, tyre{};    ///< (1)
   Complex root;                            ///< of the oscillation that decays slowest or grows fastest [1/s]
-  std::optional<double> critical_delay{};  ///< [s]
+  std::optional<double> critical_delay{};  ///< without the hold [s]
 
   [[nodiscard]] bool stable() const { return root.real() < 0.0; }
 };
@@ -62,10 +62,11 @@ struct OverAmplitude {
 
 inline constexpr std::size_t amplitudes = 13;  ///< from a hundredth to the whole, by equal ratios: six per decade
 
-/// From `largest`/100 to `largest` [m]. Each oscillation is a root s of the loop that its own frequency ω = Im s makes
-/// by (1). They are followed from amplitude to amplitude, so that a row does not jump between them; those that come
-/// from elsewhere are looked for among all roots. Throws InputError for a rig that is no loop, or where (1) makes one
-/// impossible.
+/// From `largest`/100 to `largest` [m], of the loop that runs: half a step of hold is part of its delay, and the
+/// critical delays are what machine and budget may have beside it. Each oscillation is a root s of the loop that its
+/// own frequency ω = Im s makes by (1). They are followed from amplitude to amplitude, so that a row does not jump
+/// between them; those that come from elsewhere are looked for among all roots. Throws InputError for a rig that is no
+/// loop, or where (1) makes one impossible.
 [[nodiscard]] OverAmplitude over_amplitude(const firmware::RigDescription& description, double largest);
 
 }  // namespace host_sim::stability

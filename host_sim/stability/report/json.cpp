@@ -45,18 +45,29 @@ ordered_json axis_json(const Axis& axis) {
   return {{"variable", axis.variable}, {"from", axis.from}, {"to", axis.to}, {"count", axis.count}};
 }
 
-ordered_json sampled_json(const std::optional<SampledLoop>& sampled) {
-  if (!sampled) return nullptr;
+ordered_json sampled_json(const StabilityAnalysis& a) {
+  if (!a.sampled) return nullptr;
+  const auto& sampled = a.sampled;
   ordered_json modes = ordered_json::array();
   for (std::size_t i = 0; i < sampled->eigenvalues.size() && i < 8; ++i)
     modes.push_back(complex(sampled->eigenvalues[i]));
-  return {{"stable", sampled->stable()},
-          {"spectral_radius", sampled->spectral_radius},
-          {"period", sampled->period},
-          {"states", sampled->states},
-          {"critical_delay", number(sampled->critical_delay)},
-          {"added_delay", number(sampled->added_delay)},
-          {"eigenvalues", std::move(modes)}};
+  ordered_json json{
+      {"stable", sampled->stable()},
+      {"spectral_radius", sampled->spectral_radius},
+      {"period", sampled->period},
+      {"states", sampled->states},
+      {"critical_delay", number(sampled->critical_delay)},
+      {"added_delay", number(sampled->added_delay)},
+      {"delay_margin", number(a.delay_left)},
+      {"critical_virtual_damping", a.sampled_damping ? number(a.sampled_damping->value) : ordered_json(nullptr)}};
+  if (const auto& m = a.sampled_margins) {
+    json["gain_margin"] = {{"upper", gain(m->upper_gain)}, {"lower", gain(m->lower_gain)}};
+    json["phase_margin_deg"] = m->phase_margin ? number(*m->phase_margin * 360.0 / full_turn) : ordered_json(nullptr);
+    json["sensitivity_peak"] = {{"value", number(m->sensitivity.value)},
+                                {"frequency_hz", m->sensitivity.omega / full_turn}};
+  }
+  json["eigenvalues"] = std::move(modes);
+  return json;
 }
 
 ordered_json curve_json(const ResponseCurve& curve) {
@@ -67,14 +78,17 @@ ordered_json curve_json(const ResponseCurve& curve) {
 
 ordered_json to_json(const StabilityAnalysis& a, const firmware::RigDescription& description) {
   ordered_json json;
-  json["stable"] = a.stable;
+  json["stable"] = a.stable_as_run();
   json["roots"] = complex_list(a.roots.roots);
   json["rightmost"] = complex(a.roots.rightmost());
   json["critical_delay"] = number(a.margins.critical_delay);
   json["critical_virtual_damping"] = a.critical_damping ? number(a.critical_damping->value) : ordered_json(nullptr);
   json["critical_frequency_hz"] =
       a.margins.critical_delay ? number(a.margins.critical_omega / full_turn) : ordered_json(nullptr);
-  json["sampled"] = sampled_json(a.sampled);
+  json["sampled"] = sampled_json(a);
+  json["stable_without_sampling"] = a.stable;
+  json["stable_over_delays"] = a.stable_over_delays();
+  json["delay_left"] = number(a.delay_left);
   json["pade"] = ordered_json::array();
   for (const PadeResult& p : a.pade) {
     json["pade"].push_back({{"order", p.order},
@@ -121,13 +135,22 @@ ordered_json to_json(const StabilityAnalysis& a, const firmware::RigDescription&
   }
   json["delay_budget"] = {{"parts", std::move(parts)}, {"total", a.balance.total}, {"left", number(a.balance.left)}};
   if (a.varying) {
+    const double range = a.varying->highest - a.varying->lowest;
     json["varying_delay"] = {{"lowest", a.varying->lowest},
                              {"highest", a.varying->highest},
-                             {"stable", a.varying->stable},
+                             {"stable", a.stable_over_delays()},
+                             {"stable_without_sampling", a.varying->stable},
                              {"worst_delay", a.varying->worst_delay},
                              {"worst_root", complex(a.varying->worst_root)},
                              {"at_any_speed", number(a.varying->at_any_speed)},
                              {"stable_at_any_speed", a.varying->stable_at_any_speed()}};
+    if (const auto& s = a.sampled_over_delays) {
+      json["varying_delay"]["stable_at_any_speed"] = s->stable_at_any_speed(range);
+      json["varying_delay"]["sampled"] = {{"stable", s->stable},
+                                          {"worst_delay", s->worst_delay + a.rig.sensor_delay},
+                                          {"spectral_radius", s->worst_radius},
+                                          {"at_any_speed", number(s->at_any_speed)}};
+    }
   }
   const auto located = [](const LocatedBorder& border) {
     return ordered_json{{"stable_undelayed", border.stable_undelayed},
@@ -142,6 +165,11 @@ ordered_json to_json(const StabilityAnalysis& a, const firmware::RigDescription&
     entry["borders"] = ordered_json::array();
     for (const LocatedBorder& border : map.borders) entry["borders"].push_back(located(border));
     json["interface_locations"].push_back(std::move(entry));
+  }
+  json["sides_of_rest"] = ordered_json::array();
+  for (const FoundOnSide& side : a.sides) {
+    json["sides_of_rest"].push_back(
+        {{"side", side.name}, {"stable", side.stable}, {"delay_left", number(side.delay_left)}});
   }
   json["left_out"] = a.rig.left_out;
   json["outside_loop"] = a.rig.outside_loop;

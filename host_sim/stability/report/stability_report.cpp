@@ -35,13 +35,21 @@ void add_verdict(Report& page, const StabilityFindings& f) {
   const StabilityAnalysis& a = f.analysis;
   const auto& m = a.margins;
   if (f.compensated.empty()) {
-    page.add_verdict(a.stable ? Verdict::good : Verdict::bad, "The loop is " + verdict(a) + ".");
+    const bool good = a.stable_as_run() && a.stable_over_delays();
+    page.add_verdict(good ? Verdict::good : Verdict::bad, "The loop is " + verdict(a) + ".");
   } else {
     page.add_verdict(f.compensated_stable ? Verdict::good : Verdict::bad, f.compensated);
     page.add_verdict(Verdict::remark,
                      "Without compensation the loop is " + verdict(a) + ". All sections but the last are about it.");
   }
   std::string border = "Loop delay " + in_ms(a.delay) + "; ";
+  if (a.sampled && a.sampled->critical_delay) {
+    border += "critical delay of the sampled loop " + in_ms(*a.sampled->critical_delay + a.rig.sensor_delay) + "; ";
+  }
+  if (a.sampled_damping) {
+    border += "its critical virtual damping " + figure_text(a.sampled_damping->value, 6) + " N s/m. ";
+  }
+  border += "Without sampling and hold: ";
   border += m.critical_delay ? "critical delay " + in_ms(*m.critical_delay) + " at " + in_hz(m.critical_omega)
                              : "no critical delay up to 1 s";
   const double damping = f.description.rig.machine.virtual_damping;
@@ -66,8 +74,8 @@ void add_verdict(Report& page, const StabilityFindings& f) {
 
 void add_roots(Report& page, const StabilityAnalysis& a) {
   page.add_section("Roots");
-  page.add_text("All roots right of " + figure_text(a.roots.line) + " 1/s: " + std::to_string(a.roots.count) +
-                " with their conjugates, proven by the argument principle.");
+  page.add_text("In continuous time, without sampling and hold. All roots right of " + figure_text(a.roots.line) +
+                " 1/s: " + std::to_string(a.roots.count) + " with their conjugates, proven by the argument principle.");
   page.add_figure(root_figure("Roots of the loop with its delay", a.roots));
   Table table{"", {"real part [1/s]", "frequency [Hz]", "damping ratio [%]", "amplitude"}, {}, 0};
   for (const Complex s : a.roots.roots) {
@@ -83,7 +91,25 @@ void add_roots(Report& page, const StabilityAnalysis& a) {
 void add_margins(Report& page, const StabilityAnalysis& a) {
   page.add_section("Margins");
   const auto& m = a.margins;
-  Table table{"Distance to the stability border", {"", "value", "at"}, {}, 1};
+  if (a.sampled && a.sampled_margins) {
+    Table runs{"Distance to the stability border, sampled as it runs", {"", "value", "at"}, {}, 1};
+    const auto& s = *a.sampled_margins;
+    if (a.delay_left) runs.rows.push_back({"delay", in_ms(*a.delay_left), ""});
+    for (const auto& [name, gain] :
+         {std::pair("gain, upwards", s.upper_gain), std::pair("gain, downwards", s.lower_gain)}) {
+      if (!gain) continue;
+      runs.rows.push_back(
+          {name, "× " + figure_text(gain->factor) + " (" + figure_text(20.0 * std::log10(gain->factor), 3) + " dB)",
+           in_hz(gain->omega)});
+    }
+    if (s.phase_margin) {
+      runs.rows.push_back(
+          {"phase", figure_text(*s.phase_margin * 360.0 / full_turn) + "°", in_hz(s.phase_margin_omega)});
+    }
+    runs.rows.push_back({"sensitivity peak", figure_text(s.sensitivity.value), in_hz(s.sensitivity.omega)});
+    page.add_table(runs);
+  }
+  Table table{"Distance to the stability border, without sampling and hold", {"", "value", "at"}, {}, 1};
   if (m.delay_margin) table.rows.push_back({"delay", in_ms(*m.delay_margin), in_hz(m.delay_margin_omega)});
   for (const auto& [name, gain] :
        {std::pair("gain, upwards", m.upper_gain), std::pair("gain, downwards", m.lower_gain)}) {
@@ -328,17 +354,18 @@ Report stability_report(const StabilityFindings& f) {
   Report page("Delay stability of " + f.description.source,
               "Linear stability analysis of a hil rig with its exact loop delay.");
   add_verdict(page, f);
+  add_sampled(page, a);
   add_roots(page, a);
   add_margins(page, a);
   add_budget(page, a);
   add_pade(page, a);
-  add_sampled(page, a);
   add_sensitivities(page, a);
   if (f.map || !f.sweeps.empty()) page.add_section("Map and sweeps over parameters");
   if (f.map) {
-    Figure figure = map_figure(*f.map, f.description, a.delay);
+    Figure figure = map_figure(*f.map, f.description, a.delay + 0.5 * f.description.period());
     figure.note =
-        "Blue is stable, orange unstable. The border is computed exactly, from roots on the imaginary axis; it is not "
+        "Blue is stable, orange unstable. The delay is the whole delay of the loop that runs, half a step of hold "
+        "included. The border is computed exactly, from roots on the imaginary axis; it is not "
         "interpolated from the colours.";
     page.add_figure(figure);
   }

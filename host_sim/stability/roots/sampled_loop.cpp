@@ -106,6 +106,7 @@ StepMatrix only_the_loop(const StepMatrix& step, std::size_t force_at) {
   for (std::size_t i = 0; i < size; ++i) {
     const bool of_line = i >= step.own;
     if (!of_line && !(driven[i] && seen[i])) continue;
+    if (i == force_at) loop.force = kept.size();
     kept.push_back(static_cast<Eigen::Index>(i));
     loop.own += of_line ? 0 : 1;
   }
@@ -155,43 +156,22 @@ class SmallEquation {
   Eigen::Index own_, size_;
 };
 
-double radius_of(const StepMatrix& step) {
-  double radius = 0.0;
-  for (const Complex& value : eigenvalues(step.matrix)) radius = std::max(radius, std::abs(value));
-  return radius;
-}
-
 constexpr std::size_t most_states_to_prove = 500;  // one dense eigenvalue problem of this size takes a second
 
 /// Delay at which the eigenvalue that starts at e^{jωT} reaches the unit circle.
 std::optional<double> follow(const model::RigParameters<double>& rig, double period, const ContinuousBorder& border) {
   const double longest = static_cast<double>(Rig::Line::longest) * period;
-  std::optional<Complex> lambda = std::polar(1.0, border.omega * period);
-  const auto excess = [&](double delay) -> std::optional<double> {
-    const StepMatrix step = step_matrix(rig, period, delay);
-    lambda = SmallEquation(step).settle(*lambda);
-    if (!lambda) return std::nullopt;
-    return std::log(std::abs(*lambda)) / period;
-  };
-  double a = std::clamp(border.delay - 0.5 * period, 0.0, longest);
-  double b = std::clamp(a * 0.999 + 1e-3 * period, 0.0, longest);
-  auto at_a = excess(a);
-  for (int i = 0; at_a && lambda && i < 60; ++i) {
-    const auto at_b = excess(b);
-    if (!at_b) return std::nullopt;
-    if (std::abs(*at_b) < 1e-11 || std::abs(b - a) < 1e-15) return b;
-    const double next = b - *at_b * (b - a) / (*at_b - *at_a);
-    if (!(next >= 0.0) || next > longest) return std::nullopt;
-    a = b;
-    at_a = at_b;
-    b = next;
-  }
-  return std::nullopt;
+  Complex lambda = std::polar(1.0, border.omega * period);
+  const double start = std::clamp(border.delay - 0.5 * period, 0.0, longest);
+  const double beside = std::clamp(start * 0.999 + 1e-3 * period, 0.0, longest) - start;
+  const auto found = value_on_circle([&](double delay) { return step_matrix(rig, period, delay); }, start, beside,
+                                     period, lambda, 0.0, longest);
+  return found;
 }
 
 /// The same by bisection on the spectral radius.
 std::optional<double> search(const model::RigParameters<double>& rig, double period, double upper) {
-  const auto unstable = [&](double delay) { return radius_of(step_matrix(rig, period, delay)) >= 1.0; };
+  const auto unstable = [&](double delay) { return spectral_radius(step_matrix(rig, period, delay)) >= 1.0; };
   if (unstable(0.0) || !unstable(upper)) return std::nullopt;
   double low = 0.0, high = upper;
   while (high - low > 1e-12 * upper) {
@@ -229,6 +209,50 @@ StepMatrix step_matrix(const model::RigParameters<double>& rig, double period, d
   return only_the_loop(result, force_at);
 }
 
+LoopResponse::LoopResponse(StepMatrix step, double period) : closed_(std::move(step)), open_(closed_), period_(period) {
+  open_.matrix.col(static_cast<Eigen::Index>(open_.force)).setZero();
+}
+
+Complex LoopResponse::operator()(double omega) const {
+  const Complex z = std::polar(1.0, omega * period_);
+  return SmallEquation(closed_)(z) / SmallEquation(open_)(z) - 1.0;
+}
+
+double spectral_radius(const StepMatrix& step) {
+  double radius = 0.0;
+  for (const Complex& value : eigenvalues(step.matrix)) radius = std::max(radius, std::abs(value));
+  return radius;
+}
+
+std::optional<double> value_on_circle(const std::function<StepMatrix(double)>& step_at, double start, double beside,
+                                      double period, Complex& lambda, double lowest, double highest) {
+  const auto excess = [&](double value) -> std::optional<double> {
+    const StepMatrix step = step_at(value);
+    const auto settled = SmallEquation(step).settle(lambda);
+    if (!settled) return std::nullopt;
+    lambda = *settled;
+    return std::log(std::abs(lambda)) / period;
+  };
+  double a = start, b = start + beside;
+  auto at_a = excess(a);
+  for (int i = 0; at_a && i < 60; ++i) {
+    const auto at_b = excess(b);
+    if (!at_b) return std::nullopt;
+    if (std::abs(*at_b) < 1e-11 || std::abs(b - a) < 1e-15) return b;
+    const double next = b - *at_b * (b - a) / (*at_b - *at_a);
+    if (!(next >= lowest) || next > highest) return std::nullopt;
+    a = b;
+    at_a = at_b;
+    b = next;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> sampled_border(const model::RigParameters<double>& rig, double period,
+                                     const ContinuousBorder& border) {
+  return follow(rig, period, border);
+}
+
 SampledLoop sampled_loop(const model::RigParameters<double>& rig, double period, double delay,
                          const std::optional<ContinuousBorder>& critical) {
   SampledLoop result;
@@ -247,7 +271,7 @@ SampledLoop sampled_loop(const model::RigParameters<double>& rig, double period,
   if (result.critical_delay) {  // is it the largest eigenvalue that got there?
     const StepMatrix border = step_matrix(rig, period, *result.critical_delay);
     if (static_cast<std::size_t>(border.matrix.rows()) <= most_states_to_prove &&
-        std::abs(radius_of(border) - 1.0) > 1e-8) {
+        std::abs(spectral_radius(border) - 1.0) > 1e-8) {
       result.critical_delay.reset();
     }
   }

@@ -104,6 +104,15 @@ TEST(AirSpringDescription, IsChecked) {
                  "the rig has no air spring");
 }
 
+// Point. Behind a lever of 0.8 the air spring carries the body with m_b g/0.8 = 3556 N (virtual work): 8.75 bar are
+// right and 7 bar, which are right without the lever, are refused. Compare: model::Lever (2), F₀.
+TEST(AirSpringDescription, CarriesTheBodyBehindTheLever) {
+  const std::string lever = "\n[lever]\nat = [-0.08, 0.0, 0.06]\nratio = [0.7, 0.8, 0.85]\n";
+  const std::string right = with(shipped(), "pressure = 7e5 ", "pressure = 8.75e5 ") + lever;
+  EXPECT_EQ(refusal(right), "accepted");
+  expect_refused(shipped() + lever, "[air_spring]", "which is 3556 N behind the lever's ratio 0.8 at rest");
+}
+
 // A tolerance names a parameter of the air spring as of everything else.
 TEST(AirSpringDescription, HasTolerances) {
   const auto rig = parse_rig(shipped() + "[tolerance]\n\"air_spring.volume\" = 0.1\n", "RIG.toml");
