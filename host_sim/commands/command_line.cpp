@@ -7,6 +7,7 @@
 #include <new>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/run_stopped.hpp"
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/channels_command.hpp"
 #include "host_sim/commands/compare_command.hpp"
@@ -116,6 +117,9 @@ int run_command_line(int argc, const char* const* argv) {
     return fail(firmware::ExitStatus::wrong_usage, error.what());
   } catch (const firmware::InputError& error) {
     return fail(firmware::ExitStatus::unfit_input, error.what());
+  } catch (const firmware::RunStopped& stopped) {
+    fail(firmware::ExitStatus::done, stopped.what());
+    return firmware::exit_status_of_stopped_run;
   } catch (const firmware::OutputError& error) {
     return fail(firmware::ExitStatus::cannot_write, error.what());
   } catch (const std::bad_alloc&) {

@@ -70,7 +70,8 @@ std::string man_page(const CLI::App& app) {
   return page +
          ".SH EXIT STATUS\n.TP\n0\ndone\n.TP\n2\nwrong usage\n.TP\n3\nunreadable or unfit input: one line says file, "
          "line, "
-         "what is wrong, what is expected\n.TP\n4\na result cannot be written\n.TP\n5\ninternal error\n"
+         "what is wrong, what is expected\n.TP\n4\na result cannot be written\n.TP\n5\ninternal error\n.TP\n6\n"
+         "the firmware stopped a simulated run before its end: one line says why, nothing is written\n"
          ".SH SEE ALSO\n.BR rig_controller (1)\n";
 }
 

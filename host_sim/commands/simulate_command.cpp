@@ -7,6 +7,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
+#include "firmware/description/text/run_stopped.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
@@ -100,9 +101,16 @@ void simulate(const SimulateOptions& options) {
   run_options.progress = [&progress](double share) { progress.show(share); };
   Run run = run_closed_loop(rig, motion, run_options);
   if (run.recording.size() == 0) {
-    throw firmware::InputError(rig.source, 0, "the run was stopped before its first sample: " + describe(run.trip),
-                               "a rig that can move to the start of the road");
+    throw firmware::RunStopped("the firmware stopped the run before its first sample: " + describe(run.trip));
   }
+
+  const bool stopped = firmware::is_fault(run.trip.reason);
+  const std::string reason = "the firmware stopped the run: " + describe(run.trip);
+  if (stopped && !options.allow_stop) {
+    throw firmware::RunStopped(reason + ", of " + firmware::shortest(options.duration) +
+                               " s; nothing was written (--allow-stop keeps what there is)");
+  }
+  if (stopped) std::fprintf(stderr, "rigtwin: %s\n", reason.c_str());
 
   run.recording.comments.push_back("rigtwin " + std::string(firmware::version) +
                                    " simulate: " + std::string(model::name(rig.rig.kind)) + ", " + options.road + ", " +
@@ -120,9 +128,6 @@ void simulate(const SimulateOptions& options) {
     } else {
       firmware::write_file(options.json, json);
     }
-  }
-  if (firmware::is_fault(run.trip.reason)) {
-    std::fprintf(stderr, "rigtwin: the firmware stopped the run: %s\n", describe(run.trip).c_str());
   }
   if (only_json) return;
 
@@ -166,6 +171,9 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
                    "Frequency below which the spectrum of an ISO 8608 road is flat [Hz] (default: 0.05)")
       ->check(number_within(0.001, 10.0));
   command->add_flag("--no-noise", options.no_noise, "Simulate the sensors without noise");
+  command->add_flag("--allow-stop", options.allow_stop,
+                    "Keep the recording of a run that the firmware stopped before its end, with exit status 0; without "
+                    "it the status is 6 and nothing is written");
   command->add_option("--json", options.json, "Write the result as JSON (- for standard output)");
   command->add_option("--report", options.report, "Write the run as a page (HTML): traces, spectra, statistics");
   command->callback([&options] { simulate(options); });

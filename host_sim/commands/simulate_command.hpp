@@ -22,9 +22,11 @@ struct SimulateOptions {
   std::optional<double> bandwidth;  ///< of an ISO 8608 road [Hz]
   std::optional<double> cut_off;    ///< of an ISO 8608 road [Hz]
   bool no_noise = false;
-  std::string json;  ///< file, - for standard output
+  bool allow_stop = false;  ///< a run that the firmware stopped is written and done
+  std::string json;         ///< file, - for standard output
   std::filesystem::path report;
 };
+/// RunStopped where the firmware stops the run before its end, unless that is allowed; nothing is written then.
 void simulate(const SimulateOptions& options);
 
 /// Adds the sub-command; `options` must live as long as `app`.

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/run_stopped.hpp"
 #include "firmware/simulation/road_choice.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/identification/common/multisine.hpp"
@@ -52,7 +53,12 @@ struct PlainRig {
 Run drive(const firmware::RigDescription& description, const firmware::FootPointMotion& motion) {
   RunOptions options;
   options.noise = firmware::SimulatedRig::Noise::none;
-  return run_closed_loop(description, motion, options);
+  Run run = run_closed_loop(description, motion, options);
+  if (firmware::is_fault(run.trip.reason)) {
+    throw firmware::RunStopped(description.source +
+                               ": the firmware stopped the run: " + std::string(firmware::name(run.trip.reason)));
+  }
+  return run;
 }
 
 PlainRig plain_rig(const std::filesystem::path& folder, const char* file) {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "firmware/description/text/run_stopped.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/road.hpp"
 #include "firmware/simulation/simulated_rig.hpp"
@@ -59,7 +60,12 @@ Run drive(const firmware::RigDescription& description, firmware::SimulatedRig::N
   const auto samples = static_cast<std::size_t>(std::lround(road_run_seconds * description.sample_rate));
   RunOptions options;
   options.noise = noise;
-  return run_closed_loop(description, firmware::drive_over(road, description.sample_rate, samples), options);
+  Run run = run_closed_loop(description, firmware::drive_over(road, description.sample_rate, samples), options);
+  if (firmware::is_fault(run.trip.reason)) {
+    throw firmware::RunStopped(description.source +
+                               ": the firmware stopped the run: " + std::string(firmware::name(run.trip.reason)));
+  }
+  return run;
 }
 
 TransferEstimate from_road(const Run& run, const std::vector<double>& output, double sample_rate) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/number_text.hpp"
 #include "firmware/simulation/road_choice.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
@@ -63,6 +64,12 @@ std::string result_line(const SweepPlan& plan, std::uint64_t id) {
     results["samples"] = run.recording.size();
     if (run.recording.size() == 0) {
       throw firmware::InputError("the run", 0, "was stopped before its first sample", "a rig that can follow its road");
+    }
+    if (firmware::is_fault(run.trip.reason)) {
+      throw firmware::InputError("the run", 0,
+                                 "was stopped by the firmware after " + firmware::shortest(run.trip.time.seconds()) +
+                                     " s: " + std::string(firmware::name(run.trip.reason)),
+                                 "a rig that can follow its road to the end");
     }
     add_channels(run.recording, results);
     return results.dump();

@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "firmware/description/text/run_stopped.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/closed_loop/trace.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
@@ -99,15 +100,21 @@ TEST(Simulate, DrivesOverARoadFromAFile) {
   EXPECT_NE(ended.output.find(road), std::string::npos);
 }
 
-// A run that the firmware stopped is a result: its recording is written, the reason stands on standard error with
-// units, and the program has done what it was asked for.
+// Fault. A run that the firmware stopped is no run: status 6, the reason with units on standard error, nothing else and
+// no file. --allow-stop keeps the rows up to the stop.
 TEST(Simulate, SaysWhyTheFirmwareStopped) {
   const TemporaryFolder folder;
   const std::string text = TemporaryFolder::read(rig_file("paper_hil_fdva"));
   const std::string rig =
       folder.write("rig.toml", support::with(text, "virtual_damping = 1140.0", "virtual_damping = 700.0"));
   const std::string out = folder / "run.csv";
-  const Ended ended = rigtwin({"simulate", "--rig", rig, "--duration", "20", "--out", out});
+  const Ended refused = rigtwin({"simulate", "--rig", rig, "--duration", "20", "--out", out, "--json", folder / "j"});
+  EXPECT_EQ(refused.status, firmware::exit_status_of_stopped_run);
+  EXPECT_EQ(refused.error_lines(), 1) << refused.errors;
+  EXPECT_EQ(refused.errors.rfind("rigtwin: the firmware stopped the run: ", 0), 0U) << refused.errors;
+  EXPECT_EQ(refused.output, "");
+  EXPECT_FALSE(std::filesystem::exists(out) || std::filesystem::exists(folder / "j"));
+  const Ended ended = rigtwin({"simulate", "--rig", rig, "--duration", "20", "--out", out, "--allow-stop"});
   EXPECT_EQ(ended.status, 0);
   EXPECT_EQ(ended.error_lines(), 1) << ended.errors;
   EXPECT_EQ(ended.errors.rfind("rigtwin: the firmware stopped the run: ", 0), 0U) << ended.errors;
