@@ -58,7 +58,8 @@ TEST(AirSpringDescription, TakesEveryKeyToItsPlace) {
 // What is read is written, and is the same rig to the bit: diagnose writes descriptions.
 TEST(AirSpringDescription, IsWrittenAsItWasRead) {
   const std::string text =
-      with(shipped(), "virtual_damping = 1140.0", "virtual_damping = 1140.0\ndelay_swing = 1e-3\ndelay_jitter = 2e-4") +
+      with(with(shipped(), "pressure = 7e5 ", "pressure = 7.78e5 "), "virtual_damping = 1140.0",
+           "virtual_damping = 1140.0\ndelay_swing = 1e-3\ndelay_jitter = 2e-4") +
       "[lever]\nat = [-0.05, 0.0, 0.05]\nratio = [0.8, 0.9, 1.1]\n[effects.air_leak]\nrate = 1e-4\n";
   const auto read = parse_rig(text, "RIG.toml");
   const auto again = parse_rig(firmware::format_rig(read), "RIG.toml");
