@@ -228,7 +228,8 @@ TEST(Report, GivesNoTwoCurvesOneLook) {
   Report page("t");
   page.add_figure(figure);
   std::set<std::pair<std::string, std::string>> looks;
-  for (const auto& trace : support::figures_of(page.html()).at(0)["data"]) {
+  const auto data = support::figures_of(page.html()).at(0)["data"];
+  for (const auto& trace : data) {
     looks.insert({trace["line"]["color"].get<std::string>(), trace["line"]["dash"].get<std::string>()});
   }
   EXPECT_EQ(looks.size(), 10U);
