@@ -69,7 +69,7 @@ std::vector<SideOfRest> sides_of_rest(const Parameters& rig) {
       both.push_back(std::move(one));
     }
   }
-  return both.empty() ? sides : both;
+  return both.size() == 2 * sides.size() ? both : sides;
 }
 
 }  // namespace host_sim::stability
