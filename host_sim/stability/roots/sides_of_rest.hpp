@@ -17,7 +17,7 @@ struct SideOfRest {
 
 /// A lever whose ratio has another slope above its rest than below, and a damper with two slopes, have no slope at
 /// rest. A small motion has one slope on one side and another on the other; the rig is stable where both are. One entry
-/// for a smooth rig, two for a kink, four for both. A side that would have a negative damping is not there.
+/// for a smooth rig, two for a kink, four for both. A damper whose softer side would drive counts with its mean.
 [[nodiscard]] std::vector<SideOfRest> sides_of_rest(const model::RigParameters<double>& rig);
 
 /// What was found on one side.
