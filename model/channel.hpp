@@ -23,9 +23,10 @@ enum class Channel : unsigned char {
   x_act,  ///< deflection reached by the test machine [m]
   F,      ///< measured force of the component [N]
   F_act,  ///< known extra force of an actuator between wheel and body, compression positive [N]
+  z_cmd,  ///< foot point displacement commanded to the machine of a quarter car [m]
 };
 
-inline constexpr std::size_t channel_count = 13;
+inline constexpr std::size_t channel_count = 14;
 
 /// The name a channel has in recordings and rig descriptions, and its SI unit.
 struct ChannelName {
@@ -47,6 +48,7 @@ inline constexpr std::array<ChannelName, channel_count> channel_names{{
     {"x_act", "m"},
     {"F", "N"},
     {"F_act", "N"},
+    {"z_cmd", "m"},
 }};
 
 [[nodiscard]] constexpr std::size_t index(Channel channel) { return static_cast<std::size_t>(channel); }

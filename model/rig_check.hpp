@@ -9,7 +9,8 @@ namespace model {
 /// wheel and road are computed, hence exact.
 [[nodiscard]] constexpr bool has_sensor(RigKind kind, Channel channel) {
   const bool machine = channel == Channel::F || channel == Channel::x_act;
-  return kind == RigKind::quarter_car ? !machine && channel != Channel::x_cmd && channel != Channel::F_act : machine;
+  const bool told = channel == Channel::x_cmd || channel == Channel::z_cmd || channel == Channel::F_act;
+  return kind == RigKind::quarter_car ? !machine && !told : machine;
 }
 
 /// What find_fault() reads of a card: a board's program carries no more of it.
@@ -212,7 +213,8 @@ std::optional<RigFault> find_extension_fault(const RigParameters<S, capacity>& r
     }
     const auto& v = rig.delay_variation;
     if (v.any() || v.swing != S(0) || v.jitter != S(0)) {
-      demand(rig.kind != RigKind::quarter_car, "machine", "delay_swing", "absent: a quarter_car has no test machine");
+      demand(rig.kind != RigKind::quarter_car, "machine", "delay_swing",
+             "absent: the machine of a quarter_car has a steady delay");
       demand(v.swing >= S(0) && v.swing <= S(0.1), "machine", "delay_swing", "0 to 0.1 s");
       demand(v.time >= S(0.01) && v.time <= S(1e6), "machine", "delay_swing_time", "0.01 to 1e6 s");
       demand(v.jitter >= S(0) && v.jitter <= S(0.1), "machine", "delay_jitter", "0 to 0.1 s");

@@ -82,7 +82,9 @@ template <class S, LawCapacity laws>
 ///   such laws, too.
 ///
 /// Kinds of rig and their parts:
-///   quarter_car, whole_rig      foot_point, actuator_force → z_r … dz_b, F_w
+///   quarter_car, whole_rig      foot_point, actuator_force → z_r … dz_b, F_w; with effects of the machine foot_point
+///   is
+///                               z_cmd, and z_r what the machine reaches (z̈_r: StrokeAcceleration)
 ///   hil, whole_rig              foot_point → car with F held → x_cmd → machine → component → F, once around a period
 ///   hil, virtual_car            foot_point, receive_force → x_cmd = deflection()
 ///   hil, test_machine           command → x_act, F
@@ -112,7 +114,7 @@ class RigModel {
 
   /// Inputs at the end of a step.
   struct Input {
-    Motion<S> foot_point{};  ///< z_r, ż_r, z̈_r
+    Motion<S> foot_point{};  ///< z_r, ż_r, z̈_r; z_cmd of a quarter car with a machine
     Stroke<S> command{};     ///< x_cmd, ẋ_cmd of a test machine without car
     S actuator_force{};      ///< F_act [N]
     /// Noise of each sensor at the end of the step; nullptr: none. It passes through sensors that have effects, and
@@ -130,8 +132,8 @@ class RigModel {
   struct State {
     Column<S, core_states> core = Column<S, core_states>::Zero();  ///< entries: CoreIndex
     Motion<S> foot_point{};
-    Stroke<S> command{};  ///< x_cmd
-    Stroke<S> reached{};  ///< x_act
+    Stroke<S> command{};  ///< x_cmd; z_cmd
+    Stroke<S> reached{};  ///< x_act; z_r behind a machine
     S actuator_force{};   ///< F_act [N]
     S received_force{};   ///< F as the car got it [N]
     DuctFlows<S> ducts{};
@@ -145,7 +147,8 @@ class RigModel {
     [[no_unique_address]] UnlessCarAlone<History> history{};
     Recent<S> free_play{}, free_play_rate{};  ///< δ [m], δ̇ [m/s]
     S free_play_jump{}, load_jump{};  ///< [m/s], [N] added to the newest δ̇ and load where they drive: jump_share()
-    [[no_unique_address]] UnlessCarAlone<StrokeAcceleration<S>> acceleration{};  ///< ẍ_act, with a moving mass only
+    [[no_unique_address]] UnlessCarAlone<StrokeAcceleration<S>>
+        acceleration{};  ///< ẍ_act, with a moving mass only; z̈_r behind a machine
     [[no_unique_address]] IfSensors<typename Sensors<S>::State> sensors{};
     std::uint32_t steps = 0;
   };
@@ -158,7 +161,7 @@ class RigModel {
   [[nodiscard]] State start(S z_r = S(0), S deflection = S(0)) const;
 
   /// In mid-motion: car and piston as given, relaxation and top mount settled, machine as if it had always moved on
-  /// with its present velocity.
+  /// with its present velocity. `foot_point`: as in Input.
   [[nodiscard]] State start(const Column<S, plain_core_states>& core, const Motion<S>& foot_point,
                             const Stroke<S>& reached) const;
 
@@ -216,6 +219,8 @@ class RigModel {
   [[nodiscard]] const UnlessCarAlone<Machine<S>>& machine() const { return machine_; }
   [[nodiscard]] const RigEquations<S>& equations() const { return equations_; }
   [[nodiscard]] const Rig& parameters() const { return rig_; }
+  /// A quarter car whose foot point is moved by a machine with effects: z_r is not z_cmd.
+  [[nodiscard]] bool has_foot_machine() const { return has_foot_machine_; }
   [[nodiscard]] S period() const { return period_; }
   [[nodiscard]] ModelledPart part() const { return part_; }
 
@@ -300,11 +305,14 @@ class RigModel {
   template <bool General>
   void advance_rig(State& x, const Input& in) const;
   template <bool General, int N>
-  void advance_joined(const JoinedStep<N>& m, State& x, const Input& in) const;
+  void advance_joined(const JoinedStep<N>& m, State& x, const Input& in, const Motion<S>& foot_point) const;
   template <bool General>
   void advance_car(State& x, const Input& in) const;
   template <bool General>
   void advance_machine(State& x, const Stroke<S>& command) const;
+  template <bool General>
+  [[nodiscard]] Stroke<S> through_machine(State& x, const Stroke<S>& command) const;
+  [[nodiscard]] Motion<S> through_foot_machine(State& x, const Motion<S>& command) const;
   template <bool General, int N>
   void advance_component(const ComponentStep<N>& m, State& x, const Stroke<S>& reached) const;
   template <int N>
@@ -404,6 +412,7 @@ class RigModel {
   bool has_delay_ = false;
   bool has_free_play_ = false;
   bool has_moving_mass_ = false;
+  bool has_foot_machine_ = false;
   std::uint8_t law_place_count_ = 0;
   bool has_law_readings_ = false;
   Friction contacts_;

@@ -64,9 +64,10 @@ RigModel<S, D, variant, capacity>::RigModel(const Rig& rig, S period, ModelledPa
   if constexpr (car_alone) {
     needs_general_step_ = has_tyre_law_ || laws_.any() || has_lever();
   } else {
-    needs_general_step_ = contacts_.any() || has_tyre_law_ || has_suspension_law_ || has_free_play_ || machine_.any() ||
-                          any_sensor() || !equations_.plain() || has_moving_mass_ || laws_.any() ||
-                          laws_.at(LawPlace::sensor) || has_lever() || rig.delay_variation.any();
+    has_foot_machine_ = joined() && (has_delay_ || machine_.any());
+    needs_general_step_ = has_foot_machine_ || contacts_.any() || has_tyre_law_ || has_suspension_law_ ||
+                          has_free_play_ || machine_.any() || any_sensor() || !equations_.plain() || has_moving_mass_ ||
+                          laws_.any() || laws_.at(LawPlace::sensor) || has_lever() || rig.delay_variation.any();
     if (equations_.has_fdva()) {
       duct_step_ = DuctFlows<S>::step_of(equations_.fdva(), equations_.duct(), period);
     }
@@ -189,7 +190,13 @@ auto RigModel<S, D, variant, capacity>::start(const Column<S, plain_core_states>
     if (has_tyre_law_) x.tyre_load.start(tyre_law(x));
     if (law_forces()) finish_laws(x, true);
   } else {
-    start_machine(x, reached);
+    Stroke<S> entering = reached;  // behind the delay
+    if (has_foot_machine_) {
+      entering = {foot_point.position - foot_point.velocity * period_ * delay_, foot_point.velocity};
+      x.reached = machine_.output(machine_.start(entering), entering);
+      x.foot_point = {x.reached.position, x.reached.velocity, foot_point.acceleration};
+    }
+    start_machine(x, entering);
   }
   return x;
 }
@@ -263,11 +270,14 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_rig(State& x, con
     }
   }
   if (joined()) {
-    if (General && !equations_.plain()) {
-      advance_joined<General>(elaborate_joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
-    } else {
-      advance_joined<General>(joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in);
-    }
+    const auto move = [&](const Motion<S>& foot_point) {
+      if (General && !equations_.plain()) {
+        advance_joined<General>(elaborate_joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in, foot_point);
+      } else {
+        advance_joined<General>(joined_[static_cast<std::size_t>(x.ducts.open_count())], x, in, foot_point);
+      }
+    };
+    move(General && has_foot_machine_ ? through_foot_machine(x, in.foot_point) : in.foot_point);
   } else {
     Stroke<S> command = in.command;
     if (has_car()) {
@@ -298,9 +308,9 @@ RIGTWIN_NOINLINE void RigModel<S, D, variant, capacity>::sense(State& x, const S
 
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General, int N>
-RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_joined(const JoinedStep<N>& m, State& x,
-                                                                      const Input& in) const {
-  Packed<S, N> next = m.foot_point.times(driven_by(x.foot_point, in.foot_point));
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_joined(const JoinedStep<N>& m, State& x, const Input& in,
+                                                                      const Motion<S>& foot_point) const {
+  Packed<S, N> next = m.foot_point.times(driven_by(x.foot_point, foot_point));
   m.actuator.add_to(next, {x.actuator_force, in.actuator_force});
   if (General && has_suspension_law_) m.suspension.add_to(next, newest_three(x.suspension_load, x.load_jump));
   if (General && has_tyre_law_) m.tyre.add_to(next, newest_three(x.tyre_load));
@@ -314,16 +324,16 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_joined(const Join
     const Column<S, core_states> before = x.core;
     next.store(x.core);
     if constexpr (LawsInSteps::possible) {
-      if (law_forces()) apply_laws<0, N>(m.tables, x, in.foot_point);
+      if (law_forces()) apply_laws<0, N>(m.tables, x, foot_point);
     }
     apply_friction(m.friction, x, before);
   } else {
     next.store(x.core);
     if constexpr (General && LawsInSteps::possible) {
-      if (law_forces()) apply_laws<0, N>(m.tables, x, in.foot_point);
+      if (law_forces()) apply_laws<0, N>(m.tables, x, foot_point);
     }
   }
-  x.foot_point = in.foot_point;
+  x.foot_point = foot_point;
   x.actuator_force = in.actuator_force;
   if (equations_.has_fdva()) x.ducts.advance(x.core(CoreIndex::piston_velocity), duct_step_);
   if constexpr (General) refresh_laws(x);
@@ -502,10 +512,10 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_car(State& x, con
   if (General && law_forces() && !has_machine()) finish_laws(x, false);
 }
 
+/// The motion behind delay, lag, resonance and rate limit at the end of the step.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 template <bool General>
-RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_machine(State& x, const Stroke<S>& command) const {
-  if (!has_car()) x.command = command;
+RIGTWIN_INLINE Stroke<S> RigModel<S, D, variant, capacity>::through_machine(State& x, const Stroke<S>& command) const {
   Stroke<S> reached = command;
   if (has_delay_) {
     if constexpr (General && has_extensions && !car_alone) {
@@ -519,6 +529,28 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_machine(State& x,
     reached = machine_.step(x.machine, x.delayed, delayed, x.reached);
     x.delayed = delayed;
   }
+  return reached;
+}
+
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_NOINLINE Motion<S> RigModel<S, D, variant, capacity>::through_foot_machine(State& x,
+                                                                                   const Motion<S>& command) const {
+  if constexpr (car_alone) {
+    return command;
+  } else {
+    x.command = {command.position, command.velocity};
+    const Stroke<S> reached = through_machine<true>(x, x.command);
+    x.acceleration.step(x.reached, reached, period_);
+    x.reached = reached;
+    return {reached.position, reached.velocity, x.acceleration.value()};
+  }
+}
+
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+template <bool General>
+RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::advance_machine(State& x, const Stroke<S>& command) const {
+  if (!has_car()) x.command = command;
+  const Stroke<S> reached = through_machine<General>(x, command);
   if (General && !equations_.plain()) {
     advance_component<General>(elaborate_component_[static_cast<std::size_t>(x.ducts.open_count())], x, reached);
   } else if (equations_.has_fdva()) {
@@ -859,10 +891,12 @@ RIGTWIN_INLINE Signals<S> RigModel<S, D, variant, capacity>::channels(const Stat
   if (joined()) {
     fill_car(s, x, suspension_force(x), mass_beyond);
     s[index(Channel::x_cmd)] = s[index(Channel::x_act)] = s[index(Channel::F)] = S(0);
+    s[index(Channel::z_cmd)] = has_foot_machine_ ? x.command.position : x.foot_point.position;
     return s;
   }
   if (has_car()) {
     fill_car(s, x, received_at_wheel(x), mass_beyond);
+    s[index(Channel::z_cmd)] = S(0);
     s[index(Channel::x_cmd)] = component_stroke({s[index(Channel::dz_b)], S(0)}).position;
   } else {
     s.fill(S(0));

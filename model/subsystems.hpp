@@ -3,8 +3,8 @@
 
 namespace model {
 
-/// Path of the test machine x_cmd → delay → lag → resonance → rate limit → x_act. An effect sets its own values; zero
-/// means ideal.
+/// Path of the test machine x_cmd → delay → lag → resonance → rate limit → x_act, of a quarter car z_cmd → … → z_r. An
+/// effect sets its own values; zero means ideal.
 template <class S>
 struct MachinePath {
   S delay{};                ///< τ [s]

@@ -545,6 +545,8 @@ void ControlLoop::note_values(Record& record) const {
   }
   record.values[model::index(Channel::x_cmd)] =
       kind_ == model::RigKind::quarter_car ? unknown : command_guard_.last().position;
+  record.values[model::index(Channel::z_cmd)] =
+      kind_ == model::RigKind::quarter_car ? command_guard_.last().position : unknown;
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     if (!samples_.fitted(model::channel_at(i))) continue;
     const hal::Reading& reading = samples_.frame().channels[i];

@@ -20,7 +20,7 @@ FrozenGuard::FrozenGuard(const Supervision& supervision, const model::RigParamet
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     const Channel channel = model::channel_at(i);
     watched_[i] = paths[i].limit == 0.0 && paths[i].hold == 0.0 && paths[i].gain != 0.0;
-    if (channel == Channel::x_cmd || channel == Channel::F_act) watched_[i] = false;
+    if (channel == Channel::x_cmd || channel == Channel::z_cmd || channel == Channel::F_act) watched_[i] = false;
     if (channel == Channel::F && model::spring_stiffness(rig, true) == 0.0 && !rig.has_fdva) watched_[i] = false;
     if (channel == Channel::dz_b && (component.dry_friction > 0.0 || component.free_play > 0.0)) watched_[i] = false;
   }

@@ -25,7 +25,7 @@ MotionGuard::MotionGuard(const Limits& limits, const Supervision& supervision, c
       confirmations_(limits.bridged_in_a_row),
       period_(period) {
   model::MachinePath<double> path{};
-  if (rig.kind != model::RigKind::quarter_car) rig.effects.act_on(path);
+  rig.effects.act_on(path);
   const model::SensorPath<double> sensor = rig.effects.sensor_paths()[model::index(channel_)];
   if (sensor.gain != 0.0) gain_ = sensor.gain;
   offset_ = sensor.offset;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace firmware {
@@ -17,6 +18,21 @@ hal::Time oldest_sample(const Record& record) {
   return oldest;
 }
 
+namespace {
+
+/// Whether the commanded foot point is recorded beside z_r: where it differs from it, and where the description asks.
+bool records_foot_command(const RigDescription& description) {
+  if (description.rig.kind != RigKind::quarter_car) return false;
+  bool machine = description.channels.contains(std::string(model::name(Channel::z_cmd)));
+  description.rig.effects.for_each([&](const auto& slot) {
+    using Effect = std::remove_cvref_t<decltype(slot.effect)>;
+    machine = machine || (slot.active && Effect::card.subsystem == model::Subsystem::machine);
+  });
+  return machine;
+}
+
+}  // namespace
+
 std::string age_name(Channel channel) { return "age_" + std::string(model::name(channel)); }
 
 RunColumns::RunColumns(const RigDescription& description, const hal::SensorSetup& sensors)
@@ -26,8 +42,9 @@ RunColumns::RunColumns(const RigDescription& description, const hal::SensorSetup
     const Channel channel = model::channel_at(i);
     const bool force_or_motion_of_hardware =
         channel == Channel::F || channel == Channel::x_act || channel == Channel::F_act;
-    const bool computed = (kind == RigKind::hil && !force_or_motion_of_hardware) ||
-                          (kind == RigKind::component_bench && channel == Channel::x_cmd);
+    const bool computed = (kind == RigKind::hil && !force_or_motion_of_hardware && channel != Channel::z_cmd) ||
+                          (kind == RigKind::component_bench && channel == Channel::x_cmd) ||
+                          (channel == Channel::z_cmd && records_foot_command(description));
     if (!sensors[i].fitted && !computed) continue;
     columns_.push_back({std::string(model::name(channel)), std::string(model::unit(channel)), Source::channel, i});
   }

@@ -21,7 +21,8 @@ namespace firmware {
 
 /// The columns of a run, without t, in the order in which they are written:
 ///
-///   channels   those with a sensor and those that the program computes
+///   channels   those with a sensor and those that the program computes; z_cmd of a quarter_car whose description has
+///              effects of its machine or names the column in [channels]
 ///   ducts      1 open, 0 closed, one column per duct of the rig
 ///   estimates  quarter_car only: soft sensor F_w_c of the wheel load, velocities v_r, v_w, v_b
 ///   compensation  hil with [compensation] only: x_added [m], x_cmd less the deflection of the car; F_added [N], force

@@ -24,14 +24,14 @@ bool is_over_way(const std::filesystem::path& file) {
   return false;
 }
 
-}  // namespace
-
-FootPointMotion road_from_file(const std::filesystem::path& file, double speed, double sample_rate, std::size_t samples,
-                               RecordingReader read) {
+Recording read_profile(const std::filesystem::path& file, double speed, RecordingReader read) {
   ChannelMap map;
   if (is_over_way(file)) map["t"] = {"s", 1.0 / speed, 0.0};
-  const Recording road = read(file, map, std::nullopt);
-  const auto& z = road.required(model::Channel::z_r, "is the road");
+  return read(file, map, std::nullopt);
+}
+
+FootPointMotion motion_of(const std::filesystem::path& file, const Recording& road, const std::vector<double>& z,
+                          double sample_rate, std::size_t samples) {
   constexpr std::size_t least = 5;  // points that the differences of fourth order need
   if (z.size() < least) {
     throw InputError(file.string(), 0, "a road of " + std::to_string(z.size()) + " points", "at least five");
@@ -55,6 +55,27 @@ FootPointMotion road_from_file(const std::filesystem::path& file, double speed, 
     motion[k] = {between.position, between.velocity, a.acceleration + s * (b.acceleration - a.acceleration)};
   }
   return motion;
+}
+
+}  // namespace
+
+FootPointMotion road_from_file(const std::filesystem::path& file, double speed, double sample_rate, std::size_t samples,
+                               RecordingReader read) {
+  const Recording road = read_profile(file, speed, read);
+  return motion_of(file, road, road.required(model::Channel::z_r, "is the road"), sample_rate, samples);
+}
+
+RoadOrCommand road_or_command(const std::filesystem::path& file, model::RigKind kind, double speed, double sample_rate,
+                              std::size_t samples, RecordingReader read) {
+  const Recording road = read_profile(file, speed, read);
+  model::Channel channel = model::Channel::z_r;
+  if (!road.has(channel)) {
+    const bool car = kind == model::RigKind::quarter_car, bench = kind == model::RigKind::component_bench;
+    if (car && road.has(model::Channel::z_cmd)) channel = model::Channel::z_cmd;
+    if (bench && road.has(model::Channel::x_cmd)) channel = model::Channel::x_cmd;
+  }
+  return {motion_of(file, road, road.required(channel, "is the road"), sample_rate, samples),
+          channel != model::Channel::z_r};
 }
 
 }  // namespace firmware

@@ -21,4 +21,13 @@ using RecordingReader = Recording (*)(const std::filesystem::path&, const Channe
 [[nodiscard]] FootPointMotion road_from_file(const std::filesystem::path& file, double speed, double sample_rate,
                                              std::size_t samples, RecordingReader read);
 
+/// The same of a file that may hold the command of a rig of this kind in place of a road: z_cmd of a quarter_car, x_cmd
+/// of a component_bench, where it has no z_r.
+struct RoadOrCommand {
+  FootPointMotion motion;
+  bool command = false;
+};
+[[nodiscard]] RoadOrCommand road_or_command(const std::filesystem::path& file, model::RigKind kind, double speed,
+                                            double sample_rate, std::size_t samples, RecordingReader read);
+
 }  // namespace firmware

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
@@ -32,6 +33,14 @@ FootPointMotion motion_over(const RoadChoice& choice, const RigDescription& rig,
                      "bandwidth, " + shortest(road.bandwidth) + " Hz");
   }
   return drive_over(road, rig.sample_rate, samples);
+}
+
+FootPointMotion run_motion(const RoadChoice& choice, const RigDescription& rig, std::size_t samples,
+                           RecordingReader read) {
+  const bool file = !choice.road.starts_with("iso8608:") && !choice.bandwidth && !choice.cut_off;
+  if (!file) return excitation(rig.rig, motion_over(choice, rig, samples, read), rig.sample_rate);
+  RoadOrCommand made = road_or_command(choice.road, rig.rig.kind, choice.speed, rig.sample_rate, samples, read);
+  return made.command ? std::move(made.motion) : excitation(rig.rig, std::move(made.motion), rig.sample_rate);
 }
 
 std::size_t samples_of(double duration, double sample_rate) {

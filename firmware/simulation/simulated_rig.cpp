@@ -22,6 +22,7 @@ bool is_hardware_channel(RigKind kind, Channel channel) {
     case Channel::x_act:
       return kind != RigKind::quarter_car;
     case Channel::x_cmd:
+    case Channel::z_cmd:
       return false;
     default:
       return kind == RigKind::quarter_car;

@@ -90,8 +90,7 @@ void simulate(const SimulateOptions& options) {
   compensation::refuse_unstable_compensation(rig);
   const std::size_t samples = firmware::samples_of(options.duration, rig.sample_rate);
   const firmware::RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
-  const firmware::FootPointMotion motion =
-      firmware::excitation(rig.rig, firmware::motion_over(road, rig, samples, read_recording), rig.sample_rate);
+  const firmware::FootPointMotion motion = firmware::run_motion(road, rig, samples, read_recording);
 
   Progress progress("simulate");
   RunOptions run_options;
@@ -151,7 +150,9 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
       ->add_option("--out", options.out,
                    "Recording to write; the ending decides: .csv, .mat, .mcap, .uff, .tsv and .de.csv (spreadsheets)")
       ->required();
-  command->add_option("--road", options.road, "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m]")
+  command
+      ->add_option("--road", options.road,
+                   "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m] or the command (z_cmd, x_cmd)")
       ->capture_default_str();
   command->add_option("--speed", options.speed, "Speed over the road [m/s]")
       ->check(number_within(0.1, 150.0))

@@ -53,8 +53,8 @@ Rig on_prescribed_wheel(Rig rig) {
 }  // namespace
 
 Rig answering(const Rig& rig, const SimulationInput& input) {
-  if (input.deflection_reached) return without_machine(rig);
-  return input.wheel_prescribed ? on_prescribed_wheel(rig) : rig;
+  const Rig answers = input.deflection_reached ? without_machine(rig) : rig;
+  return input.wheel_prescribed ? on_prescribed_wheel(answers) : answers;
 }
 
 SimulationInput simulation_input(const Rig& rig, const firmware::Recording& recording) {
@@ -68,8 +68,12 @@ SimulationInput simulation_input(const Rig& rig, const firmware::Recording& reco
         recording.required(input.channel, "drives the simulation of a component_bench"), rate);
     input.area = commanded_area(rig, recording[Channel::z_b], input.period);
   } else {
-    input.motion = firmware::through_samples(recording.required(Channel::z_r, "drives the simulation"), rate);
-    if (recording.has(Channel::zdd_r)) {
+    const bool car = rig.kind == RigKind::quarter_car;
+    const bool commanded = car && recording.has(Channel::z_cmd);
+    input.deflection_reached = car && !commanded;
+    input.channel = commanded ? Channel::z_cmd : Channel::z_r;
+    input.motion = firmware::through_samples(recording.required(input.channel, "drives the simulation"), rate);
+    if (recording.has(Channel::zdd_r) && !commanded) {
       for (std::size_t k = 0; k < input.size(); ++k) input.motion[k].acceleration = recording[Channel::zdd_r][k];
     }
     if (recording.has(Channel::F_act)) input.actuator_force = recording[Channel::F_act];
@@ -99,6 +103,10 @@ std::vector<Channel> response_channels(RigKind kind, const SimulationInput& inpu
   switch (kind) {
     case RigKind::quarter_car:
       if (input.wheel_prescribed) return {Channel::z_b, Channel::zdd_b, Channel::dz_b, Channel::F_w};
+      if (input.channel == Channel::z_cmd) {
+        return {Channel::z_r,   Channel::z_w,  Channel::z_b,  Channel::zdd_r, Channel::zdd_w,
+                Channel::zdd_b, Channel::dz_w, Channel::dz_b, Channel::F_w};
+      }
       return {Channel::z_w, Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w, Channel::dz_b, Channel::F_w};
     case RigKind::hil:
       return {Channel::z_w,  Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w,

@@ -15,7 +15,10 @@ namespace host_sim {
 
 /// The input of a simulation, taken from a recording once and used for every simulation of it.
 ///
-///   quarter_car, hil     foot point z_r, and F_act where recorded
+///   quarter_car          commanded foot point z_cmd; foot point z_r where there is no z_cmd, the machine is then left
+///   out
+///                        of the model; F_act where recorded
+///   hil                  foot point z_r
 ///   component_bench      command x_cmd; x_act where there is no x_cmd, the machine is then left out of the model
 ///
 /// Between samples z_r and x move on cubic Hermite polynomials whose velocities are differences of fourth order. z̈_r,
@@ -30,7 +33,7 @@ struct SimulationInput {
   std::vector<double> actuator_force;            ///< F_act [N]; empty: none
   std::vector<double> area;                      ///< u_c of an air spring, held from each sample on; empty: see below
   std::vector<model::OpenDucts> ducts;           ///< in force from each sample on; empty: as in the rig description
-  bool deflection_reached = false;               ///< motion is x_act
+  bool deflection_reached = false;               ///< motion is x_act, or z_r of a quarter car: the machine is left out
   bool wheel_prescribed = false;                 ///< motion is the wheel's; what is below it is not simulated
   model::Channel channel = model::Channel::z_r;  ///< that the motion comes from
 

@@ -72,24 +72,15 @@ class Spectra {
   [[nodiscard]] std::vector<double> reached(const Lead& lead, std::size_t count) { return back(reached_, lead, count); }
 
  private:
-  /// x_n = (1/N) Σ H_k cas(2π kn/N), H = Re X − Im X: the inverse by another forward transform.
   std::vector<double> back(const std::vector<Phase>& spectrum, const Lead& lead, std::size_t count) {
-    const std::size_t n = transform_.length();
-    std::vector<double> hartley(n);
-    hartley[0] = spectrum[0].real();
+    std::vector<Phase> bins = spectrum;
     const auto led = static_cast<std::size_t>(led_beyond * static_cast<double>(last_));
-    for (std::size_t k = 1; k < n / 2; ++k) {
-      const Phase x = k <= led ? lead(step_ * static_cast<double>(k)) * spectrum[k] : spectrum[k];
-      hartley[k] = x.real() - x.imag();
-      hartley[n - k] = x.real() + x.imag();
+    for (std::size_t k = 1; k < transform_.length() / 2; ++k) {
+      if (k <= led) bins[k] *= lead(step_ * static_cast<double>(k));
     }
-    const auto bins = transform_(hartley);
-    std::vector<double> values(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const bool mirrored = i > n / 2;
-      const Phase f = bins[mirrored ? n - i : i];
-      values[i] = (f.real() - (mirrored ? -f.imag() : f.imag())) / static_cast<double>(n);
-    }
+    bins.back() = 0.0;
+    std::vector<double> values = transform_.inverse(bins);
+    values.resize(count);
     return values;
   }
 

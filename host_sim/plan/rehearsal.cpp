@@ -67,9 +67,11 @@ std::vector<double> added_channel(const firmware::RigDescription& description, c
 
 /// True if a channel comes from a sensor whose readings are compared. The virtual car of a hil rig is computed, not
 /// measured.
-bool is_compared(model::RigKind kind, Channel channel) {
-  if (kind != model::RigKind::quarter_car) return channel == Channel::x_act || channel == Channel::F;
-  return channel != Channel::z_r && channel != Channel::zdd_r && channel != Channel::F_act;
+bool is_compared(const model::RigParameters<double>& rig, const firmware::Recording& recording, Channel channel) {
+  if (rig.kind != model::RigKind::quarter_car) return channel == Channel::x_act || channel == Channel::F;
+  const bool foot_point = channel == Channel::z_r || channel == Channel::zdd_r;
+  if (foot_point) return recording.has(Channel::z_cmd);
+  return channel != Channel::z_cmd && channel != Channel::F_act;
 }
 
 /// The description with noise for every channel that is compared; remarks on what was assumed.
@@ -77,7 +79,7 @@ void declare_noise(firmware::RigDescription& description, const firmware::Record
                    std::vector<std::string>& remarks) {
   for (std::size_t c = 0; c < model::channel_count; ++c) {
     const Channel channel = model::channel_at(c);
-    if (silent.channels[c].empty() || !is_compared(description.rig.kind, channel)) continue;
+    if (silent.channels[c].empty() || !is_compared(description.rig, silent, channel)) continue;
     if (description.noise[c] && *description.noise[c] > 0.0) continue;
     const double rms = rms_of(silent.channels[c]);
     if (!(rms > 0.0)) continue;

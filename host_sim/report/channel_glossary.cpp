@@ -24,6 +24,7 @@ constexpr std::array<ChannelMeaning, model::channel_count> glossary{{
     {Channel::x_act, "deflection reached by the test machine", "compressed", false, true, true},
     {Channel::F, "force of the component", "in compression", false, true, true},
     {Channel::F_act, "known extra force of an actuator between wheel and body", "in compression", true, false, false},
+    {Channel::z_cmd, "foot point displacement commanded to the machine", "up", true, false, false},
 }};
 
 constexpr bool in_order() {

@@ -59,6 +59,26 @@ std::span<const std::complex<double>> RealTransform::operator()(std::span<const 
   return output_;
 }
 
+std::vector<double> RealTransform::inverse(std::span<const std::complex<double>> bins) {
+  if (bins.size() != this->bins()) throw std::invalid_argument("RealTransform: another number of bins");
+  const std::size_t n = length_;
+  std::vector<double> hartley(n);
+  hartley[0] = bins[0].real();
+  hartley[n / 2] = bins[n / 2].real();
+  for (std::size_t k = 1; k < n / 2; ++k) {
+    hartley[k] = bins[k].real() - bins[k].imag();
+    hartley[n - k] = bins[k].real() + bins[k].imag();
+  }
+  const auto turned = (*this)(hartley);
+  std::vector<double> values(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool mirrored = i > n / 2;
+    const std::complex<double> f = turned[mirrored ? n - i : i];
+    values[i] = (f.real() - (mirrored ? -f.imag() : f.imag())) / static_cast<double>(n);
+  }
+  return values;
+}
+
 std::vector<double> make_window(WindowShape shape, std::size_t length) {
   std::vector<double> window(length, 1.0);
   if (shape == WindowShape::rectangular) return window;

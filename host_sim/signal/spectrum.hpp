@@ -38,6 +38,13 @@ class RealTransform {
   /// (1); the signal may be shorter than N: zeros follow it. The result is valid until the next call.
   [[nodiscard]] std::span<const std::complex<double>> operator()(std::span<const double> signal);
 
+  /// The N real numbers with these bins 0 … N/2, by another forward transform:
+  ///
+  ///   (2)  x_n = (1/N) Σ_k H_k cas(2πkn/N),   H = Re X − Im X,   cas = cos + sin
+  ///
+  /// Source: R. N. Bracewell, J. Opt. Soc. Am. 73 (1983), 1832–1835.
+  [[nodiscard]] std::vector<double> inverse(std::span<const std::complex<double>> bins);
+
  private:
   struct Plan;
   std::size_t length_;
@@ -49,13 +56,13 @@ class RealTransform {
 /// A one-sided power spectral density by Welch's method: the signal is cut into segments of N samples that overlap by
 /// half, each with its mean removed, weighted with a Hann window w and transformed; the periodograms are averaged:
 ///
-///   (2)  S_k = c_k / (f_s Σ w²) · ⟨|X_k|²⟩,   c_k = 2, but 1 at k = 0 and k = N/2
+///   (3)  S_k = c_k / (f_s Σ w²) · ⟨|X_k|²⟩,   c_k = 2, but 1 at k = 0 and k = N/2
 ///
 /// so that Σ S_k f_s/N is the signal's variance. Neighbouring segments share samples, so K segments are worth fewer
 /// independent averages. For Gaussian noise with a spectrum that is smooth over a few bins the relative standard error
 /// of each S_k is
 ///
-///   (3)  ε = √( (1 + 2 Σ_{j=1}^{K−1} (1 − j/K) ρ_j) / K ),   ρ_j = (Σ_n w_n w_{n+jN/2} / Σ w²)²
+///   (4)  ε = √( (1 + 2 Σ_{j=1}^{K−1} (1 − j/K) ρ_j) / K ),   ρ_j = (Σ_n w_n w_{n+jN/2} / Σ w²)²
 ///
 /// Source: P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967), 70–73. A sine's line is 1.5 bins wide (Hann).
 struct PowerSpectrum {
@@ -112,11 +119,11 @@ class BlockTransform {
   std::vector<double> block_;
 };
 
-/// (2), (3) with segments of good_fft_size(segment) samples, at most the signal's length (made even). A signal of fewer
+/// (3), (4) with segments of good_fft_size(segment) samples, at most the signal's length (made even). A signal of fewer
 /// than 4 samples or a rate that is not positive throws std::invalid_argument.
 [[nodiscard]] PowerSpectrum welch(std::span<const double> signal, double sample_rate, std::size_t segment);
 
-/// ε of (3) for K segments that start `hop` samples apart.
+/// ε of (4) for K segments that start `hop` samples apart.
 [[nodiscard]] double welch_standard_error(std::span<const double> window, std::size_t hop, std::size_t averages);
 
 }  // namespace host_sim

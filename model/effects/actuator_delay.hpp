@@ -19,7 +19,7 @@ struct ActuatorDelay {
   static constexpr EffectCard<1> card{
       .name = "actuator_delay",
       .subsystem = Subsystem::machine,
-      .rigs = RigKinds(RigKind::hil, RigKind::component_bench),
+      .rigs = every_rig,
       .parameters = {{{.name = "delay",
                        .unit = "s",
                        .lower = 0.0,

@@ -18,7 +18,7 @@ struct ActuatorLag {
   static constexpr EffectCard<1> card{
       .name = "actuator_lag",
       .subsystem = Subsystem::machine,
-      .rigs = RigKinds(RigKind::hil, RigKind::component_bench),
+      .rigs = every_rig,
       .parameters = {{{.name = "time_constant",
                        .unit = "s",
                        .lower = 0.0,

@@ -19,7 +19,7 @@ struct ActuatorResonance {
   static constexpr EffectCard<2> card{
       .name = "actuator_resonance",
       .subsystem = Subsystem::machine,
-      .rigs = RigKinds(RigKind::hil, RigKind::component_bench),
+      .rigs = every_rig,
       .parameters = {{{.name = "frequency",
                        .unit = "Hz",
                        .lower = 0.1,

@@ -47,7 +47,7 @@ void RunRoad::compute_road(const Options& options, const RigDescription& rig, co
   const bool as_long = replayed != nullptr && replayed->to_its_end && options.cycles == 1;
   const std::size_t samples = as_long ? replayed->samples : samples_of(options.duration, rig.sample_rate);
   const RoadChoice road{options.road, options.speed, options.seed, options.bandwidth, options.cut_off};
-  roads_.push_back(excitation(rig.rig, motion_over(road, rig, samples, read_csv_recording), rig.sample_rate));
+  roads_.push_back(run_motion(road, rig, samples, read_csv_recording));
   const FootPointMotion& motion = roads_.front();
   const bool lacks_the_way = replayed != nullptr && !replayed->with_the_way && rig.rig.kind != model::RigKind::hil;
   if (lacks_the_way && !motion.empty() && motion.front().position != 0.0) {
@@ -64,7 +64,7 @@ void RunRoad::compute_programme(const Options& options, const RigDescription& ri
   for (const ProgrammeBlock& block : programme.blocks) {
     const std::size_t samples = samples_of(block.duration, rig.sample_rate);
     const RoadChoice road{block.road, block.speed, block.seed, {}, {}};
-    roads_.push_back(excitation(rig.rig, motion_over(road, rig, samples, read_csv_recording), rig.sample_rate));
+    roads_.push_back(run_motion(road, rig, samples, read_csv_recording));
     total += roads_.back().size();
     if (roads_.back().empty() || total > most_samples) {
       throw InputError(programme.source, block.line,

@@ -16,6 +16,7 @@ bool has_row(Channel channel) {
     case Channel::x_act:
     case Channel::F:
     case Channel::F_act:
+    case Channel::z_cmd:
       return false;
     default:
       return true;
@@ -44,8 +45,9 @@ std::string_view EstimatorState::name() const {
   constexpr std::array<std::string_view, 5> road{"z_r (road)", "contact patch", "velocity of the contact patch",
                                                  "z_r (foot point)", "velocity of the foot point"};
   constexpr std::array<std::string_view, model::channel_count> bias{
-      "bias of z_r",  "bias of z_w", "bias of z_b",   "bias of zdd_r", "bias of zdd_w", "bias of zdd_b", "bias of dz_w",
-      "bias of dz_b", "bias of F_w", "bias of x_cmd", "bias of x_act", "bias of F",     "bias of F_act"};
+      "bias of z_r",   "bias of z_w",  "bias of z_b",   "bias of zdd_r", "bias of zdd_w",
+      "bias of zdd_b", "bias of dz_w", "bias of dz_b",  "bias of F_w",   "bias of x_cmd",
+      "bias of x_act", "bias of F",    "bias of F_act", "bias of z_cmd"};
   switch (kind) {
     case Kind::core:
       return core[static_cast<std::size_t>(entry)];

@@ -50,7 +50,8 @@ std::vector<RecorderFilter> recorder_filters(const IdentificationProblem& proble
   std::vector<RecorderFilter> groups;
   std::vector<WeightedCorner> means;
   for (std::size_t c = 0; c < model::channel_count; ++c) {
-    if (model::channel_at(c) == model::Channel::x_cmd) continue;  // computed: its spectrum is that of the command
+    const model::Channel channel = model::channel_at(c);
+    if (channel == model::Channel::x_cmd || channel == model::Channel::z_cmd) continue;  // computed, as commanded
     const auto own = filter_of(problem, c);
     if (!own) continue;
     const auto same = std::find_if(groups.begin(), groups.end(),

@@ -72,7 +72,7 @@ int steps_of(const Rig& bare, double period, Resolution resolution) {
 /// z̈_r is no channel of a simulation: its input holds it.
 void add_acceleration(const PreparedRecording& recording, const SimulationInput& input, std::size_t samples,
                       Response& response) {
-  if (!recording.explains(Channel::zdd_r)) return;
+  if (!recording.explains(Channel::zdd_r) || input.channel == Channel::z_cmd) return;
   auto& acceleration = response[index(Channel::zdd_r)];
   const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
   acceleration.resize(count);

@@ -43,7 +43,8 @@ std::vector<double> twice_integrated(std::vector<double> acceleration, double pe
 }
 
 SimulationInput driving_input(const model::RigParameters<double>& rig, const firmware::Recording& recording) {
-  if (rig.kind != model::RigKind::quarter_car || recording.has(Channel::z_r)) return simulation_input(rig, recording);
+  const bool told = recording.has(Channel::z_r) || recording.has(Channel::z_cmd);
+  if (rig.kind != model::RigKind::quarter_car || told) return simulation_input(rig, recording);
   constexpr std::array<Channel, 3> in_place_of_the_road{Channel::zdd_r, Channel::zdd_w, Channel::z_w};
   const auto* const found = std::find_if(in_place_of_the_road.begin(), in_place_of_the_road.end(),
                                          [&](Channel channel) { return recording.has(channel); });

@@ -25,7 +25,7 @@ struct FootSensors {
 };
 std::optional<FootSensors> foot_sensors(const firmware::RigDescription& description, const SampledRecording& sampled) {
   const firmware::Recording& recording = sampled.recording;
-  if (description.rig.kind != RigKind::quarter_car) return std::nullopt;
+  if (description.rig.kind != RigKind::quarter_car || recording.has(Channel::z_cmd)) return std::nullopt;
   if (!recording.has(Channel::z_r) || !recording.has(Channel::zdd_r)) return std::nullopt;
   FootSensors sensors{sampled.noise_at_every_sample(Channel::z_r), sampled.noise_at_every_sample(Channel::zdd_r),
                       recording[Channel::zdd_r]};
@@ -41,7 +41,7 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
                    const SampledRecording& sampled, bool disagree) {
   const firmware::Recording& recording = sampled.recording;
   const Channel input = prepared.input.channel;
-  if (input == Channel::x_cmd) return;  // computed, without noise
+  if (input == Channel::x_cmd || input == Channel::z_cmd) return;  // computed, without noise
   const bool integrated = input == Channel::zdd_r || input == Channel::zdd_w;
   InputNoise& noise = prepared.input_noise;
   (integrated ? noise.acceleration : noise.position) = sampled.noise[index(input)];
@@ -117,7 +117,8 @@ bool PreparedRecording::shows(const firmware::CatalogueEntry& effect) const {
 }
 
 std::optional<Channel> PreparedRecording::input_sensor() const {
-  if (input.channel == Channel::x_cmd || inputs_fused || channels.size() < 2) return std::nullopt;
+  if (input.channel == Channel::x_cmd || input.channel == Channel::z_cmd || inputs_fused || channels.size() < 2)
+    return std::nullopt;
   return input.channel;
 }
 

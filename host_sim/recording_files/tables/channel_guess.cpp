@@ -196,7 +196,7 @@ constexpr std::array abbreviations{
     Abbreviation{"ssoll", Channel::x_cmd}, Abbreviation{"xact", Channel::x_act}, Abbreviation{"xist", Channel::x_act},
     Abbreviation{"xmeas", Channel::x_act}, Abbreviation{"sist", Channel::x_act}, Abbreviation{"xfb", Channel::x_act},
     Abbreviation{"f", Channel::F},         Abbreviation{"fist", Channel::F},     Abbreviation{"fd", Channel::F},
-    Abbreviation{"fact", Channel::F_act},
+    Abbreviation{"fact", Channel::F_act},  Abbreviation{"zcmd", Channel::z_cmd},
 };
 
 // Lower case, umlauts as two letters, words separated by single blanks; a change to upper case begins a word.
@@ -356,7 +356,7 @@ bool exists_on(Channel channel, model::RigKind kind) {
   const bool of_machine = channel == Channel::x_cmd || channel == Channel::x_act || channel == Channel::F;
   if (kind == model::RigKind::component_bench) return of_machine;
   if (kind == model::RigKind::quarter_car) return !of_machine;
-  return channel != Channel::F_act;
+  return channel != Channel::F_act && channel != Channel::z_cmd;
 }
 
 // Names of a data logger's inputs: words that mean nothing, numbers, single letters.

@@ -329,8 +329,10 @@ TEST(RigDescription, RefusesPartsThatTheKindDoesNotHave) {
     expect_refused(std::string(text) + "[machine]\nvirtual_damping = 700\n", "virtual_damping",
                    "only a hil rig has virtual damping");
   }
-  expect_refused(std::string(quarter_car_text) + "[effects.actuator_delay]\ndelay = 0.01\n", "[effects.actuator_delay]",
+  expect_refused(std::string(quarter_car_text) + "[effects.moving_mass]\nmass = 5\n", "[effects.moving_mass]",
                  "this kind of rig has no such place");
+  const auto car = firmware::parse_rig(std::string(quarter_car_text) + "[effects.actuator_delay]\ndelay = 0.01\n", "r");
+  EXPECT_TRUE(car.rig.effects.get<model::ActuatorDelay>().active) << "its foot point is moved by a machine";
   expect_refused(std::string(hil_text) + "[effects.force_sensor_inertia]\nmass = 5\n", "[effects.force_sensor_inertia]",
                  "this kind of rig has no such place");
   expect_refused(std::string(bench_text) + "[effects.tyre_lift_off]\n", "[effects.tyre_lift_off]",

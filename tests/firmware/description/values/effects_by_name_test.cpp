@@ -86,7 +86,8 @@ TEST(Catalogue, KnowsWhichRigHasAPlaceForAnEffect) {
   EXPECT_TRUE(has(car, "body_guide_friction"));
   EXPECT_FALSE(has(hil, "body_guide_friction"));
   EXPECT_TRUE(has(hil, "actuator_delay"));
-  EXPECT_FALSE(has(car, "actuator_delay"));
+  EXPECT_TRUE(has(car, "actuator_delay"));
+  EXPECT_FALSE(has(car, "moving_mass"));
   EXPECT_TRUE(has(hil, "sensor_lag", Channel::F));
   EXPECT_FALSE(has(hil, "sensor_lag", Channel::F_w));
   EXPECT_TRUE(has(car, "sensor_lag", Channel::F_w));
