@@ -23,6 +23,7 @@
 #include "host_sim/commands/new_effect_command.hpp"
 #include "host_sim/commands/paper_command.hpp"
 #include "host_sim/commands/plan_command.hpp"
+#include "host_sim/commands/replicate_command.hpp"
 #include "host_sim/commands/shell_command.hpp"
 #include "host_sim/commands/show_command.hpp"
 #include "host_sim/commands/simulate_command.hpp"
@@ -77,6 +78,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_plan(app, plan_options);
   SweepOptions sweep_options;
   add_sweep(app, sweep_options);
+  ReplicateOptions replicate_options;
+  add_replicate(app, replicate_options);
   ImportOptions import_options;
   add_import(app, import_options);
   FmuOptions fmu_options;

@@ -61,7 +61,7 @@ order firmware loop description recording simulation controller
 order firmware/loop compensation kalman duct_control
 order firmware/description text table laws values
 order firmware/controller real_time safety devices reference recording publishing
-order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability compensation frf show paper identification plan transfer sweep watch new_effect manual commands
+order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability compensation frf show paper identification plan replicate transfer sweep watch new_effect manual commands
 order host_sim/recording_files tables text binary export
 order host_sim/stability roots margins map report
 order host_sim/identification common prepare predict noise parity estimate select learn assess report
