@@ -26,6 +26,8 @@ namespace {
 constexpr std::size_t mdf_head_size = 24;                         // of every block: id, length, number of links
 constexpr std::size_t most_mdf_blocks = 1000000;                  // of a list: a circle ends there
 constexpr std::uint64_t most_mdf_data = std::uint64_t{4} << 30U;  // [byte] of a group, decompressed
+constexpr std::uint64_t best_packing = 1100;                      // deflate packs at most 1032 : 1
+constexpr std::uint64_t most_virtual_rows = 1000000;              // of a group without data: nothing else bounds them
 
 // A block: its links and the bytes behind them.
 struct MdfBlock {
@@ -226,9 +228,8 @@ class MdfReader {
   }
 
   void read_channels(std::uint64_t at, MdfGroup& group, int level) {
-    std::size_t count = 0;
     while (at != 0) {
-      if (++count > most_mdf_blocks || level > 8) fail("its channels form a circle");
+      if (++channels_read_ > most_mdf_blocks || level > 8) fail("its channels form a circle");
       const MdfBlock one = block(at, "##CN");
       MdfChannel channel;
       channel.name = text(one.link(2));
@@ -304,9 +305,10 @@ class MdfReader {
     return data;
   }
 
-  void append(std::uint64_t at, std::string& data, std::string& invalid, std::size_t& count) const {
+  void append(std::uint64_t at, std::string& data, std::string& invalid, std::size_t& count,
+              bool in_list = false) const {
     while (at != 0) {
-      if (++count > most_mdf_blocks || data.size() > most_mdf_data) fail("its data form a circle");
+      if (++count > most_mdf_blocks || data.size() > most_data()) fail("its data form a circle");
       const MdfBlock one = block(at);
       if (one.id == "##DT" || one.id == "##DV" || one.id == "##RD" || one.id == "##SD") {
         data += one.data;
@@ -320,6 +322,7 @@ class MdfReader {
         inflate_block(one, one.data.substr(0, 2) == "DI" ? invalid : data);
         return;
       }
+      if (in_list) fail("a list within a list");
       if (one.id == "##HL") {
         at = one.link(0);
         continue;
@@ -331,12 +334,11 @@ class MdfReader {
       const std::size_t blocks = with_invalid ? (one.links.size() - 1) / 2 : one.links.size() - 1;
       if (one.links.empty()) fail("a list without links");
       for (std::size_t k = 0; k < one.links.size() - 1; ++k) {
-        std::string unused;
         if (one.links[k + 1] == 0) continue;
         if (k < blocks) {
-          append(one.links[k + 1], data, invalid, count);
+          append(one.links[k + 1], data, invalid, count, true);
         } else {
-          append(one.links[k + 1], invalid, invalid, count);
+          append(one.links[k + 1], invalid, invalid, count, true);
         }
       }
       at = one.link(0);
@@ -351,8 +353,7 @@ class MdfReader {
     constexpr std::size_t packed_at = 24;
     if (one.data.size() < packed_at || packed > one.data.size() - packed_at || kind > 1)
       fail("a compressed block ends early");
-    // Deflate packs at most 1032 : 1.
-    if (size > 1100 * (packed + 64) || into.size() + size > most_mdf_data)
+    if (size > best_packing * (packed + 64) || into.size() + size > most_data())
       fail("a compressed block of impossible size");
     std::string bytes(static_cast<std::size_t>(size), '\0');
     auto length = static_cast<uLongf>(size);
@@ -439,7 +440,7 @@ class MdfReader {
   void take_group(const MdfGroup& group) {
     const std::string name = group.name.empty() ? "group " + std::to_string(group_number_) : group.name;
     const std::size_t record = group.data_bytes + (group.invalid.empty() ? group.invalid_bytes : 0);
-    const std::uint64_t there = record == 0 ? group.cycles : group.records.size() / record;
+    const std::uint64_t there = record == 0 ? most_virtual_rows : group.records.size() / record;
     const auto rows = static_cast<std::size_t>(std::min<std::uint64_t>({group.cycles, there, most_mdf_data / 8}));
     if (rows < group.cycles)
       table_.left_out.push_back({name, std::to_string(group.cycles - rows) + " of " + std::to_string(group.cycles) +
@@ -506,10 +507,14 @@ class MdfReader {
     return std::move(table_);
   }
 
+  // [byte] A list may name a block twice; more data than the file can hold are a circle.
+  [[nodiscard]] std::uint64_t most_data() const { return std::min(most_mdf_data, best_packing * (bytes_.size() + 64)); }
+
   std::string_view bytes_;
   std::string source_;
   RawTable table_;
   std::size_t group_number_ = 0;
+  std::size_t channels_read_ = 0;
 };
 
 }  // namespace

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t rpc_block = 512, rpc_record = 128, rpc_key = 32;
 constexpr std::size_t most_rpc_channels = 10000;
+constexpr std::size_t most_rpc_points = std::size_t{1} << 40U;
 
 // A padded text of the header in UTF-8.
 std::string padded_text(std::string_view bytes) {
@@ -47,6 +48,7 @@ class RpcReader {
     if (data > bytes_.size()) fail("the file ends within its header", "a whole RPC III file");
 
     std::size_t points = frames * per_frame;
+    if (points > most_rpc_points) fail("FRAMES is " + std::to_string(frames), "a number that a file can hold");
     const std::uint64_t groups = (std::uint64_t{points} + per_group - 1) / per_group;
     const std::uint64_t values = groups * per_group * channels;
     const std::size_t size = size_of_value(values, bytes_.size() - data);

@@ -104,15 +104,24 @@ class Interpreter {
         car ? std::array<std::string_view, 2>{"z_r", "z_w"} : std::array<std::string_view, 2>{"x_act", "F"};
     const std::array<std::string_view, 2> units =
         car ? std::array<std::string_view, 2>{"mm", "mm"} : std::array<std::string_view, 2>{"mm", "N"};
-    std::size_t next = 0;
-    for (std::size_t c = 0; c < table_.columns.size() && next < wanted.size(); ++c) {
-      if (is_any_time(c) || table_.columns[c].is_clock || table_.columns[c].values.empty()) continue;
-      if (is_sample_number_name(table_.columns[c].name)) continue;
-      command += " --map '" + std::string(wanted[next]) + "=" + unique_name(table_, c);
-      if (table_.columns[c].unit.empty()) command += " [" + std::string(units[next]) + "]";
-      command += "'";
-      ++next;
+    std::vector<bool> named(table_.columns.size(), false);
+    for (std::size_t w = 0; w < wanted.size(); ++w) {
+      const std::optional<firmware::Unit> unit = firmware::find_unit(units[w]);
+      for (std::size_t c = 0; c < table_.columns.size(); ++c) {
+        const RawColumn& column = table_.columns[c];
+        if (named[c] || is_any_time(c) || column.is_clock || column.values.empty()) continue;
+        if (is_sample_number_name(column.name) || firmware::is_unit_of_no_channel(column.unit)) continue;
+        // Of a column that states its unit the dimension must be the channel's.
+        const std::optional<firmware::Dimension> dimension = dimension_of_column(column);
+        if (dimension && dimension != unit->dimension) continue;
+        named[c] = true;
+        command += " --map '" + std::string(wanted[w]) + "=" + unique_name(table_, c);
+        if (column.unit.empty()) command += " [" + std::string(units[w]) + "]";
+        command += "'";
+        break;
+      }
     }
+    if (std::none_of(named.begin(), named.end(), [](bool taken) { return taken; })) command += " --map 'F=COLUMN'";
     return command + " --out REC.csv";
   }
   [[nodiscard]] bool is_any_time(std::size_t c) const {

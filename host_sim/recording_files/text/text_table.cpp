@@ -123,6 +123,10 @@ class TableReader {
       column.significant_digits = 0;
       table_.columns.push_back(std::move(column));
     }
+    for (std::size_t c = 0; c < layout_.columns; ++c) {
+      if (layout_.is_value[c]) table_.columns[c].values.reserve(lines_.size() - layout_.first_row);
+    }
+    table_.lines.reserve(lines_.size() - layout_.first_row);
     decimals_.assign(layout_.columns, '\0');
     clocks_.resize(layout_.columns);
     uses_.resize(layout_.columns);
@@ -464,7 +468,7 @@ class TableReader {
       column.is_slow = filled >= 2 && empty[c] >= filled && !only_at_the_end;
       const std::optional<firmware::Unit> unit = firmware::find_unit(column.unit);
       const bool time = is_time_name(column.name) || (unit && unit->dimension == firmware::Dimension::time);
-      if (only_at_the_end && time) ends.push_back(end);
+      if (only_at_the_end && time && end > 0) ends.push_back(end);
     }
     for (const auto& [column, line] : empty_cells_) {
       if (table_.columns[column].is_slow) continue;
