@@ -18,8 +18,14 @@ class DriveEnable {
   /// False: the rig has no such output, and the drive has power at all times.
   [[nodiscard]] virtual bool fitted() const { return true; }
 
+  /// True: a contact that moves with the power shows whether it is on (external device monitoring, ISO 13849).
+  [[nodiscard]] virtual bool feedback_fitted() const { return false; }
+  /// What that contact shows: the drive has power. Any fault: nobody knows. Only where it is fitted.
+  [[nodiscard]] Result<bool> feedback() { return do_feedback(); }
+
  private:
   virtual Result<void> do_write(bool on) = 0;
+  virtual Result<bool> do_feedback() { return Fault::refused; }
 };
 
 /// For a rig without an enable output.

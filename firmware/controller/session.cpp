@@ -100,7 +100,7 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
 }
 
 Status Session::run() {
-  const auto stop = [](void* loop) { static_cast<ControlLoop*>(loop)->stop(); };
+  const auto stop = [](void* loop) { static_cast<ControlLoop*>(loop)->end(); };
   open_notify_socket();
   block_signals();
   catch_traps({&emergency_return_, &command_, &at_rest_, stop, &loop_, rig_.period()});

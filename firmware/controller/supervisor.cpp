@@ -35,7 +35,7 @@ void Supervisor::finish() {
 void Supervisor::end_run(Cause cause) {
   Cause none = Cause::none;
   if (!cause_.compare_exchange_strong(none, cause)) return;
-  parts_.loop.stop();
+  parts_.loop.end();
   extend_timeout(parts_.longest_return + 2.0);
 }
 
@@ -70,7 +70,10 @@ void Supervisor::await_signal() {
     ::raise(SIGALRM);
   }
   int none = 0;
-  signal_.compare_exchange_strong(none, signal);
+  if (!signal_.compare_exchange_strong(none, signal)) {  // asked again: whoever does so wants the rig to stand still
+    parts_.loop.stop();
+    return;
+  }
   end_run(Cause::signal);
 }
 

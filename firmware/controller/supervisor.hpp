@@ -18,7 +18,8 @@ namespace firmware::controller {
 enum class Cause : int { none, signal, disk, lost_records, heap };
 
 /// Signals that the supervisor takes: all that end a program and can be caught, but for traps and for those that are
-/// ignored. SIGUSR1 has the histograms printed, any other one ends the run in good order.
+/// ignored. SIGUSR1 has the histograms printed, any other one ends the run in good order; a second one brakes and
+/// holds.
 [[nodiscard]] sigset_t supervised_signals();
 
 /// Blocks the supervised signals in the calling thread and in the threads that it makes, and ignores those that are no

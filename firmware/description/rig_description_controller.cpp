@@ -65,6 +65,11 @@ void read_stop(DescriptionTable& table, const Waivers& waivers, GpioDescription&
 
 void read_enable(DescriptionTable& table, const Waivers& waivers, GpioDescription& gpio) {
   if (table.has("enable")) gpio.enable = table.text("enable");
+  if (table.has("enable_feedback")) gpio.enable_feedback = table.text("enable_feedback");
+  read_bias(table, "enable_feedback_bias", gpio.enable_feedback_bias);
+  if (!gpio.enable_feedback.empty() && (gpio.enable.empty() || gpio.enable_feedback == gpio.enable)) {
+    table.fail("enable_feedback", "gpio.enable_feedback shows no enable", "an input beside the output gpio.enable");
+  }
   if (!table.has("enable_active_low")) return;
   gpio.enable_active_low = table.truth("enable_active_low");
   if (gpio.enable_active_low && !waivers.contains("enable_active_low")) {
@@ -197,6 +202,7 @@ void read_limits(DescriptionTable& top, ControllerDescription& controller) {
   };
   within("measured_stroke", limits.measured_stroke, "stroke", controller.stroke, 2.0 * controller.stroke);
   within("measured_speed", limits.measured_speed, "speed", controller.speed, 10.0 * controller.speed);
+  within("low_force", limits.low_force, "force", 0.0, controller.force);
   within("following", limits.following, "stroke", 0.0, 0.49 * controller.stroke);
   table->finish();
 }
@@ -350,6 +356,12 @@ void check_wiring(const RigDescription& description) {
     throw InputError(description.source, 0, "no table [gpio]", "the lines of stop, heartbeat, enable and valves");
   }
   const GpioDescription& gpio = *description.hardware.gpio;
+  const auto require_line = [&](const std::string& line, std::string_view key, std::string_view waiver,
+                                std::string_view what) {
+    if (!line.empty() || description.waivers.contains(std::string(waiver))) return;
+    throw InputError(description.source, gpio.source_line, "[gpio] has no " + std::string(key),
+                     std::string(what) + ", or [waivers] " + std::string(waiver) + " = \"why\"");
+  };
   struct Line {
     const std::string& line;
     std::string_view key, waiver, what;
@@ -357,10 +369,11 @@ void check_wiring(const RigDescription& description) {
   for (const Line& wanted : {Line{gpio.stop, "stop", "no_stop", "the line of the stop button"},
                              Line{gpio.heartbeat, "heartbeat", "no_heartbeat", "the line of a watchdog outside"},
                              Line{gpio.enable, "enable", "no_enable", "the line that gives the drive power"}}) {
-    if (!wanted.line.empty() || description.waivers.contains(std::string(wanted.waiver))) continue;
-    throw InputError(description.source, gpio.source_line, "[gpio] has no " + std::string(wanted.key),
-                     std::string(wanted.what) + ", or [waivers] " + std::string(wanted.waiver) + " = \"why\"");
+    require_line(wanted.line, wanted.key, wanted.waiver, wanted.what);
   }
+  if (gpio.enable.empty()) return;
+  require_line(gpio.enable_feedback, "enable_feedback", "no_enable_feedback",
+               "the line of a contact that shows whether the drive has power");
 }
 
 }  // namespace firmware

@@ -13,9 +13,11 @@
 namespace firmware {
 
 /// What [waivers] may hold: what a rig goes without that a safe rig has.
-inline constexpr std::array<std::string_view, 8> waiver_names{"no_heartbeat",         "no_enable",         "no_stop",
-                                                              "stop_fails_dangerous", "enable_active_low", "no_probe",
-                                                              "unproven_stability",   "no_following_error"};
+inline constexpr std::array<std::string_view, 11> waiver_names{
+    "no_heartbeat",         "no_enable",          "no_stop",
+    "stop_fails_dangerous", "enable_active_low",  "no_probe",
+    "unproven_stability",   "no_following_error", "no_enable_feedback",
+    "off_centre",           "wide_limits"};
 
 void read_waivers(DescriptionTable& top, std::map<std::string, std::string>& waivers);
 void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig, ControllerDescription& controller);

@@ -228,6 +228,10 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
     }
     if (!gpio.enable.empty()) out.line("enable", basic_string_of(gpio.enable));
     if (gpio.enable_active_low) out.line("enable_active_low", "true");
+    if (!gpio.enable_feedback.empty()) out.line("enable_feedback", basic_string_of(gpio.enable_feedback));
+    if (gpio.enable_feedback_bias != ordinary.enable_feedback_bias) {
+      out.line("enable_feedback_bias", basic_string_of(gpio.enable_feedback_bias));
+    }
     if (!gpio.heartbeat.empty()) out.line("heartbeat", basic_string_of(gpio.heartbeat));
     if (gpio.interlock_bias != ordinary.interlock_bias) {
       out.line("interlock_bias", basic_string_of(gpio.interlock_bias));

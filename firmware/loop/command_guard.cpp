@@ -18,14 +18,14 @@ CommandGuard::CommandGuard(const Limits& limits, double period, double rest)
       period_(period),
       last_{rest, 0.0, 0.0} {}
 
-CommandGuard::Verdict CommandGuard::judge(const hal::Command& wanted) {
+CommandGuard::Verdict CommandGuard::judge(const hal::Command& wanted, hal::Time now) {
   Verdict verdict{wanted, false, std::nullopt};
   if (!std::isfinite(wanted.position) || !std::isfinite(wanted.velocity) || !std::isfinite(wanted.acceleration)) {
-    verdict.hazard = Trip{Reason::command_not_finite, std::nullopt, wanted.position, 0.0, hal::never};
+    verdict.hazard = Trip{Reason::command_not_finite, std::nullopt, wanted.position, 0.0, now};
     return verdict;
   }
   if (beyond(wanted.position, half_stroke_)) {
-    verdict.hazard = Trip{Reason::stroke, std::nullopt, wanted.position, half_stroke_, hal::never};
+    verdict.hazard = Trip{Reason::stroke, std::nullopt, wanted.position, half_stroke_, now};
     return verdict;
   }
   const double wanted_speed = (wanted.position - last_.position) / period_;
@@ -57,10 +57,10 @@ CommandGuard::Verdict CommandGuard::judge(const hal::Command& wanted) {
   ++limited_in_a_row_;
   if (static_cast<double>(limited_in_a_row_) * period_ > speed_time_ + 0.5 * period_) {
     verdict.hazard = Trip{began_sudden_ ? Reason::acceleration : Reason::speed, std::nullopt, cause_,
-                          began_sudden_ ? acceleration_ : speed_, hal::never};
+                          began_sudden_ ? acceleration_ : speed_, now};
   }
   if (beyond(verdict.command.position, half_stroke_)) {  // too fast to brake before the end
-    verdict.hazard = Trip{Reason::stroke, std::nullopt, verdict.command.position, half_stroke_, hal::never};
+    verdict.hazard = Trip{Reason::stroke, std::nullopt, verdict.command.position, half_stroke_, now};
   }
   return verdict;
 }

@@ -33,12 +33,12 @@ class CommandGuard {
   CommandGuard(const Limits& limits, double period, double rest);
 
   struct Verdict {
-    hal::Command command{};        ///< what may go out, if there is no hazard
-    bool limited = false;          ///< slower than wanted
-    std::optional<Trip> hazard{};  ///< time not filled in
+    hal::Command command{};  ///< what may go out, if there is no hazard
+    bool limited = false;    ///< slower than wanted
+    std::optional<Trip> hazard{};
   };
 
-  [[nodiscard]] Verdict judge(const hal::Command& wanted);
+  [[nodiscard]] Verdict judge(const hal::Command& wanted, hal::Time now = hal::never);
 
   /// What has gone out: the next command is held against it.
   void passed(const hal::Command& command);

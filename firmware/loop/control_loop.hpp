@@ -11,8 +11,9 @@
 #include "firmware/loop/command_guard.hpp"
 #include "firmware/loop/companion.hpp"
 #include "firmware/loop/compensation/compensation.hpp"
-#include "firmware/loop/energy_guard.hpp"
+#include "firmware/loop/drive_power.hpp"
 #include "firmware/loop/frozen_guard.hpp"
+#include "firmware/loop/hil_interface.hpp"
 #include "firmware/loop/journal.hpp"
 #include "firmware/loop/lateness_guard.hpp"
 #include "firmware/loop/mode.hpp"
@@ -40,9 +41,10 @@ namespace firmware {
 ///   quarter_car      command is the foot point of the reference at t_{k+1}; velocities and wheel load are estimated
 ///   component_bench  command is the deflection of the reference at t_{k+1}
 ///
-/// While the drive has no power, the command follows the measured position, so that power finds no difference. Arming
-/// looks at the rig (ArmingChecks); only then start() leads to ready.
-/// In ready the command moves to where the reference begins (hil: to no deflection, the car at rest above the
+/// While the drive has no power, the command stays; idle writes none. Power is given in two places only: by an arming,
+/// which begins where the drive stands and looks at the rig (ArmingChecks) before start() leads to ready, and by a
+/// person's go_to_rest(), which begins there too. mode.hpp and trip.hpp hold the states, requests and reasons as
+/// tables. In ready the command moves to where the reference begins (hil: to no deflection, the car at rest above the
 /// beginning of its road), the valves already stand as the run begins.
 /// Static memory, no heap after construction, no exceptions, the same work every period.
 class ControlLoop {
@@ -61,16 +63,20 @@ class ControlLoop {
   ControlLoop& operator=(const ControlLoop&) = delete;
   ~ControlLoop() = default;
 
-  /// Requests from any thread, taken up by the next period.
-  void arm() { requests_.fetch_or(arm_request); }        ///< idle → arming → armed
-  void disarm() { requests_.fetch_or(disarm_request); }  ///< armed → idle
-  void start() { requests_.fetch_or(start_request); }    ///< armed → ready → running
-  void hold() { requests_.fetch_or(hold_request); }      ///< running → holding
-  void resume() { requests_.fetch_or(resume_request); }  ///< holding → running
-  void stop() { requests_.fetch_or(stop_request); }      ///< any → safe, in good order
-  /// In safe, standing, without hazard: back to rest. Not after a reason that loses_power().
-  void go_to_rest() { requests_.fetch_or(rest_request); }
-  void acknowledge() { requests_.fetch_or(acknowledge_request); }  ///< safe → idle, once standing and without hazard
+  /// Requests from any thread, taken up by the next period: request_rules says in which states.
+  void request(Request wanted) { requests_.fetch_or(bit(wanted)); }
+  void arm() { request(Request::arm); }        ///< idle → arming → armed
+  void disarm() { request(Request::disarm); }  ///< armed → idle
+  void start() { request(Request::start); }    ///< armed → ready → running
+  void hold() { request(Request::hold); }      ///< running → holding
+  void resume() { request(Request::resume); }  ///< holding → running
+  /// Any → safe, and back to rest; a second one, or one on the way to rest, brakes and holds for good.
+  void stop() { request(Request::stop); }
+  /// As the first stop(), and nothing more where the way to rest is under way: for a program that ends.
+  void end() { request(Request::end); }
+  /// In safe, standing, without hazard, and not since a reason that takes a new arming: back to rest.
+  void go_to_rest() { request(Request::rest); }
+  void acknowledge() { request(Request::acknowledge); }  ///< safe → idle, once standing and without hazard
   /// Scales the reference about its beginning, 0 … ReferencePlayer::highest_level; at once before a run, within a
   /// second or so during it. False: outside, nothing is asked for.
   bool level(double wanted);
@@ -79,7 +85,7 @@ class ControlLoop {
 #ifndef RIGTWIN_ALONE
   void attach(Companion& companion) { companion_.set(&companion); }
   /// The same for a compensation of the machine's delay; a rig that is no hil never calls it.
-  void attach(Compensation& compensation) { compensation_.set(&compensation); }
+  void attach(Compensation& compensation) { hil_.attach(compensation); }
 #endif
 
   /// The first period is due then, and not when step() is called first.
@@ -104,26 +110,21 @@ class ControlLoop {
   [[nodiscard]] Mode mode() const { return mode_; }
   [[nodiscard]] const Trip& trip() const { return trip_; }      ///< why the rig is or was in safe
   [[nodiscard]] const Trip& second() const { return second_; }  ///< what happened after that, first
-  /// Nothing is commanded to move any more, and the drive has no power.
-  [[nodiscard]] bool at_rest() const { return mode_ == Mode::idle || (mode_ == Mode::safe && standing() && !enabled_); }
+  /// Nothing is commanded to move any more, the drive has no power, and nothing is seen to move.
+  [[nodiscard]] bool at_rest() const {
+    return (mode_ == Mode::idle || (mode_ == Mode::safe && standing())) && power_.still();
+  }
   /// In safe the command stays where it stopped, instead of returning to rest.
   [[nodiscard]] bool held() const { return mode_ == Mode::safe && held_; }
-  [[nodiscard]] bool enabled() const { return enabled_; }                              ///< the drive has power
+  [[nodiscard]] bool enabled() const { return power_.on(); }                           ///< the drive has power
   [[nodiscard]] double tare() const { return samples_.tare(model::Channel::F); }       ///< taken from F [N]
   [[nodiscard]] const hal::Command& command() const { return command_guard_.last(); }  ///< for this instant
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] const StateEstimator& estimator() const { return estimator_; }
 
  private:
-  static constexpr unsigned start_request = 1;
-  static constexpr unsigned stop_request = 2;
-  static constexpr unsigned acknowledge_request = 4;
-  static constexpr unsigned arm_request = 8;
-  static constexpr unsigned disarm_request = 16;
-  static constexpr unsigned hold_request = 32;
-  static constexpr unsigned resume_request = 64;
-  static constexpr unsigned rest_request = 128;
-  static constexpr unsigned level_request = 256;
+  static constexpr unsigned bit(Request request) { return 1U << static_cast<unsigned>(request); }
+  static constexpr unsigned level_request = 1U << (static_cast<unsigned>(last_request) + 1);
 
   [[nodiscard]] bool hil() const { return kind_ == model::RigKind::hil; }
   [[nodiscard]] bool standing() const { return return_.arrived(); }
@@ -131,27 +132,36 @@ class ControlLoop {
     return kind_ == model::RigKind::quarter_car ? model::Channel::z_r : model::Channel::x_act;
   }
 
+  /// In safe: on the way to rest, or braking.
+  [[nodiscard]] bool moves_in_safe() const { return mode_ == Mode::safe && (!standing() || power_.wanted()); }
+  /// Where the drive stands without power, if that is known and looked at.
+  [[nodiscard]] std::optional<double> place() const;
+
   void keep_time(hal::Time now);
-  void watch_motion();
+  void set_force_limit();
+  void watch_motion(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_hazard(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_stop(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_open_interlock(hal::Time now);
   [[nodiscard]] bool matters(const Trip& hazard) const;
-  void take_up(unsigned requests, bool hazard);
+  [[nodiscard]] bool is_lasting(const Trip& hazard) const;
+  void take_up(Request request, unsigned requests, bool hazard, hal::Time now);
+  [[nodiscard]] bool allowed(const RequestRule& rule, bool hazard) const;
+  void follow(Event event);
+  void begin_at_rest(double position);
+  void return_to_rest(double velocity);
   [[nodiscard]] std::optional<Trip> look_at_arming(hal::Time now);
   void begin_arming(hal::Time now);
   void get_ready();
   void trip(const Trip& trip);
   void lose_power(const Trip& cause);
   void brake_and_hold(double velocity);
-  void follow_rig();
-  [[nodiscard]] double entering_force();
   void command_area(hal::Time now);
   void compute(hal::Time now);
-  [[nodiscard]] std::optional<hal::Command> follow_reference();
-  [[nodiscard]] hal::Command step_car(const Motion& foot_point);
-  [[nodiscard]] hal::Command compensated(Compensation& compensation, const model::Motion<double>& wanted);
+  [[nodiscard]] std::optional<hal::Command> wanted_command(hal::Time now);
+  [[nodiscard]] std::optional<hal::Command> follow_reference(hal::Time now);
   void act(hal::Time now);
+  void write_command(hal::Time now, bool& valves_stand);
   [[nodiscard]] bool write_valves();
   void write_enable(hal::Time now);
   void note_values(Record& record) const;
@@ -163,21 +173,20 @@ class ControlLoop {
   ValvePlan valves_;
   Journal& journal_;
   [[no_unique_address]] CompanionPlace companion_{};
-  [[no_unique_address]] CompensationPlace compensation_{};
-  std::optional<VirtualCar> car_{};  ///< hil only
 
   SampleGuard samples_;
   StateEstimator estimator_;
   CommandGuard command_guard_;
-  EnergyGuard energy_guard_;
+  HilInterface hil_;
+  DrivePower power_;
   MotionGuard motion_guard_;
   FrozenGuard frozen_guard_;
   LatenessGuard lateness_guard_;
   std::optional<Trip> motion_hazard_{};  ///< of this period, by motion and frozen guard
+  std::optional<Trip> power_hazard_{};   ///< of this period
   [[no_unique_address]] AreaControl<has_area> area_control_;
   ArmingChecks arming_;
   ReferencePlayer player_;
-  std::optional<Trip> loop_hazard_{};  ///< of this period, by energy guard or compensation
   SmoothMove move_{};
   ReturnToRest return_{};
 
@@ -188,11 +197,8 @@ class ControlLoop {
   Trip second_{};
   bool held_ = false;          ///< in safe: stays where it stopped
   bool expects_trip_ = false;  ///< in safe: the hazard of trip_ may last while the command returns to rest
-  bool enabled_ = false;       ///< as last written with success
-  bool wants_power_ = false;
-  bool enable_stands_ = true;  ///< the drive's enable is as wanted
-  double followed_ = 0.0;      ///< measured position, smoothed, while the drive has no power [m]
-  bool follows_ = false;       ///< followed_ has a value
+  bool proven_ = false;        ///< arming has passed, and nothing has happened since that takes an arming
+  bool starved_ = false;       ///< no heartbeat until somebody has acknowledged why
   Counters counters_{};
   hal::Time due_ = hal::never;
   hal::Time lateness_{};  ///< of this period
@@ -201,10 +207,8 @@ class ControlLoop {
   std::uint64_t sample_ = 0;        ///< k, in mode running
   std::int64_t settling_left_ = 0;  ///< periods
   bool reference_begins_ = false;   ///< the reference has a first value
-  VirtualCar::State car_state_{};
-  bool car_alive_ = false;    ///< the car's state is that of this instant
-  hal::Command command_{};    ///< of this period
-  hal::Openings openings_{};  ///< of this period
+  hal::Command command_{};          ///< of this period
+  hal::Openings openings_{};        ///< of this period
 };
 
 }  // namespace firmware

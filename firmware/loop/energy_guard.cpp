@@ -23,7 +23,7 @@ void EnergyGuard::start(double deflection) {
   cycles_ = 0;
 }
 
-std::optional<Trip> EnergyGuard::follow(double force, double deflection, double wheel_way) {
+std::optional<Trip> EnergyGuard::follow(double force, double deflection, double wheel_way, hal::Time now) {
   if (!begun_) mean_force_ = force;
   begun_ = true;
   mean_force_ += (1.0 - memory_) * (force - mean_force_);                 // (1)
@@ -43,13 +43,13 @@ std::optional<Trip> EnergyGuard::follow(double force, double deflection, double 
   const bool turns = falling_ && change > 0.0;
   if (change != 0.0) falling_ = change < 0.0;
   if (before * offset_free_ < 0.0) growing_ = 0.0;  // an oscillation: judged at its turns
-  std::optional<Trip> hazard = judge_growth();
+  std::optional<Trip> hazard = judge_growth(now);
   if (turns) {
     const bool wide = highest_ - lowest_ > quiet_;
     cycles_ = wide && fed_ > gain_ * taken_ ? cycles_ + 1 : 0;
     if (cycles_ >= most_cycles_) {
       const double value = taken_ > 0.0 ? fed_ / taken_ : std::numeric_limits<double>::max();
-      hazard = Trip{Reason::energy, std::nullopt, value, gain_, hal::never};
+      hazard = Trip{Reason::energy, std::nullopt, value, gain_, now};
       cycles_ = 0;
     }
     lowest_ = highest_ = deflection_;
@@ -60,7 +60,7 @@ std::optional<Trip> EnergyGuard::follow(double force, double deflection, double 
   return hazard;
 }
 
-std::optional<Trip> EnergyGuard::judge_growth() {
+std::optional<Trip> EnergyGuard::judge_growth(hal::Time now) {
   if (fed_outwards_ <= gain_ * taken_outwards_) {
     growing_ = 0.0;
   } else if (offset_free_ > quiet_ || offset_free_ < -quiet_) {
@@ -69,7 +69,7 @@ std::optional<Trip> EnergyGuard::judge_growth() {
   if (growing_ <= growth_time_) return std::nullopt;
   growing_ = 0.0;
   const double value = taken_outwards_ > 0.0 ? fed_outwards_ / taken_outwards_ : std::numeric_limits<double>::max();
-  return Trip{Reason::growth, std::nullopt, value, gain_, hal::never};
+  return Trip{Reason::growth, std::nullopt, value, gain_, now};
 }
 
 }  // namespace firmware

@@ -41,8 +41,9 @@ class EnergyGuard {
   /// The car begins at rest, with this deflection [m].
   void start(double deflection);
 
-  /// One period: force held [N], deflection at its end [m], way of the wheel [m]. A hazard, time not filled in.
-  [[nodiscard]] std::optional<Trip> follow(double force, double deflection, double wheel_way);
+  /// One period: force held [N], deflection at its end [m], way of the wheel [m].
+  [[nodiscard]] std::optional<Trip> follow(double force, double deflection, double wheel_way,
+                                           hal::Time now = hal::never);
 
   [[nodiscard]] double fed() const { return fed_; }                        ///< W [J]
   [[nodiscard]] double taken() const { return taken_; }                    ///< D [J]
@@ -50,7 +51,7 @@ class EnergyGuard {
   [[nodiscard]] double taken_outwards() const { return taken_outwards_; }  ///< D° [J]
 
  private:
-  [[nodiscard]] std::optional<Trip> judge_growth();
+  [[nodiscard]] std::optional<Trip> judge_growth(hal::Time now);
 
   double gain_;
   double quiet_;

@@ -34,7 +34,8 @@ bool FrozenGuard::by_position(Channel channel) {
   return channel == Channel::x_act || channel == Channel::z_r || channel == Channel::F;
 }
 
-std::optional<Trip> FrozenGuard::follow(const SampleGuard& samples, double expected, const hal::Command& command) {
+std::optional<Trip> FrozenGuard::follow(const SampleGuard& samples, double expected, const hal::Command& command,
+                                        hal::Time now, std::optional<Channel> known) {
   std::optional<Trip> hazard;
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     const Channel channel = model::channel_at(i);
@@ -56,11 +57,11 @@ std::optional<Trip> FrozenGuard::follow(const SampleGuard& samples, double expec
     if (watch.samples < samples_) ++watch.samples;
     watch.first.hold(first);
     watch.second.hold(second);
-    if (watch.samples < samples_ || hazard) continue;
+    if (watch.samples < samples_ || (hazard && hazard->channel != known)) continue;
     const bool moved = positional ? watch.first.width() >= way_                                              // (1)
                                   : watch.first.width() >= speed_ && watch.second.width() >= acceleration_;  // (2)
     if (moved) {
-      hazard = Trip{Reason::sensor_frozen, channel, reading.value, static_cast<double>(samples_), hal::never};
+      hazard = Trip{Reason::sensor_frozen, channel, reading.value, static_cast<double>(samples_), now};
     }
   }
   return hazard;

@@ -34,9 +34,11 @@ class FrozenGuard {
   /// Every channel may have stood still until now.
   void start();
 
-  /// One period: frame of the guard of samples, expected position [m], command for this instant. A hazard, time not
-  /// filled in.
-  [[nodiscard]] std::optional<Trip> follow(const SampleGuard& samples, double expected, const hal::Command& command);
+  /// One period: frame of the guard of samples, expected position [m], command for this instant. A channel that is
+  /// known to be frozen does not hide another.
+  [[nodiscard]] std::optional<Trip> follow(const SampleGuard& samples, double expected, const hal::Command& command,
+                                           hal::Time now = hal::never,
+                                           std::optional<model::Channel> known = std::nullopt);
 
  private:
   /// What happened since a channel changed.

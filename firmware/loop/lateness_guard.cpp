@@ -17,9 +17,9 @@ bool LatenessGuard::follow(hal::Time lateness) {
   return late;
 }
 
-std::optional<Trip> LatenessGuard::hazard() const {
-  if (lateness_ > gap_) return Trip{Reason::gap, std::nullopt, lateness_, gap_, hal::never};
-  if (level_ >= full_) return Trip{Reason::late, std::nullopt, level_, full_, hal::never};
+std::optional<Trip> LatenessGuard::hazard(hal::Time now) const {
+  if (lateness_ > gap_) return Trip{Reason::gap, std::nullopt, lateness_, gap_, now};
+  if (level_ >= full_) return Trip{Reason::late, std::nullopt, level_, full_, now};
   return std::nullopt;
 }
 

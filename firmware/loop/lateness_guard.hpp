@@ -23,8 +23,8 @@ class LatenessGuard {
   /// One period that begins so long after its instant; true: late.
   bool follow(hal::Time lateness);
 
-  /// Of the last period; time not filled in.
-  [[nodiscard]] std::optional<Trip> hazard() const;
+  /// Of the last period.
+  [[nodiscard]] std::optional<Trip> hazard(hal::Time now = hal::never) const;
 
  private:
   hal::Time late_after_;

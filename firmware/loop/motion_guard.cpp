@@ -55,7 +55,7 @@ void MotionGuard::start(double position) {
   away_ = far_ = fast_ = 0;
 }
 
-std::optional<Trip> MotionGuard::follow(const hal::Command& command, const SampleGuard& samples) {
+std::optional<Trip> MotionGuard::follow(const hal::Command& command, const SampleGuard& samples, hal::Time now) {
   if (until_step_ > 0) {
     --until_step_;
     return std::nullopt;
@@ -63,14 +63,14 @@ std::optional<Trip> MotionGuard::follow(const hal::Command& command, const Sampl
   until_step_ = stride_ - 1;
   line_.push({static_cast<float>(command.position), static_cast<float>(command.velocity)});
   const model::Stroke<float> late = line_.read(static_cast<float>(period_));
-  const model::Stroke<double> now{static_cast<double>(late.position), static_cast<double>(late.velocity)};
-  reached_ = machine_.step(state_, delayed_, now, reached_);  // (1)
-  delayed_ = now;
+  const model::Stroke<double> there{static_cast<double>(late.position), static_cast<double>(late.velocity)};
+  reached_ = machine_.step(state_, delayed_, there, reached_);  // (1)
+  delayed_ = there;
   if (!samples.fitted(channel_) || !samples.seen(channel_)) return std::nullopt;
-  return judge((samples.value(channel_) - offset_) / gain_);
+  return judge((samples.value(channel_) - offset_) / gain_, now);
 }
 
-std::optional<Trip> MotionGuard::judge(double position) {
+std::optional<Trip> MotionGuard::judge(double position, hal::Time now) {
   error_ = position - reached_.position;  // (2)
   newest_ = (newest_ + 1) % window_length;
   positions_[newest_] = static_cast<float>(position);
@@ -83,9 +83,9 @@ std::optional<Trip> MotionGuard::judge(double position) {
   away_ = absolute(error_) > following_ ? away_ + 1 : 0;
   far_ = absolute(position) > half_stroke_ ? far_ + 1 : 0;
   fast_ = absolute(speed_) > highest_speed_ ? fast_ + 1 : 0;
-  if (far_ >= confirmations_) return Trip{Reason::measured_stroke, channel_, position, half_stroke_, hal::never};
-  if (fast_ >= confirmations_) return Trip{Reason::measured_speed, channel_, speed_, highest_speed_, hal::never};
-  if (away_ > following_steps_) return Trip{Reason::following_error, channel_, error_, following_, hal::never};
+  if (far_ >= confirmations_) return Trip{Reason::measured_stroke, channel_, position, half_stroke_, now};
+  if (fast_ >= confirmations_) return Trip{Reason::measured_speed, channel_, speed_, highest_speed_, now};
+  if (away_ > following_steps_) return Trip{Reason::following_error, channel_, error_, following_, now};
   return std::nullopt;
 }
 

@@ -35,8 +35,9 @@ class MotionGuard {
   /// The drive rests at `position`, and did so for long.
   void start(double position);
 
-  /// One period: the command for this instant, and what was measured. A hazard, time not filled in.
-  [[nodiscard]] std::optional<Trip> follow(const hal::Command& command, const SampleGuard& samples);
+  /// One period: the command for this instant, and what was measured.
+  [[nodiscard]] std::optional<Trip> follow(const hal::Command& command, const SampleGuard& samples,
+                                           hal::Time now = hal::never);
 
   [[nodiscard]] double expected() const { return reached_.position; }  ///< x̂ [m]
   [[nodiscard]] double error() const { return error_; }                ///< e [m]; 0 without a sensor
@@ -48,7 +49,7 @@ class MotionGuard {
   static constexpr std::size_t window_length = 16;
   using Line = model::DelayLine<model::Stroke<float>, line_length, float>;
 
-  [[nodiscard]] std::optional<Trip> judge(double position);
+  [[nodiscard]] std::optional<Trip> judge(double position, hal::Time now);
 
   model::Channel channel_;
   double gain_ = 1.0;

@@ -49,6 +49,7 @@ class ReturnToRest {
 
   [[nodiscard]] hal::Command next();
 
+  [[nodiscard]] bool braking() const { return !stopped_; }
   [[nodiscard]] bool arrived() const { return stopped_ && back_.arrived(); }
 
  private:

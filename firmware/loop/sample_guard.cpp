@@ -14,12 +14,15 @@ SampleGuard::SampleGuard(const Limits& limits, hal::Time period, const hal::Sens
 void SampleGuard::take(const hal::Result<hal::Frame>& frame, hal::Time now) {
   hazard_.reset();
   limit_hazard_.reset();
+  lasting_.reset();
   bridged_ = 0;
   frame_ = frame ? *frame : hal::Frame{};
   if (!frame) {
     ++missed_frames_;
-    if (frame.fault() != hal::Fault::timeout) report(Reason::sensors_lost, std::nullopt, 0.0, 0.0, now);
   }
+  lost_ = !frame && frame.fault() != hal::Fault::timeout;
+  if (lost_) report({.reason = Reason::sensors_lost, .time = now}, borne_lost_);
+  bad_ = 0;
 
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     if (!fitted_[i]) continue;
@@ -35,15 +38,35 @@ void SampleGuard::take(const hal::Result<hal::Frame>& frame, hal::Time now) {
     ++bridged_count_;
     if (in_a_row_[i] < most_in_a_row_) ++in_a_row_[i];
     if (in_a_row_[i] >= most_in_a_row_ || !seen_[i]) {
-      report(reason, model::channel_at(i), reading.value, static_cast<double>(most_in_a_row_), now);
+      bad_ = static_cast<std::uint16_t>(bad_ | (1U << i));
+      report({reason, model::channel_at(i), reading.value, static_cast<double>(most_in_a_row_), now},
+             (borne_ >> i & 1U) != 0);
     }
   }
 
-  for (const Channel channel : {Channel::F, Channel::F_w}) {
+  judge_forces(now);
+}
+
+void SampleGuard::judge_force(double limit, bool growing) {
+  force_limit_ = limit;
+  if (growing && !growing_) begin_growth();
+  growing_ = growing;
+}
+
+void SampleGuard::judge_forces(hal::Time now) {
+  constexpr std::array forces{Channel::F, Channel::F_w};
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const Channel channel = forces[i];
     if (!fitted(channel)) continue;
-    const double force = value(channel);
-    const bool beyond = force > force_limit_ || force < -force_limit_;
-    if (beyond && !limit_hazard_) limit_hazard_ = Trip{Reason::force, channel, force, force_limit_, now};
+    const double force = value(channel), size = force < 0.0 ? -force : force;
+    if (growing_ && size < least_force_[i]) least_force_[i] = size;
+    if (size <= force_limit_) continue;
+    const Trip beyond{Reason::force, channel, force, force_limit_, now};
+    if (growing_ && size <= least_force_[i] + growth * force_limit_) {  // (1)
+      if (!lasting_) lasting_ = beyond;
+    } else if (!limit_hazard_) {
+      limit_hazard_ = beyond;
+    }
   }
 }
 
@@ -62,8 +85,9 @@ Reason SampleGuard::judge(const hal::Reading& reading, hal::Time now) const {
   return age > oldest_ || hal::Time{} - age > oldest_ ? Reason::sample_stale : Reason::none;
 }
 
-void SampleGuard::report(Reason reason, std::optional<Channel> channel, double value, double limit, hal::Time now) {
-  if (!hazard_) hazard_ = Trip{reason, channel, value, limit, now};
+void SampleGuard::report(const Trip& hazard, bool borne) {
+  std::optional<Trip>& place = borne ? lasting_ : hazard_;
+  if (!place) place = hazard;
 }
 
 }  // namespace firmware

@@ -19,10 +19,27 @@ static_assert(model::channel_count <= hal::channel_capacity, "the firmware index
 ///
 /// Bad is: missing, not finite, clipped (all three judged by hal), or stale. A bad sample is counted and replaced by
 /// the channel's last good value. Limits::bridged_in_a_row bad ones in a row, or a first sample that is bad (there is
-/// nothing to bridge with), are a hazard.
+/// nothing to bridge with), are a hazard. So is a force F or F_w whose size, less its tare, is beyond a limit; where a
+/// force may be beyond it and becomes smaller (the way back from a force limit), only one that grows:
+///
+///   (1)  |F| > limit and |F| > F₀ + growth · limit,   F₀ ← min(F₀, |F|)
 class SampleGuard {
  public:
   SampleGuard(const Limits& limits, hal::Time period, const hal::SensorSource& sensors);
+
+  /// From here on a force is judged against this limit [N]; `growing`: by (1). Its F₀ begins where that begins.
+  void judge_force(double limit, bool growing);
+  /// (1) begins anew: F₀ is the next force.
+  void begin_growth() { least_force_.fill(never_reached); }
+  /// The channels that are bad now may stay so: they are lasting(), and hide no other.
+  void bear() {
+    borne_ = lost_ ? all_channels : bad_;
+    borne_lost_ = lost_;
+  }
+  void bear_nothing() {
+    borne_ = 0;
+    borne_lost_ = false;
+  }
 
   /// One frame a period.
   void take(const hal::Result<hal::Frame>& frame, hal::Time now);
@@ -35,11 +52,17 @@ class SampleGuard {
   [[nodiscard]] const std::optional<Trip>& hazard() const { return hazard_ ? hazard_ : limit_hazard_; }
   /// Of these the first of a limit on good samples.
   [[nodiscard]] const std::optional<Trip>& limit_hazard() const { return limit_hazard_; }
+  /// What is still as it was when it was borne.
+  [[nodiscard]] const std::optional<Trip>& lasting() const { return lasting_; }
 
   [[nodiscard]] bool fitted(model::Channel channel) const { return fitted_[model::index(channel)]; }
   [[nodiscard]] double value(model::Channel channel) const {
     return good_[model::index(channel)];
-  }                                                                                               ///< last good, tared
+  }  ///< last good, tared
+  /// Fitted, and the sample of this period is good.
+  [[nodiscard]] bool good(model::Channel channel) const {
+    return fitted(channel) && seen(channel) && (bridged_ >> model::index(channel) & 1U) == 0;
+  }
   [[nodiscard]] bool seen(model::Channel channel) const { return seen_[model::index(channel)]; }  ///< ever good
 
   [[nodiscard]] const hal::Frame& frame() const { return frame_; }  ///< as read; all missing when there was none
@@ -49,10 +72,20 @@ class SampleGuard {
 
  private:
   [[nodiscard]] Reason judge(const hal::Reading& reading, hal::Time now) const;
-  void report(Reason reason, std::optional<model::Channel> channel, double value, double limit, hal::Time now);
+  void report(const Trip& hazard, bool borne);
+  static constexpr std::uint16_t all_channels = 0xffff;
+  void judge_forces(hal::Time now);
+
+  static constexpr double growth = 0.02;  ///< share of the limit: 500 N of 25 kN, 50 σ of a force sensor
 
   int most_in_a_row_;
   double force_limit_;
+  bool growing_ = false;
+  std::array<double, 2> least_force_{never_reached, never_reached};  ///< F₀ of F and F_w
+  bool lost_ = false;                                                ///< the source, in this period
+  bool borne_lost_ = false;
+  std::uint16_t bad_ = 0;  ///< bit i: channel i is a hazard in this period
+  std::uint16_t borne_ = 0;
   hal::Time oldest_;
   std::array<bool, model::channel_count> fitted_{};
   std::array<double, model::channel_count> good_{};
@@ -65,6 +98,7 @@ class SampleGuard {
   std::uint64_t missed_frames_ = 0;
   std::optional<Trip> hazard_{};
   std::optional<Trip> limit_hazard_{};
+  std::optional<Trip> lasting_{};
 };
 
 }  // namespace firmware

@@ -12,6 +12,9 @@ bool positive_or_never(double value) { return value > 0.0; }
 std::string_view check_motion(const Limits& limits, const Supervision& supervision) {
   if (!(limits.acceleration >= 0.0)) return "limits.acceleration: expected an acceleration above 0 m/s²";
   if (!positive_or_never(limits.following)) return "limits.following: expected a distance above 0 m";
+  if (!not_negative(limits.following_least)) return "limits.following_least: expected a distance of at least 0 m";
+  if (!positive(supervision.following_memory)) return "supervision.following_memory: expected a time above 0 s";
+  if (!not_negative(supervision.following_share)) return "supervision.following_share: expected a share of at least 0";
   if (limits.measured_stroke != 0.0 && !(limits.measured_stroke >= limits.stroke)) {
     return "limits.measured_stroke: expected at least limits.stroke";
   }
@@ -30,6 +33,8 @@ std::string_view check_motion(const Limits& limits, const Supervision& supervisi
     return "supervision.late_leak: expected a number of periods, above 0 and at most 1";
   }
   if (!positive_or_never(supervision.gap)) return "supervision.gap: expected a time above 0 s";
+  if (!positive_or_never(supervision.enable_time)) return "supervision.enable_time: expected a time above 0 s";
+  if (!positive_or_never(supervision.unpowered_way)) return "supervision.unpowered_way: expected a distance above 0 m";
   if (!positive_or_never(supervision.growth_time)) return "supervision.growth_time: expected a time above 0 s";
   return {};
 }
@@ -42,6 +47,9 @@ std::string_view Settings::check() const {
   if (!positive(limits.speed)) return "limits.speed: expected a speed above 0 m/s";
   if (!not_negative(limits.speed_time)) return "limits.speed_time: expected a time of at least 0 s";
   if (!positive(limits.force)) return "limits.force: expected a force above 0 N";
+  if (!(limits.low_force >= 0.0 && limits.low_force <= limits.force)) {
+    return "limits.low_force: expected a force of at most limits.force";
+  }
   if (limits.bridged_in_a_row < 1) return "limits.bridged_in_a_row: expected at least 1 sample";
   if (!(limits.stale_after >= 1.0 && limits.stale_after <= 1000.0)) {
     return "limits.stale_after: expected 1 to 1000 periods";
@@ -63,6 +71,10 @@ std::string_view Settings::check() const {
   if (!not_negative(ramps.settling)) return "ramps.settling: expected a time of at least 0 s";
   if (!not_negative(arming.tare_time) || arming.tare_time > 10.0) return "arming.tare_time: expected 0 to 10 s";
   if (arming.tare_time > 0.0 && !positive(arming.preload)) return "arming.preload: expected a force above 0 N";
+  if (!not_negative(arming.sway)) return "arming.sway: expected a force of at least 0 N";
+  if (!not_negative(arming.wander)) return "arming.wander: expected a distance of at least 0 m";
+  if (!not_negative(arming.probe_stiffness)) return "arming.probe_stiffness: expected a stiffness of at least 0 N/m";
+  if (arming.force_gain != 0.0 && !(arming.force_gain > 1.0)) return "arming.force_gain: expected a ratio above 1";
   if (!(arming.position_tolerance >= 0.0 && arming.position_tolerance <= half_stroke))
     return "arming.position_tolerance: expected 0 m to half the stroke";
   if (!(arming.probe_amplitude >= 0.0 && arming.probe_amplitude <= 0.25 * half_stroke))

@@ -15,15 +15,17 @@ struct Limits {
   double acceleration = 0.0;  ///< of the command [m/s²]. Beyond: limited and counted. 0: highest_acceleration()
   double speed_time = 0.050;  ///< limited for longer than this without a break: trips [s]
   double force = 25e3;        ///< |measured force| [N]. Beyond: trips at once
+  double low_force = 0.0;     ///< the same while the drive arms, approaches, returns [N]; 0: highest_low_force()
   int bridged_in_a_row = 3;   ///< a bad sample is bridged by the last good one; so many in a row trip (1: at once)
   double stale_after = 5.0;   ///< a sample older (or from further in the future) than so many periods is bad
   double late_after = 0.25;   ///< a period that begins so many periods after it was due is late
   int late_in_a_row = 5;      ///< so many late periods in a row trip; LatenessGuard counts
 
   // Of what the rig does: MotionGuard says what they mean.
-  double following = 0.010;      ///< |measured − expected position| [m]. For following_time: trips
-  double measured_stroke = 0.0;  ///< whole measured travel [m]; 0: highest_measured_stroke()
-  double measured_speed = 0.0;   ///< of the measured position [m/s]; 0: highest_measured_speed()
+  double following = 0.010;       ///< |measured − expected position| [m]. For following_time: trips
+  double following_least = 1e-3;  ///< of it, what a drive that hardly moves may be away [m]; 0: following
+  double measured_stroke = 0.0;   ///< whole measured travel [m]; 0: highest_measured_stroke()
+  double measured_speed = 0.0;    ///< of the measured position [m/s]; 0: highest_measured_speed()
 
   // Of a hil rig: EnergyGuard says what they mean.
   double energy_gain =
@@ -37,6 +39,8 @@ struct Limits {
     constexpr double thirty_hertz = 188.49555921538757;  // [rad/s]
     return acceleration > 0.0 ? acceleration : thirty_hertz * speed;
   }
+  /// [N] Half of what a run may reach: what a slow motion meets is not described by any road.
+  [[nodiscard]] double highest_low_force() const { return low_force > 0.0 ? low_force : 0.5 * force; }
   /// [m] 1 % of the stroke on each side is room for the noise of a sensor and the overshoot of a machine.
   [[nodiscard]] double highest_measured_stroke() const {
     return measured_stroke > 0.0 ? measured_stroke : 1.02 * stroke;
@@ -51,6 +55,8 @@ inline constexpr double never_reached = std::numeric_limits<double>::infinity();
 /// How the guards look. README.md of this folder says where each number comes from.
 struct Supervision {
   double following_time = 0.050;     ///< a following error for longer than this trips [s]
+  double following_memory = 0.5;     ///< the mean square of a following error is taken over so long [s]
+  double following_share = 0.05;     ///< … and may have so much of the way from the middle
   double speed_window = 0.010;       ///< the measured speed is a difference over so long [s]
   int frozen_samples = 200;          ///< a value that stays the same for so many samples may be frozen; 0: none is
   double frozen_way = 2e-3;          ///< … and is, if the machine has moved so far meanwhile [m]
@@ -58,6 +64,8 @@ struct Supervision {
   double frozen_acceleration = 0.5;  ///< … and its acceleration so much [m/s²]
   double late_leak = 0.25;           ///< a punctual period makes up for so many late ones
   double gap = 0.010;                ///< one period that begins so late trips at once [s]
+  double enable_time = 0.2;          ///< the contact that shows the power may differ, and a drive coast, so long [s]
+  double unpowered_way = 2e-3;       ///< a drive without power that moves so far, or by so much a second, trips [m]
   double growth_time = 0.1;          ///< a hil interface that pushes outwards for so long trips [s]
 };
 
@@ -74,9 +82,15 @@ struct Ramps {
 struct Arming {
   double tare_time = 0.0;           ///< force and position are averaged for so long [s]; 0: no tare
   double preload = 0.0;             ///< largest |F| at rest that counts as an offset of the sensor [N]
+  double sway = 0.0;                ///< F may move by so much, peak to peak, at rest [N]; 0: not looked at
+  double wander = 0.0;              ///< and the position by so much [m]; 0: not looked at
   double position_tolerance = 0.0;  ///< between command and measured position [m]; 0: not compared
   double probe_amplitude = 0.0;     ///< of the small move that shows the signs [m]; 0: none
-  double force_ramp = 0.0;          ///< hil: F enters the car over so long from the start of a run [s]
+  double probe_stiffness =
+      0.0;                  ///< hil: force over deflection of the described component in the probe [N/m]; 0: unknown
+  double force_gain = 0.0;  ///< hil: F may be so many times as described, as the loop bears it; 0: unknown
+  bool off_centre = false;  ///< the first arming may give power to a drive that stands off the middle
+  double force_ramp = 0.0;  ///< hil: F enters the car over so long from the start of a run [s]
 };
 
 /// How velocities are estimated: VelocityObserver says what the numbers do and where the defaults come from.

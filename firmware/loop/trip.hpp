@@ -7,12 +7,13 @@
 #include <optional>
 #include <string_view>
 
+#include "firmware/loop/mode.hpp"
 #include "hal/time.hpp"
 #include "model/channel.hpp"
 
 namespace firmware {
 
-/// What led to safe.
+/// What led to safe. Numbers are on record: new ones come last.
 enum class Reason : unsigned char {
   none,                   ///< no run has ended yet
   reference_ended,        ///< orderly: the run is over
@@ -52,50 +53,80 @@ enum class Reason : unsigned char {
   growth,                 ///< a hil interface that drives the car outwards: the loop diverges
   gap,                    ///< one period began far too late
   compensation,           ///< the compensation of the machine's delay adds more than it may
+  enable_feedback,        ///< the contact that shows the drive's power differs from what is commanded
+  motion_without_power,   ///< the measured position moves although the drive has no power
+  innovation,             ///< a channel has not agreed with the estimator for long
 };
 
-inline constexpr Reason last_reason = Reason::compensation;
+inline constexpr Reason last_reason = Reason::innovation;
+
+/// What a reason does to a drive with power.
+enum class Reaction : unsigned char {
+  returns,  ///< brakes, goes back to rest with power, and loses it there
+  holds,    ///< brakes, stays where it stopped, loses its power at once; `rest` may lead it back
+  rearms,   ///< the same; power comes back only by a new arming, which compares command and measured position first
+  starves,  ///< the same, and no heartbeat until somebody has acknowledged it: the watchdog outside takes the supply
+};
+
+struct ReasonRule {
+  std::string_view name;
+  Reaction reaction;
+};
+
+/// One line for each reason, in their order. Held where it stopped is what a drive does whose place or direction is
+/// unknown or which somebody wants to stand still. `rearms`: a watchdog outside may have taken the power, the line of
+/// the enable is not under control, or a check of arming has failed. `starves`: the power does not go when it is taken.
+inline constexpr auto reason_rules = std::to_array<ReasonRule>({
+    {"none", Reaction::returns},
+    {"reference_ended", Reaction::returns},
+    {"stop_requested", Reaction::returns},
+    {"stop_button", Reaction::holds},
+    {"stop_button_lost", Reaction::holds},
+    {"stop_channels", Reaction::holds},
+    {"interlock", Reaction::holds},
+    {"interlocks_lost", Reaction::holds},
+    {"sensors_lost", Reaction::returns},
+    {"sample_missing", Reaction::returns},
+    {"sample_not_finite", Reaction::returns},
+    {"sample_clipped", Reaction::returns},
+    {"sample_stale", Reaction::returns},
+    {"force", Reaction::returns},
+    {"stroke", Reaction::returns},
+    {"speed", Reaction::returns},
+    {"energy", Reaction::returns},
+    {"command_not_finite", Reaction::returns},
+    {"command_failed", Reaction::holds},
+    {"valves_failed", Reaction::rearms},
+    {"heartbeat_failed", Reaction::rearms},
+    {"enable_failed", Reaction::rearms},
+    {"arming_read_back", Reaction::rearms},
+    {"arming_position", Reaction::rearms},
+    {"arming_not_at_rest", Reaction::rearms},
+    {"arming_preload", Reaction::rearms},
+    {"arming_noise", Reaction::rearms},
+    {"arming_polarity_x_act", Reaction::rearms},
+    {"arming_polarity_F", Reaction::rearms},
+    {"late", Reaction::returns},
+    {"following_error", Reaction::holds},
+    {"measured_stroke", Reaction::holds},
+    {"measured_speed", Reaction::holds},
+    {"sensor_frozen", Reaction::returns},
+    {"acceleration", Reaction::returns},
+    {"growth", Reaction::returns},
+    {"gap", Reaction::rearms},
+    {"compensation", Reaction::returns},
+    {"enable_feedback", Reaction::starves},
+    {"motion_without_power", Reaction::starves},
+    {"innovation", Reaction::returns},
+});
+static_assert(reason_rules.size() == static_cast<std::size_t>(last_reason) + 1, "a line for each reason");
 
 [[nodiscard]] constexpr std::string_view name(Reason reason) {
-  constexpr auto names = std::to_array<std::string_view>({"none",
-                                                          "reference_ended",
-                                                          "stop_requested",
-                                                          "stop_button",
-                                                          "stop_button_lost",
-                                                          "stop_channels",
-                                                          "interlock",
-                                                          "interlocks_lost",
-                                                          "sensors_lost",
-                                                          "sample_missing",
-                                                          "sample_not_finite",
-                                                          "sample_clipped",
-                                                          "sample_stale",
-                                                          "force",
-                                                          "stroke",
-                                                          "speed",
-                                                          "energy",
-                                                          "command_not_finite",
-                                                          "command_failed",
-                                                          "valves_failed",
-                                                          "heartbeat_failed",
-                                                          "enable_failed",
-                                                          "arming_read_back",
-                                                          "arming_position",
-                                                          "arming_not_at_rest",
-                                                          "arming_preload",
-                                                          "arming_noise",
-                                                          "arming_polarity_x_act",
-                                                          "arming_polarity_F",
-                                                          "late",
-                                                          "following_error",
-                                                          "measured_stroke",
-                                                          "measured_speed",
-                                                          "sensor_frozen",
-                                                          "acceleration",
-                                                          "growth",
-                                                          "gap",
-                                                          "compensation"});
-  return names[static_cast<std::size_t>(reason)];
+  return reason_rules[static_cast<std::size_t>(reason)].name;
+}
+
+[[nodiscard]] constexpr Reaction reaction(Reason reason) {
+  return reason_rules[static_cast<std::size_t>(reason)].reaction;
 }
 
 /// True for what should not happen in a run; its orderly end is no fault.
@@ -106,34 +137,22 @@ inline constexpr Reason last_reason = Reason::compensation;
   return reason == Reason::stop_button || reason == Reason::stop_button_lost || reason == Reason::stop_channels;
 }
 
-/// True where a watchdog outside may have taken the power, or the line of the enable is not under control. Power comes
-/// back only by a new arming, which compares command and measured position first.
-[[nodiscard]] constexpr bool loses_power(Reason reason) {
-  return reason == Reason::heartbeat_failed || reason == Reason::enable_failed || reason == Reason::valves_failed ||
-         reason == Reason::gap;
-}
+/// True where power comes back only by a new arming.
+[[nodiscard]] constexpr bool loses_power(Reason reason) { return reaction(reason) >= Reaction::rearms; }
 
 /// True where the drive brakes, stays where it stopped, and loses its enable at once. Otherwise it keeps the enable
 /// until it has returned to rest.
-[[nodiscard]] constexpr bool takes_power(Reason reason) {
-  switch (reason) {
-    case Reason::interlock:
-    case Reason::interlocks_lost:
-    case Reason::command_failed:   // what the drive does is unknown
-    case Reason::following_error:  // it does not go where it is told
-    case Reason::measured_stroke:
-    case Reason::measured_speed:
-    case Reason::arming_read_back:  // the signs are unknown: a way back may lead away
-    case Reason::arming_position:
-    case Reason::arming_not_at_rest:
-    case Reason::arming_preload:
-    case Reason::arming_noise:
-    case Reason::arming_polarity_x_act:
-    case Reason::arming_polarity_F:
-      return true;
-    default:
-      return is_stop(reason) || loses_power(reason);
-  }
+[[nodiscard]] constexpr bool takes_power(Reason reason) { return reaction(reason) != Reaction::returns; }
+
+/// True where the heartbeat ends with it.
+[[nodiscard]] constexpr bool takes_heartbeat(Reason reason) { return reaction(reason) == Reaction::starves; }
+
+/// What a reason does in a state. Nothing on the way to safety gives power: a drive without it stays where it is. A
+/// force beyond its limit in a slow motion means that the drive meets something: it does not go back through it.
+[[nodiscard]] constexpr Event event_of(Reason reason, Mode mode, bool powered) {
+  const bool slow = !in_run(mode);
+  const bool holds = takes_power(reason) || !powered || mode == Mode::idle || mode == Mode::safe;
+  return holds || (slow && reason == Reason::force) ? Event::halt : Event::trip;
 }
 
 /// The end of a run: what, where, by how much, when. Kept from the first reason on until the next start.

@@ -20,6 +20,12 @@ Result<StopButton::Level> GpioStopButton::do_read() {
   return Level{true, began};
 }
 
+Result<bool> GpioDriveEnable::do_feedback() {
+  const Result<EdgeLine::State> state = feedback_->read();
+  if (!state) return state.fault();
+  return state->now;
+}
+
 Result<std::uint32_t> GpioInterlocks::do_read() {
   std::uint32_t open = 0;
   for (std::size_t i = 0; i < lines_.size(); ++i) {

@@ -55,15 +55,22 @@ class GpioStopButton final : public StopButton {
   Contacts opened_{};
 };
 
-/// A line that is active while the drive has power. The request carries the inactive value, and gives it back.
+/// A line that is active while the drive has power. The request carries the inactive value, and gives it back. A second
+/// line, active while a contact shows power, is read back where there is one.
 class GpioDriveEnable final : public DriveEnable {
  public:
-  explicit GpioDriveEnable(std::unique_ptr<OutputLines> line) : line_(std::move(line)) {}
+  /// `feedback` may be nothing.
+  GpioDriveEnable(std::unique_ptr<OutputLines> line, std::unique_ptr<EdgeLine> feedback)
+      : line_(std::move(line)), feedback_(std::move(feedback)) {}
+
+  [[nodiscard]] bool feedback_fitted() const override { return feedback_ != nullptr; }
 
  private:
   Result<void> do_write(bool on) override { return line_->write(on ? 1U : 0U); }
+  Result<bool> do_feedback() override;
 
   std::unique_ptr<OutputLines> line_;
+  std::unique_ptr<EdgeLine> feedback_;
 };
 
 /// Open is the lines' active value; also one that was active between two reads.

@@ -53,7 +53,8 @@ struct DeviceFault {
     heartbeat,
     drive_enable,
     interlocks,
-    area
+    area,
+    enable_feedback
   };
 
   Device device = Device::sensors;
@@ -81,6 +82,25 @@ struct ReadBackError {
   Window window{};
 };
 
+/// The contact that gives the drive power stays on, or off, during the window, whatever its output says: a welded or
+/// bridged relay, a broken coil. A watchdog takes the supply behind it.
+struct StuckEnable {
+  bool on = true;
+  Window window{};
+};
+
+/// The contact that shows the drive's power shows this during the window.
+struct StuckFeedback {
+  bool shows = false;
+  Window window{};
+};
+
+/// The drive is pushed with this velocity while it has no power: a hand, a load that sinks.
+struct Push {
+  double velocity = 0.0;  ///< [m/s]
+  Window window{};
+};
+
 /// Sleeping until a deadline inside the window ends so much later.
 struct LateWake {
   Window window{};
@@ -97,6 +117,9 @@ struct FaultPlan {
   std::span<const ReadBackError> read_back_errors{};
   std::span<const LateWake> late_wakes{};
   std::uint64_t seed = 1;
+  std::span<const StuckEnable> stuck_enables{};
+  std::span<const StuckFeedback> stuck_feedbacks{};
+  std::span<const Push> pushes{};
 
   /// What is wrong with the plan itself, or an empty text.
   [[nodiscard]] std::string_view check() const;

@@ -52,9 +52,18 @@ void Rig::pass_time(Time deadline) {
   now_ = woken;
 }
 
+/// Of the drive's enable, whatever its output says.
+bool Rig::contact_closed() const {
+  for (const StuckEnable& stuck : plan_.stuck_enables) {
+    if (stuck.window.contains(now_)) return stuck.on;
+  }
+  return enabled_;
+}
+
+bool Rig::powered() const { return !construction_.drive_enable || (contact_closed() && !watchdog_has_acted()); }
+
 void Rig::move_drive() {
-  const bool powered = enabled_ && !(construction_.drive_enable && watchdog_has_acted());
-  if (powered) {
+  if (powered()) {
     drive_ = held_command_;
     return;
   }
@@ -64,6 +73,9 @@ void Rig::move_drive() {
   v = v > slower ? v - slower : v < -slower ? v + slower : 0.0;
   drive_.acceleration = 0.0;
   drive_.position += v * period;
+  for (const Push& push : plan_.pushes) {
+    if (push.window.contains(now_)) drive_.position += push.velocity * period;
+  }
 }
 
 void Rig::measure() {
@@ -122,6 +134,14 @@ Result<void> Rig::EnableRole::do_write(bool on) {
   if (const auto fault = rig.fault_of(DeviceFault::Device::drive_enable)) return *fault;
   if (rig.construction_.drive_enable) rig.enabled_ = on;
   return {};
+}
+
+Result<bool> Rig::EnableRole::do_feedback() {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::enable_feedback)) return *fault;
+  for (const StuckFeedback& stuck : rig.plan_.stuck_feedbacks) {
+    if (stuck.window.contains(rig.now_)) return stuck.shows;
+  }
+  return rig.contact_closed();
 }
 
 Result<std::uint32_t> Rig::InterlockRole::do_read() {

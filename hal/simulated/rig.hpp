@@ -24,6 +24,7 @@ struct Construction {
   bool drive_enable = false;  ///< the drive has an enable input, off at first; false: it has power at all times
   double coasting = 20.0;     ///< deceleration of a drive that loses its enable [m/s², > 0]
   std::size_t interlocks = 0;
+  bool enable_feedback = false;  ///< a contact shows whether the drive has power
 };
 
 /// All roles of a rig around a plant, in virtual time.
@@ -49,7 +50,8 @@ class Rig {
   [[nodiscard]] Openings openings() const;                                ///< where the valves stand now
   [[nodiscard]] bool watchdog_has_acted() const;                          ///< beats have ceased for too long
   [[nodiscard]] std::uint64_t beats() const { return beats_; }
-  [[nodiscard]] bool enabled() const { return enabled_; }        ///< the drive has power
+  [[nodiscard]] bool enabled() const { return enabled_; }        ///< as the enable was last written
+  [[nodiscard]] bool powered() const;                            ///< the drive has power: it follows the command
   [[nodiscard]] const Command& drive() const { return drive_; }  ///< what the drive did last
 
  private:
@@ -96,7 +98,9 @@ class Rig {
   struct EnableRole final : DriveEnable {
     explicit EnableRole(Rig& r) : rig(r) {}
     [[nodiscard]] bool fitted() const override { return rig.construction_.drive_enable; }
+    [[nodiscard]] bool feedback_fitted() const override { return rig.construction_.enable_feedback; }
     Result<void> do_write(bool on) override;
+    Result<bool> do_feedback() override;
     Rig& rig;
   };
   struct InterlockRole final : Interlocks {
@@ -108,6 +112,7 @@ class Rig {
 
   void pass_time(Time deadline);
   void move_drive();
+  [[nodiscard]] bool contact_closed() const;
   void measure();
   [[nodiscard]] std::optional<Fault> fault_of(DeviceFault::Device device) const;
 

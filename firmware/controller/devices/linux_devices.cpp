@@ -120,8 +120,22 @@ class LinuxDevices final : public Devices {
     }
     auto line = OutputLines::open({gpio.chip, {gpio.enable}, gpio.enable_active_low, 0, consumer});
     if (!line) return line.trouble;
-    enable_ = std::make_unique<GpioDriveEnable>(std::move(line.device));
-    text_ += "drive enable: line '" + gpio.enable + "', off\n";
+    Opened<EdgeLine> feedback;
+    text_ += "drive enable: line '" + gpio.enable + "', off";
+    if (gpio.enable_feedback.empty()) {
+      text_ += ", NO FEEDBACK: a welded relay is seen by its motion only\n";
+    } else {  // a contact that is closed without power: open, and a cut wire, show power
+      const std::string& bias = gpio.enable_feedback_bias;
+      feedback = EdgeLine::open({gpio.chip, gpio.enable_feedback, pulls_down(bias), bias_of(bias), consumer});
+      if (!feedback) return feedback.trouble;
+      const auto shown = feedback.device->read();
+      text_ += ", feedback: line '" + gpio.enable_feedback + "', " +
+               (!shown       ? "CANNOT BE READ"
+                : shown->now ? "SHOWS POWER"
+                             : "no power") +
+               "\n";
+    }
+    enable_ = std::make_unique<GpioDriveEnable>(std::move(line.device), std::move(feedback.device));
     return {};
   }
 

@@ -158,27 +158,20 @@ std::vector<LevelChange> level_changes(const std::vector<double>& level, double 
   double before = 1.0;
   for (std::size_t k = 0; k < level.size(); ++k) {
     if (level[k] == before) continue;
-    std::size_t moving = 1;  // rows that change; a run that ends leaves a change unfinished
-    while (k + moving < level.size() && level[k + moving] != level[k + moving - 1]) ++moving;
-    // Over n periods, s = j/n: L = L₀ + Δ(3s² − 2s³), n = T/h · max(1, |Δ|) rounded up (ReferencePlayer). Any row of it
-    // gives Δ; the first one checks n.
-    const auto smooth = [](std::size_t j, std::size_t n) {
-      const double s = static_cast<double>(j) / static_cast<double>(n);
-      return s * s * (3.0 - 2.0 * s);
-    };
+    // Over n periods, s = j/n: L = L₀ + Δ(3s² − 2s³), n = T/h · max(1, |Δ|) rounded up (ReferencePlayer). The first
+    // row, j = 1, gives Δ to 1e-10; what was asked for is a whole number of millionths. Later rows may be those of a
+    // reference that is held, where the change pauses.
     LevelChange change{k, std::round(1e6 * level[k]) / 1e6};  // before a run: at once
-    std::size_t rows = 1;
-    for (std::size_t n = periods_of(1.0); n <= periods_of(widest); ++n) {
-      const std::size_t j = std::min(n, moving);
-      const double wanted = std::round(1e6 * (before + (level[k + j - 1] - before) / smooth(j, n))) / 1e6;
-      const double way = wanted - before;
-      if (n != periods_of(std::abs(way)) || std::abs(before + way * smooth(1, n) - level[k]) > 1e-9) continue;
-      change.level = wanted;
-      rows = j;
-      break;
+    bool smooth = false;
+    for (std::size_t n = periods_of(1.0); n <= periods_of(widest) && !smooth; ++n) {
+      const double s = 1.0 / static_cast<double>(n), share = s * s * (3.0 - 2.0 * s);
+      const double wanted = std::round(1e6 * (before + (level[k] - before) / share)) / 1e6, way = wanted - before;
+      smooth = n == periods_of(std::abs(way)) && std::abs(before + way * share - level[k]) <= 1e-12;
+      if (smooth) change.level = wanted;
     }
     changes.push_back(change);
-    k += rows - 1;
+    // To the row that ends it; a run that ends leaves it unfinished.
+    while (k + 1 < level.size() && level[k] != change.level) ++k;
     before = level[k];
   }
   return changes;

@@ -35,6 +35,8 @@ struct GpioDescription {
   bool stop_active_low = true;          ///< pressed is the low level
   std::string enable;                   ///< output that gives the drive power; empty: none
   bool enable_active_low = false;       ///< on is the low level
+  std::string enable_feedback;          ///< contact that is closed while the drive has no power; empty: none
+  std::string enable_feedback_bias = "pull-down";  ///< as stop_bias; power is the level of the pull
   struct Interlock {
     std::string name, line;
   };

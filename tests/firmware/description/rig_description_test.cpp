@@ -395,6 +395,7 @@ TEST(RigDescription, RefusesDevicesThatCannotBe) {
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = ['x']"), "valves = [", "a list of 6 line names");
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = [1, 2, 3, 4, 5, 6]"), "valves = [1", "is not a text");
   expect_refused(text("[gpio]\nchip = 'a'\nvalves = 'x'"), "valves = 'x'", "gpio.valves is not a list");
+  expect_refused(text("[gpio]\nchip = 'a'\nenable_feedback = 'f'"), "enable_feedback", "shows no enable");
   expect_refused(text("[gpio]\nchip = 'a'\nstop_bias = 'up'"), "stop_bias", "one of pull-down, pull-up,");
   expect_refused(text("[gpio]\nchip = 'a'\nstop_active_low = 1"), "stop_active_low", "neither true nor false");
   expect_refused(text("[converters.G]\ndevice = 'a'"), "[converters.G]", "unknown key 'converters.G'");
@@ -453,7 +454,10 @@ TEST(RigDescription, AsksForWhatMakesDevicesSafe) {
   EXPECT_EQ(wrong(gpio).rfind("rig.toml:", 0), 0U) << wrong(gpio);
   EXPECT_NE(wrong(gpio + "stop = 's'\n").find("[gpio] has no heartbeat, expected"), std::string::npos);
   EXPECT_NE(wrong(gpio + "stop = 's'\nheartbeat = 'h'\n").find("[gpio] has no enable, expected"), std::string::npos);
-  EXPECT_EQ(wrong(gpio + "stop = 's'\nheartbeat = 'h'\nenable = 'e'\n"), "accepted");
+  const std::string enabled = gpio + "stop = 's'\nheartbeat = 'h'\nenable = 'e'\n";
+  EXPECT_NE(wrong(enabled).find("[gpio] has no enable_feedback, expected"), std::string::npos) << wrong(enabled);
+  EXPECT_EQ(wrong(enabled + "enable_feedback = 'f'\n"), "accepted");
+  EXPECT_EQ(wrong(enabled + "[waivers]\nno_enable_feedback = 'a hand pump only'\n"), "accepted");
   EXPECT_EQ(wrong(gpio + "[waivers]\nno_stop = 'a hand pump only'\nno_heartbeat = 'a hand pump only'\n"
                          "no_enable = 'a hand pump only'\n"),
             "accepted");
@@ -615,6 +619,7 @@ TEST(RigDescription, SetsTheControlLoop) {
     if (setting.table != table) text += "[" + (table = setting.table) + "]\n";
     double value = setting.whole ? 7.0 : setting.get(firmware::Settings{}) * 1.125;
     if (setting.key == "acceleration") value = 55.5;
+    if (setting.key == "low_force") value = 9000.0;
     if (setting.key == "measured_stroke") value = 0.3125;
     if (setting.key == "measured_speed") value = 1.5;
     if (setting.key == "settling") value = 2.5;

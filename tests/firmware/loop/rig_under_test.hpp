@@ -151,6 +151,7 @@ struct Scene {
   hal::Time watchdog = hal::milliseconds(20);
   std::size_t journal = 64;
   bool drive_enable = true;          ///< the drive stands still without it
+  bool enable_feedback = false;      ///< a contact shows its power
   std::optional<double> drive_at{};  ///< where the drive stands at first; nothing: at rest
   Deviations deviations{};
 };
@@ -209,6 +210,7 @@ class Journey {
     c.watchdog = scene.watchdog;
     c.rest = {scene.drive_at.value_or(scene.settings.ramps.rest), 0.0, 0.0};
     c.drive_enable = scene.drive_enable;
+    c.enable_feedback = scene.enable_feedback;
     c.interlocks = 2;
     return c;
   }
