@@ -18,8 +18,12 @@ class Clock {
   /// Returns at the deadline or later, at once when it has passed; whoever wakes late sees it from now().
   void sleep_until(Time deadline) { do_sleep_until(deadline); }
 
+  /// How long the machine has been suspended since it started, which now() does not count.
+  [[nodiscard]] Time suspended() { return do_suspended(); }
+
  private:
   virtual Time do_now() = 0;
+  virtual Time do_suspended() { return {}; }
   virtual void do_sleep_until(Time deadline) = 0;
 };
 

@@ -19,6 +19,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
+#include "firmware/description/wide_limits.hpp"
 #include "firmware/loop/control_loop.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/simulation/run_objection.hpp"
@@ -143,6 +144,7 @@ void refuse_unfit(const RigDescription& rig, bool devices) {
   const bool may_be_unstable = devices || rig.compensation.has_value();
   if (objection.empty() && may_be_unstable) objection = stability_objection(rig);
   if (objection.empty() && devices) objection = following_objection(rig);
+  if (objection.empty() && devices) objection = wide_objection(rig);
   if (objection.empty()) return;
   throw InputError(rig.source, rig.line_of(objection.key), objection.text, "a description that a rig may run by");
 }

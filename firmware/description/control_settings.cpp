@@ -42,6 +42,8 @@ Settings control_settings(const RigDescription& description) {
 Arming arming_settings(const RigDescription& description) {
   Arming arming = description.controller.arming;
   if (arming.preload <= 0.0) arming.preload = 0.1 * control_settings(description).limits.force;
+  if (arming.sway <= 0.0) arming.sway = 0.01 * control_settings(description).limits.force;
+  if (arming.wander <= 0.0) arming.wander = 0.1 * arming.position_tolerance;
   if (description.rig.kind != model::RigKind::hil) arming.force_ramp = 0.0;
   return arming;
 }

@@ -97,6 +97,9 @@ std::string loop_text(const RigDescription& description) {
   line("delay_budget.sensor_age", shortest(copy.delay_budget.sensor_age));
   line("delay_budget.transport", shortest(copy.delay_budget.transport));
   line("delay_budget.computation", shortest(copy.delay_budget.computation));
+  // What `rigtwin stability` found, so that a number written by hand is none.
+  const double allowed = copy.hardware.schedule.allowed_delay;
+  if (allowed > 0.0) line("controller.allowed_delay", shortest(allowed));
   if (copy.compensation) {
     for (const auto& [key, value] : compensation_lines(*copy.compensation)) line("compensation." + key, value);
   }

@@ -9,8 +9,8 @@
 namespace firmware {
 
 /// Every number that enters the loop analysis, one "key = value" a line in a fixed order: rate, car, component,
-/// effects, laws, delay budget, compensation, valve plan. Devices, limits, noise, ranges, tolerances and comments do
-/// not enter.
+/// effects, laws, delay budget, compensation, valve plan; and the allowed delay that it found. Devices, limits, noise,
+/// ranges, tolerances and comments do not enter.
 [[nodiscard]] std::string loop_text(const RigDescription& description);
 
 /// "sha256:" and the SHA-256 of loop_text().

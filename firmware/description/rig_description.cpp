@@ -273,7 +273,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_sensors(top, description);
   read_waivers(top, description.waivers);
   read_controller(top, description.rig, description.controller);
-  read_arming(top, description.rig.kind, description.waivers, description.controller);
+  read_arming(top, description.waivers, description.controller);
   read_delay_budget(top, description.rig.kind, description.delay_budget);
   description.compensation = read_compensation(top, description.rig);
   read_hardware(top, description.rig, description.period(), description.waivers, description.hardware);

@@ -294,10 +294,10 @@ void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& 
   table->finish();
 }
 
-void read_arming(DescriptionTable& top, model::RigKind kind, const Waivers& waivers,
-                 ControllerDescription& controller) {
+void read_arming(DescriptionTable& top, const Waivers& waivers, ControllerDescription& controller) {
   Arming& arming = controller.arming;
-  if (kind != model::RigKind::quarter_car) arming.probe_amplitude = 2e-3;
+  arming.probe_amplitude = 2e-3;
+  arming.off_centre = waivers.contains("off_centre");
   auto table = top.table("arming");
   if (!table) return;
   const auto within = [&](std::string_view key, double& value, double lowest, double highest, std::string_view what) {
@@ -309,12 +309,14 @@ void read_arming(DescriptionTable& top, model::RigKind kind, const Waivers& waiv
   };
   within("tare_time", arming.tare_time, 0.05, 10.0, "a time in s");
   within("preload", arming.preload, 1.0, controller.force, "a force in N, up to limits.force,");
+  within("sway", arming.sway, 0.1, controller.force, "a force in N, up to limits.force,");
+  within("wander", arming.wander, 1e-6, 0.1 * controller.stroke, "a length in m, up to a tenth of limits.stroke,");
   within("position_tolerance", arming.position_tolerance, 1e-4, 0.1 * controller.stroke,
          "a length in m, up to a tenth of limits.stroke,");
   within("probe_amplitude", arming.probe_amplitude, 0.0, 0.1 * controller.stroke,
          "a length in m, up to a tenth of limits.stroke,");
   within("force_ramp", arming.force_ramp, 0.0, 10.0, "a time in s");
-  if (arming.probe_amplitude == 0.0 && kind != model::RigKind::quarter_car && !waivers.contains("no_probe")) {
+  if (arming.probe_amplitude == 0.0 && !waivers.contains("no_probe")) {
     table->fail("probe_amplitude", "arming without a probe does not find a wrong sign",
                 "a length above 0 m, or [waivers] no_probe = \"why\"");
   }

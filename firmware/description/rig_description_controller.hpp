@@ -22,7 +22,7 @@ inline constexpr std::array<std::string_view, 11> waiver_names{
 void read_waivers(DescriptionTable& top, std::map<std::string, std::string>& waivers);
 void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig, ControllerDescription& controller);
 void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& budget);
-void read_arming(DescriptionTable& top, model::RigKind kind, const std::map<std::string, std::string>& waivers,
+void read_arming(DescriptionTable& top, const std::map<std::string, std::string>& waivers,
                  ControllerDescription& controller);
 void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, double period,
                    const std::map<std::string, std::string>& waivers, HardwareDescription& hardware);

@@ -179,6 +179,8 @@ void write_controller(Text& out, const RigDescription& description) {
   out.table("arming");
   out.line("tare_time", real(arming.tare_time));
   if (arming.preload > 0.0) out.line("preload", real(arming.preload));
+  if (arming.sway > 0.0) out.line("sway", real(arming.sway));
+  if (arming.wander > 0.0) out.line("wander", real(arming.wander));
   out.line("position_tolerance", real(arming.position_tolerance));
   out.line("probe_amplitude", real(arming.probe_amplitude));
   out.line("force_ramp", real(arming.force_ramp));

@@ -46,8 +46,9 @@ ArmingChecks::ArmingChecks(const Settings& settings, const Expected& expected)
       rest_periods_(periods_of(settings.arming.tare_time, period_)),
       probe_periods_(periods_of(probe_time, period_)) {}
 
-void ArmingChecks::begin(double home, hal::Time now) {
+void ArmingChecks::begin(double home, hal::Time now, bool known) {
   home_ = home;
+  known_ = known || settings_.off_centre || settings_.probe_amplitude <= 0.0;
   since_ = now;
   tare_ = 0.0;
   uu_ = ux_ = xx_ = xf_ = vf_ = 0.0;
@@ -97,6 +98,10 @@ std::optional<Trip> ArmingChecks::compare(const Seen& seen) {
                      settings_.position_tolerance, seen.now);
     }
     if (const auto hazard = away(seen, settings_.position_tolerance)) return hazard;
+    if (!known_ && seen.position && size_of(*seen.position) > settings_.position_tolerance) {
+      return refusal(Reason::arming_off_centre, expected_.position, *seen.position, settings_.position_tolerance,
+                     seen.now);
+    }
   }
   enter(rest_periods_ > 0 ? Step::rest : Step::done);
   return std::nullopt;
@@ -108,13 +113,13 @@ std::optional<Trip> ArmingChecks::rest(const Seen& seen) {
   if (seen.position) position_.add(*seen.position);
   if (++count_ < rest_periods_) return std::nullopt;
 
-  const double sway = 0.5 * (force_.highest - force_.lowest);
-  if (sway > settings_.preload) {
-    return refusal(Reason::arming_not_at_rest, model::Channel::F, sway, settings_.preload, seen.now);
+  const double sway = force_.highest - force_.lowest;
+  if (settings_.sway > 0.0 && sway > settings_.sway) {
+    return refusal(Reason::arming_not_at_rest, expected_.force, sway, settings_.sway, seen.now);
   }
   const double wander = position_.highest - position_.lowest;
-  if (settings_.position_tolerance > 0.0 && wander > settings_.position_tolerance) {
-    return refusal(Reason::arming_not_at_rest, expected_.position, wander, settings_.position_tolerance, seen.now);
+  if (settings_.wander > 0.0 && wander > settings_.wander) {
+    return refusal(Reason::arming_not_at_rest, expected_.position, wander, settings_.wander, seen.now);
   }
   const bool probes = step_ == Step::rest && settings_.probe_amplitude > 0.0 && seen.position.has_value();
   if (probes) {
@@ -128,7 +133,7 @@ std::optional<Trip> ArmingChecks::rest(const Seen& seen) {
   }
   tare_ = force_.mean();
   if (size_of(tare_) > settings_.preload) {
-    return refusal(Reason::arming_preload, model::Channel::F, tare_, settings_.preload, seen.now);
+    return refusal(Reason::arming_preload, expected_.force, tare_, settings_.preload, seen.now);
   }
   enter(Step::done);
   return std::nullopt;

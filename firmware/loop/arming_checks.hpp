@@ -15,7 +15,9 @@ namespace firmware {
 
 /// What an engineer does before a run, one step after the other, one period a call:
 ///
-///   compare    converter against last command, measured position against command, while the drive has no power
+///   compare    converter against last command, measured position against command, while the drive has no power. A
+///   first
+///              arming begins in the middle: off it a wrong sign of x_act would throw the drive to the other side
 ///   rest       power on; force and position averaged for tare_time: nothing may move
 ///   probe      a small move, 16 a s²(1 − s)² over 1 s: its answer shows signs and sizes
 ///   return     hil, component_bench: slowly to rest, where the component carries nothing
@@ -32,8 +34,9 @@ namespace firmware {
 /// is Σ ẋ f > 0, the sign of its damping. Thresholds: ρ = 0.8 is noise of 0.75 of the answer's rms, at which the gain
 /// of a thousand samples is still known to 3 %. The band of the gain admits any drive that can be used, and no wrong
 /// sign, factor of two, or unit. The factor 3 on k admits friction and tolerances, and finds a wrong sign and a wrong
-/// unit. Half of these bands would refuse sound rigs with a soft mount; twice as wide they would pass a factor of two
-/// in the gain.
+/// unit. At rest means
+/// standstill: neither force nor position may move by more than sway and wander, peak to peak. Half of these bands
+/// would refuse sound rigs with a soft mount; twice as wide they would pass a factor of two in the gain.
 class ArmingChecks {
  public:
   static constexpr double patience = 1.0;    ///< a converter may take so long to show the command [s]
@@ -47,12 +50,13 @@ class ArmingChecks {
     double lowest_stiffness = 0.0;                    ///< k_low [N/m]; 0: no spring
     double highest_stiffness = 0.0;                   ///< k_high [N/m]
     model::Channel position = model::Channel::x_act;  ///< the channel that measures the drive
+    model::Channel force = model::Channel::F;         ///< the one that is tared
   };
 
   ArmingChecks(const Settings& settings, const Expected& expected);
 
-  /// From `home` [m], where the command stands.
-  void begin(double home, hal::Time now);
+  /// From `home` [m], where the command stands; `known`: the sign of the position has been shown before.
+  void begin(double home, hal::Time now, bool known = true);
 
   /// What is seen in a period; what is not measured has no value.
   struct Seen {
@@ -97,6 +101,7 @@ class ArmingChecks {
 
   Step step_ = Step::done;
   hal::Time since_{};
+  bool known_ = true;
   double home_ = 0.0;
   std::uint64_t count_ = 0;  ///< periods in this step
   Average force_{};

@@ -19,7 +19,10 @@ ArmingChecks::Expected expected_of(const model::RigParameters<double>& parameter
   expected.lowest_stiffness = model::spring_stiffness(parameters, true);
   expected.highest_stiffness =
       model::spring_stiffness(parameters) + (parameters.has_fdva ? parameters.fdva.coupling_stiffness : 0.0);
-  if (parameters.kind == model::RigKind::quarter_car) expected.position = Channel::z_r;
+  if (parameters.kind == model::RigKind::quarter_car) {
+    expected.position = Channel::z_r;
+    expected.force = Channel::F_w;
+  }
   return expected;
 }
 
@@ -130,7 +133,7 @@ void ControlLoop::step() {
 void ControlLoop::keep_time(hal::Time now) {
   if (due_ == hal::never) due_ = now;
   lateness_ = now - due_;
-  if (lateness_guard_.follow(lateness_)) {
+  if (lateness_guard_.follow(lateness_, rig_.clock.suspended())) {
     ++counters_.late_periods;
     due_ = now;
   }
@@ -158,7 +161,7 @@ void ControlLoop::watch_motion(hal::Time now) {
     frozen_guard_.start();
     return;
   }
-  motion_hazard_ = motion_guard_.follow(command_guard_.last(), samples_, now);
+  motion_hazard_ = motion_guard_.follow(command_guard_.last(), samples_, now, mode_ == Mode::arming);
   if (mode_ == Mode::arming) {
     frozen_guard_.start();
     return;
@@ -299,14 +302,14 @@ void ControlLoop::begin_arming(hal::Time now) {
   second_ = {};
   expects_trip_ = false;
   samples_.bear_nothing();
-  samples_.tare(Channel::F, 0.0);
+  samples_.tare(force_channel(), 0.0);
   double home = place().value_or(command_guard_.last().position);
   if (settings_.arming.position_tolerance > 0.0 && power_.always()) {
     const hal::Result<double> shown = rig_.command.read_back();  // the drive has power: there it is told to be
     if (shown) home = *shown;
   }
   begin_at_rest(home);
-  arming_.begin(home, now);
+  arming_.begin(home, now, sign_shown_ || power_.always());
 }
 
 std::optional<Trip> ControlLoop::look_at_arming(hal::Time now) {
@@ -317,11 +320,13 @@ std::optional<Trip> ControlLoop::look_at_arming(hal::Time now) {
     if (!shown && shown.fault() == hal::Fault::disconnected) return Trip{.reason = Reason::command_failed, .time = now};
     if (samples_.fitted(position_channel())) seen.position = samples_.value(position_channel());
   }
-  if (samples_.fitted(Channel::F)) seen.force = samples_.value(Channel::F);
+  if (samples_.fitted(force_channel())) seen.force = samples_.value(force_channel());
   const std::optional<Trip> hazard = arming_.look(seen);
+  if (hazard && hazard->reason == Reason::arming_polarity_x_act) sign_shown_ = false;
   if (!hazard && arming_.powered() && !power_.wanted()) follow(Event::compared);
   if (!hazard && arming_.done()) {
-    samples_.tare(Channel::F, arming_.tare());
+    samples_.tare(force_channel(), arming_.tare());
+    sign_shown_ = sign_shown_ || settings_.arming.probe_amplitude > 0.0;
     follow(Event::checked);
   }
   return hazard;

@@ -117,7 +117,7 @@ class ControlLoop {
   /// In safe the command stays where it stopped, instead of returning to rest.
   [[nodiscard]] bool held() const { return mode_ == Mode::safe && held_; }
   [[nodiscard]] bool enabled() const { return power_.on(); }                           ///< the drive has power
-  [[nodiscard]] double tare() const { return samples_.tare(model::Channel::F); }       ///< taken from F [N]
+  [[nodiscard]] double tare() const { return samples_.tare(force_channel()); }         ///< taken from F, or F_w [N]
   [[nodiscard]] const hal::Command& command() const { return command_guard_.last(); }  ///< for this instant
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] const StateEstimator& estimator() const { return estimator_; }
@@ -132,6 +132,9 @@ class ControlLoop {
     return kind_ == model::RigKind::quarter_car ? model::Channel::z_r : model::Channel::x_act;
   }
 
+  [[nodiscard]] model::Channel force_channel() const {
+    return kind_ == model::RigKind::quarter_car ? model::Channel::F_w : model::Channel::F;
+  }
   /// In safe: on the way to rest, or braking.
   [[nodiscard]] bool moves_in_safe() const { return mode_ == Mode::safe && (!standing() || power_.wanted()); }
   /// Where the drive stands without power, if that is known and looked at.
@@ -198,6 +201,7 @@ class ControlLoop {
   bool held_ = false;          ///< in safe: stays where it stopped
   bool expects_trip_ = false;  ///< in safe: the hazard of trip_ may last while the command returns to rest
   bool proven_ = false;        ///< arming has passed, and nothing has happened since that takes an arming
+  bool sign_shown_ = false;    ///< of the measured position, by a probe of this program
   bool starved_ = false;       ///< no heartbeat until somebody has acknowledged why
   Counters counters_{};
   hal::Time due_ = hal::never;

@@ -1,5 +1,7 @@
 #include "firmware/loop/motion_guard.hpp"
 
+#include <cmath>
+
 #include "model/effects/catalogue.hpp"
 
 namespace firmware {
@@ -20,6 +22,10 @@ MotionGuard::MotionGuard(const Limits& limits, const Supervision& supervision, c
                          double period)
     : channel_(rig.kind == model::RigKind::quarter_car ? model::Channel::z_r : model::Channel::x_act),
       following_(limits.following),
+      following_least_(limits.following < never_reached ? limits.following_least : 0.0),
+      following_delay_(limits.following / limits.speed),
+      following_share_(supervision.following_share),
+      memory_(supervision.following_memory),
       half_stroke_(0.5 * limits.highest_measured_stroke()),
       highest_speed_(limits.highest_measured_speed()),
       confirmations_(limits.bridged_in_a_row),
@@ -29,6 +35,7 @@ MotionGuard::MotionGuard(const Limits& limits, const Supervision& supervision, c
   const model::SensorPath<double> sensor = rig.effects.sensor_paths()[model::index(channel_)];
   if (sensor.gain != 0.0) gain_ = sensor.gain;
   offset_ = sensor.offset;
+  if (sensor.limit > 0.0) following_least_ = 0.0;  // it shows no motion beyond its limit
   const double delay = path.delay + sensor.delay + sensor.lag + 0.5 * sensor.hold;
 
   const int for_line = periods_a_step(delay, period, Line::longest);
@@ -41,6 +48,7 @@ MotionGuard::MotionGuard(const Limits& limits, const Supervision& supervision, c
   if (window_ > window_length - 1) window_ = window_length - 1;
   const double allowed_steps = supervision.following_time / period_ + 0.5;
   following_steps_ = static_cast<int>(allowed_steps);
+  memory_ = period_ < memory_ ? period_ / memory_ : 1.0;
   line_.start({}, static_cast<float>(delay / period_));
 }
 
@@ -51,11 +59,13 @@ void MotionGuard::start(double position) {
   delayed_ = reached_ = rest;
   measured_ = 0;
   until_step_ = 0;
-  error_ = speed_ = 0.0;
+  error_ = speed_ = mean_error_ = 0.0;
+  mean_allowed_ = following_least_ * following_least_;
   away_ = far_ = fast_ = 0;
 }
 
-std::optional<Trip> MotionGuard::follow(const hal::Command& command, const SampleGuard& samples, hal::Time now) {
+std::optional<Trip> MotionGuard::follow(const hal::Command& command, const SampleGuard& samples, hal::Time now,
+                                        bool arming) {
   if (until_step_ > 0) {
     --until_step_;
     return std::nullopt;
@@ -67,6 +77,11 @@ std::optional<Trip> MotionGuard::follow(const hal::Command& command, const Sampl
   reached_ = machine_.step(state_, delayed_, there, reached_);  // (1)
   delayed_ = there;
   if (!samples.fitted(channel_) || !samples.seen(channel_)) return std::nullopt;
+  if (arming) {
+    const double error = (samples.value(channel_) - offset_) / gain_ - reached_.position;
+    offset_at_rest_ += (period_ < rest_time ? period_ / rest_time : 1.0) * (error - offset_at_rest_);
+    mean_error_ = 0.0;
+  }
   return judge((samples.value(channel_) - offset_) / gain_, now);
 }
 
@@ -86,6 +101,15 @@ std::optional<Trip> MotionGuard::judge(double position, hal::Time now) {
   if (far_ >= confirmations_) return Trip{Reason::measured_stroke, channel_, position, half_stroke_, now};
   if (fast_ >= confirmations_) return Trip{Reason::measured_speed, channel_, speed_, highest_speed_, now};
   if (away_ > following_steps_) return Trip{Reason::following_error, channel_, error_, following_, now};
+  if (following_least_ <= 0.0) return std::nullopt;
+  const double allowed = following_least_ + following_delay_ * absolute(reached_.velocity) +
+                         following_share_ * absolute(reached_.position);  // (4)
+  const double moved = error_ - offset_at_rest_;
+  mean_error_ += memory_ * (moved * moved - mean_error_);  // (5)
+  mean_allowed_ += memory_ * (allowed * allowed - mean_allowed_);
+  if (mean_error_ > mean_allowed_) {
+    return Trip{Reason::following_error, channel_, std::sqrt(mean_error_), std::sqrt(mean_allowed_), now};
+  }
   return std::nullopt;
 }
 

@@ -23,7 +23,18 @@ namespace firmware {
 ///
 /// x is the reading without the gain and offset that the description gives its sensor; delay, lag and half of the hold
 /// of that sensor belong to τ. Hazards: |e| > following for longer than following_time; |x| > half of measured_stroke,
-/// or |v| > measured_speed, in bridged_in_a_row steps in a row (a single wrong sample is no motion).
+/// or |v| > measured_speed, in bridged_in_a_row steps in a row (a single wrong sample is no motion). A small motion
+/// allows a small error only:
+///
+///   (4)  a = following_least + (following/speed) |v̂| + following_share |x̂|      v̂ the expected speed
+///   (5)  ē² and ā²: means of (e − e₀)² and a² over following_memory, by a first-order filter
+///
+/// e₀ is the error at rest while the rig armed, up to position_tolerance: an offset of a sensor is no motion.
+/// ē² > ā² is a hazard, too. following/speed (14 ms) is the unknown delay that `following` allows at full speed, so a
+/// drive that follows late by less never trips, whatever it does; one that stands still has e = x̂ and trips at any
+/// amplitude above following_least where |v̂| < |x̂| / 14 ms, that is below 11 Hz. Means and not a time without a break,
+/// since the error of a motion to and fro passes 0. Not judged of a sensor that is described to saturate. (LinuxCNC's
+/// FERROR and MIN_FERROR.)
 ///
 /// The guard steps once a period; less often where τ is longer than its line of 28 samples or the window longer than
 /// 15: then once every so many periods that both fit. Static memory, 0.8 KiB.
@@ -35,9 +46,10 @@ class MotionGuard {
   /// The drive rests at `position`, and did so for long.
   void start(double position);
 
-  /// One period: the command for this instant, and what was measured.
+  /// One period: the command for this instant, and what was measured. While the rig arms e₀ is taken, and (5) is not
+  /// judged: ArmingChecks compares.
   [[nodiscard]] std::optional<Trip> follow(const hal::Command& command, const SampleGuard& samples,
-                                           hal::Time now = hal::never);
+                                           hal::Time now = hal::never, bool arming = false);
 
   [[nodiscard]] double expected() const { return reached_.position; }  ///< x̂ [m]
   [[nodiscard]] double error() const { return error_; }                ///< e [m]; 0 without a sensor
@@ -47,6 +59,7 @@ class MotionGuard {
  private:
   static constexpr std::size_t line_length = 32;
   static constexpr std::size_t window_length = 16;
+  static constexpr double rest_time = 0.02;  ///< smoothing of e₀ [s]
   using Line = model::DelayLine<model::Stroke<float>, line_length, float>;
 
   [[nodiscard]] std::optional<Trip> judge(double position, hal::Time now);
@@ -55,6 +68,12 @@ class MotionGuard {
   double gain_ = 1.0;
   double offset_ = 0.0;
   double following_;
+  double following_least_;
+  double following_delay_;  ///< following/speed [s]
+  double following_share_;
+  double memory_;                                 ///< of (5), a step's share
+  double mean_error_ = 0.0, mean_allowed_ = 0.0;  ///< ē², ā² [m²]
+  double offset_at_rest_ = 0.0;                   ///< e₀ [m]
   double half_stroke_;
   double highest_speed_;
   int confirmations_;

@@ -73,8 +73,6 @@ std::string_view Settings::check() const {
   if (arming.tare_time > 0.0 && !positive(arming.preload)) return "arming.preload: expected a force above 0 N";
   if (!not_negative(arming.sway)) return "arming.sway: expected a force of at least 0 N";
   if (!not_negative(arming.wander)) return "arming.wander: expected a distance of at least 0 m";
-  if (!not_negative(arming.probe_stiffness)) return "arming.probe_stiffness: expected a stiffness of at least 0 N/m";
-  if (arming.force_gain != 0.0 && !(arming.force_gain > 1.0)) return "arming.force_gain: expected a ratio above 1";
   if (!(arming.position_tolerance >= 0.0 && arming.position_tolerance <= half_stroke))
     return "arming.position_tolerance: expected 0 m to half the stroke";
   if (!(arming.probe_amplitude >= 0.0 && arming.probe_amplitude <= 0.25 * half_stroke))

@@ -88,7 +88,6 @@ struct Arming {
   double probe_amplitude = 0.0;     ///< of the small move that shows the signs [m]; 0: none
   double probe_stiffness =
       0.0;                  ///< hil: force over deflection of the described component in the probe [N/m]; 0: unknown
-  double force_gain = 0.0;  ///< hil: F may be so many times as described, as the loop bears it; 0: unknown
   bool off_centre = false;  ///< the first arming may give power to a drive that stands off the middle
   double force_ramp = 0.0;  ///< hil: F enters the car over so long from the start of a run [s]
 };

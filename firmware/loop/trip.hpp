@@ -56,9 +56,10 @@ enum class Reason : unsigned char {
   enable_feedback,        ///< the contact that shows the drive's power differs from what is commanded
   motion_without_power,   ///< the measured position moves although the drive has no power
   innovation,             ///< a channel has not agreed with the estimator for long
+  arming_off_centre,      ///< the drive stands off the middle and the sign of its position has not been shown
 };
 
-inline constexpr Reason last_reason = Reason::innovation;
+inline constexpr Reason last_reason = Reason::arming_off_centre;
 
 /// What a reason does to a drive with power.
 enum class Reaction : unsigned char {
@@ -118,6 +119,7 @@ inline constexpr auto reason_rules = std::to_array<ReasonRule>({
     {"enable_feedback", Reaction::starves},
     {"motion_without_power", Reaction::starves},
     {"innovation", Reaction::returns},
+    {"arming_off_centre", Reaction::rearms},
 });
 static_assert(reason_rules.size() == static_cast<std::size_t>(last_reason) + 1, "a line for each reason");
 

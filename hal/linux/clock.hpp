@@ -10,6 +10,7 @@ namespace hal::linux {
 class MonotonicClock final : public Clock {
  private:
   Time do_now() override;
+  Time do_suspended() override;  ///< CLOCK_BOOTTIME less CLOCK_MONOTONIC
   void do_sleep_until(Time deadline) override;
 };
 

@@ -39,6 +39,7 @@ struct Recording {
   bool drive_enable = false;  ///< the recorded rig had a drive enable
   std::span<const Opened> interlocks_opened{};
   Refusal refusal{};
+  Time suspended = never;  ///< the machine was suspended just before this time
 
   /// What is wrong with the recording, or an empty text.
   [[nodiscard]] std::string_view check() const;

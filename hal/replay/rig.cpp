@@ -3,6 +3,9 @@
 namespace hal::replay {
 namespace {
 
+/// How long a suspension lasted is on record as the value of its trip only; so long is one for every limit [s].
+constexpr double longest_gap = 3600.0;
+
 /// Fitted is what the recorded rig had and the recording still has.
 SensorSetup fitted_by(const Recording& recording, SensorSetup setup) {
   for (std::size_t i = 0; i < channel_capacity; ++i) {
@@ -39,6 +42,11 @@ Time Rig::now() const {
 bool Rig::refuses(Refusal::Output output) const {
   const Refusal& refusal = recording_.refusal;
   return refusal.from != never && refusal.output == output && refusal.from <= now();
+}
+
+Time Rig::ClockRole::do_suspended() {
+  const Time at = rig.recording_.suspended;
+  return at != never && at <= rig.now() ? seconds(longest_gap) : Time{};
 }
 
 void Rig::ClockRole::do_sleep_until(Time /*deadline*/) {

@@ -46,6 +46,7 @@ class Rig {
   struct ClockRole final : Clock {
     explicit ClockRole(Rig& r) : rig(r) {}
     Time do_now() override { return rig.now(); }
+    Time do_suspended() override;
     void do_sleep_until(Time deadline) override;
     Rig& rig;
   };

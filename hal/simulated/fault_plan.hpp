@@ -101,6 +101,12 @@ struct Push {
   Window window{};
 };
 
+/// The machine that runs the program is suspended for so long at a time; the rig's clock does not count it.
+struct Suspension {
+  Time at{};
+  Time length{};
+};
+
 /// Sleeping until a deadline inside the window ends so much later.
 struct LateWake {
   Window window{};
@@ -120,6 +126,7 @@ struct FaultPlan {
   std::span<const StuckEnable> stuck_enables{};
   std::span<const StuckFeedback> stuck_feedbacks{};
   std::span<const Push> pushes{};
+  std::span<const Suspension> suspensions{};
 
   /// What is wrong with the plan itself, or an empty text.
   [[nodiscard]] std::string_view check() const;

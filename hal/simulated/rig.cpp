@@ -97,6 +97,14 @@ std::optional<Fault> Rig::fault_of(DeviceFault::Device device) const {
   return std::nullopt;
 }
 
+Time Rig::ClockRole::do_suspended() {
+  Time sum{};
+  for (const Suspension& suspension : rig.plan_.suspensions) {
+    if (suspension.at <= rig.now_) sum += suspension.length;
+  }
+  return sum;
+}
+
 Result<Frame> Rig::SensorRole::do_read() {
   rig.measure();
   if (const auto fault = rig.fault_of(DeviceFault::Device::sensors)) return *fault;

@@ -253,7 +253,9 @@ void print_compensated(const compensation::CompensatedStability& s) {
 
 void write_limits(const firmware::RigDescription& description, const std::string& json) {
   const double allowed = allowed_delay(description);
-  const std::string fingerprint = firmware::loop_fingerprint(description);
+  firmware::RigDescription proven = description;
+  proven.hardware.schedule.allowed_delay = allowed;
+  const std::string fingerprint = firmware::loop_fingerprint(proven);
   firmware::write_file(description.source,
                        firmware::with_loop_proof(description.text, description.source, allowed, fingerprint));
   if (write_json(json, {{"rig", description.source}, {"allowed_delay", allowed}, {"proven", fingerprint}})) return;

@@ -81,10 +81,12 @@ class ReplayDevices final : public Devices {
       times_.push_back(moved || recorded_.late.empty() ? due : due + hal::seconds(recorded_.late[k]));
       before = due;
     }
+    gap_ = control_settings(rig).supervision.gap;
     hal::replay::Recording played;
     played.time = times_;
     played.stop_pressed = find_the_run();
     played.refusal = refusal_;
+    played.suspended = suspended_;
     played.drive_enable = rig.hardware.gpio && !rig.hardware.gpio->enable.empty();
     if (interlock_.time != hal::never) {
       interlock_.interlock = interlock_of(file_, rig);
@@ -125,6 +127,8 @@ class ReplayDevices final : public Devices {
       const auto is = [reason](Reason wanted) { return reason == static_cast<double>(wanted); };
       if (is(Reason::stop_button) && pressed == hal::never) pressed = times_[k];
       if (is(Reason::interlock) && interlock_.time == hal::never) interlock_.time = times_[k];
+      const bool in_time = recorded_.late.empty() || recorded_.late[k] <= gap_;
+      if (is(Reason::gap) && in_time && suspended_ == hal::never) suspended_ = times_[k];
       if (is(Reason::stop_requested)) run_.stop_requested = k;
       using Output = hal::replay::Refusal::Output;
       for (const auto& [failed, output] :
@@ -142,6 +146,8 @@ class ReplayDevices final : public Devices {
   ReplayedRun run_;
   hal::replay::Opened interlock_{};
   hal::replay::Refusal refusal_{};
+  hal::Time suspended_ = hal::never;
+  double gap_ = 0.0;  ///< of the description [s]
   std::vector<hal::Time> times_;
   std::array<std::vector<hal::Time>, model::channel_count> taken_;
   hal::replay::Rig rig_;

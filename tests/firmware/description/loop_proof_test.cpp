@@ -81,10 +81,13 @@ TEST(LoopProof, RefusesALoopThatNobodyFoundStable) {
   EXPECT_THAT(firmware::stability_objection(parse_rig(text, "rig.toml")).text,
               HasSubstr("nothing says that this loop is stable ([controller] proven): write it by  rigtwin stability "
                         "--write-limits rig.toml"));
-  const std::string proven = with_loop_proof(text, "rig.toml", 0.00125, fingerprint(text));
+  const std::string allowed = "[controller]\nallowed_delay = 0.00125\n";
+  const std::string proven = with_loop_proof(text, "rig.toml", 0.00125, fingerprint(text + allowed));
   EXPECT_EQ(firmware::stability_objection(parse_rig(proven, "rig.toml")).text, "");
   const std::string changed = with(proven, "virtual_damping = 1140.0", "virtual_damping = 700.0");
   EXPECT_THAT(firmware::stability_objection(parse_rig(changed, "rig.toml")).text, HasSubstr("has changed since"));
+  const std::string by_hand = with(proven, "0.00125", "0.4");
+  EXPECT_THAT(firmware::stability_objection(parse_rig(by_hand, "rig.toml")).text, HasSubstr("has changed since"));
   const std::string waiver = "[waivers]\nunproven_stability = \"a bench without oil\"\n";
   EXPECT_EQ(firmware::stability_objection(parse_rig(changed + waiver, "rig.toml")).text, "");
 

@@ -16,13 +16,17 @@ using firmware::Reason;
 using hal::simulated::ReadBackError;
 using model::RigKind;
 
-constexpr firmware::Arming everything{
-    .tare_time = 0.5, .preload = 2500.0, .position_tolerance = 5e-3, .probe_amplitude = 2e-3, .force_ramp = 0.5};
+constexpr firmware::Arming everything{.tare_time = 0.5,
+                                      .preload = 2500.0,
+                                      .sway = 250.0,
+                                      .wander = 0.5e-3,
+                                      .position_tolerance = 5e-3,
+                                      .probe_amplitude = 2e-3,
+                                      .force_ramp = 0.5};
 
 Scene checked(RigKind kind, std::size_t samples = 1000) {
   Scene scene(kind, samples);
   scene.settings.arming = everything;
-  if (kind == RigKind::quarter_car) scene.settings.arming.probe_amplitude = 0.0;
   scene.journal = 16;
   return scene;
 }
@@ -69,6 +73,7 @@ TEST(Arming, BeginsWhereTheDriveStands) {
   for (const RigKind kind : {RigKind::quarter_car, RigKind::hil, RigKind::component_bench}) {
     Scene scene = checked(kind);
     scene.drive_at = 0.08;
+    scene.settings.arming.off_centre = true;
     scene.deviations.force_offset = 300.0;
     if (kind == RigKind::hil) scene.deviations.force_sign = 1.0;
     Journey run{scene};
@@ -129,8 +134,18 @@ TEST(Arming, RefusesARigThatIsNotAsDescribed) {
          [](Scene& s) { s.deviations.force_offset = 2845.0; });
   refuse("a force that swings by 3 kN at rest", RigKind::hil, Reason::arming_not_at_rest,
          [](Scene& s) { s.deviations.force_noise = 3000.0; });
+  refuse("a force that sways by 95 N, as of somebody on the rig", RigKind::quarter_car, Reason::arming_not_at_rest,
+         [](Scene& s) {
+           s.settings.arming.sway = 90.0;
+           s.deviations.force_noise = 95.0;
+         });
+  refuse("a quarter car with 5 kN on its wheel", RigKind::quarter_car, Reason::arming_preload,
+         [](Scene& s) { s.deviations.force_offset = 5000.0; });
+  refuse("z_r has the wrong sign", RigKind::quarter_car, Reason::arming_polarity_x_act,
+         [](Scene& s) { s.deviations.position_sign = -1.0; });
   refuse("noise that hides the sign", RigKind::hil, Reason::arming_noise, [](Scene& s) {
     s.settings.arming.preload = 5000.0;
+    s.settings.arming.sway = 5000.0;
     s.settings.arming.probe_amplitude = 0.2e-3;
     s.deviations.force_noise = 2400.0;
   });
@@ -159,6 +174,35 @@ TEST(Arming, RefusesARigThatIsNotAsDescribed) {
   }
 }
 
+// Fault. x_act has the wrong sign and the drive stands 60 mm off the middle: no power, since the command would throw it
+// to the other side. Once a probe has shown the sign the next arming may begin anywhere.
+TEST(Arming, GivesNoPowerOffTheMiddleBeforeTheSignIsKnown) {
+  for (const double sign : {-1.0, 1.0}) {
+    Scene scene = checked(RigKind::component_bench);
+    scene.drive_at = 0.06;
+    scene.deviations.position_sign = sign;
+    Journey run{scene};
+    arm(run);
+    EXPECT_EQ(run.loop.trip().reason, Reason::arming_off_centre);
+    EXPECT_EQ(run.rig.drive().position, 0.06);
+    for (const Record& row : run.records) EXPECT_FALSE(row.enabled);
+  }
+  Scene scene = checked(RigKind::quarter_car);
+  scene.reference = road(9000, 1.0, 0.03);
+  const hal::simulated::Press press{{ms * 6000, ms * 6010}};
+  scene.faults.presses = {&press, 1};
+  Journey run{scene};
+  arm(run);
+  run.loop.start();
+  run.periods(static_cast<std::size_t>(6300 - run.rig.now().ns / 1'000'000));
+  ASSERT_EQ(run.loop.trip().reason, Reason::stop_button);
+  ASSERT_GT(std::abs(run.rig.drive().position), 0.01);
+  run.loop.acknowledge();
+  run.periods(1);
+  arm(run);
+  EXPECT_EQ(run.loop.mode(), Mode::armed) << name(run.loop.trip().reason);
+}
+
 // Fault. A converter that shows something else than it was told: power never comes on.
 TEST(Arming, RefusesAConverterThatDoesNotShowTheCommand) {
   const ReadBackError error{0.01};
@@ -177,6 +221,7 @@ TEST(Arming, EndsAtAPress) {
     const hal::simulated::Press press{{ms * period, ms * (period + 1)}};
     Scene scene = checked(RigKind::hil);
     scene.drive_at = 0.05;
+    scene.settings.arming.off_centre = true;
     scene.faults.presses = {&press, 1};
     Journey run{scene};
     run.periods(50);

@@ -66,6 +66,43 @@ TEST(LatePeriods, TripWhenTheyDoNotEnd) {
   expect_safe_end(run);
 }
 
+// A machine that was suspended: its clock says nothing, nobody watched the rig.
+TEST(LatePeriods, ASuspensionIsAGap) {
+  for (const int length : {5, 3000}) {
+    const hal::simulated::Suspension suspension{ms * 300, ms * length};
+    Scene scene(RigKind::component_bench, 900);
+    scene.faults.suspensions = {&suspension, 1};
+    Journey run{scene};
+    run.whole();
+    EXPECT_EQ(run.loop.trip().reason, length > 10 ? Reason::gap : Reason::reference_ended);
+    if (length > 10) {
+      EXPECT_EQ(run.loop.trip().value, 3.0);
+      EXPECT_EQ(run.loop.trip().time, ms * 300);
+    }
+  }
+}
+
+// One in five 9 ms late takes two thirds of the time away: seen after five of them, not after 15 s. One in twenty is
+// not.
+TEST(LatePeriods, CountByHowLateTheyAre) {
+  for (const int every : {5, 20}) {
+    std::vector<LateWake> late;
+    // Periods move by the lateness: one of `every` in the rig's own time.
+    for (int k = 0; k < 60; ++k) {
+      const int at = 100 + k * (every + 9);
+      late.push_back({{ms * at, ms * at + hal::microseconds(900)}, hal::milliseconds(9)});
+    }
+    Scene scene(RigKind::component_bench, 900);
+    scene.faults.late_wakes = late;
+    Journey run{scene};
+    run.whole();
+    EXPECT_EQ(run.loop.trip().reason, every == 5 ? Reason::late : Reason::reference_ended) << every;
+    if (every == 5) {
+      EXPECT_LE(run.loop.counters().late_periods, 5U);
+    }
+  }
+}
+
 // Four late ones of five: with a leak of a quarter the bucket holds 4, 3.75, then 4.75, 5.75: the fifth late one trips.
 TEST(LatePeriods, TripWhenFourOfFiveAreLate) {
   const std::array<LateWake, 2> late{{{{ms * 100, ms * 108}, ms}, {{ms * 109, ms * 116}, ms}}};

@@ -23,13 +23,18 @@ using model::RigKind;
 /// A guard and the only sensor it needs.
 struct Watched {
   explicit Watched(const Parameters& rig, double period = h, const Limits& with = Limits{},
-                   const Supervision& supervision = Supervision{})
+                   const Supervision& supervision = Supervision{}, bool scaled = false)
       : channel(rig.kind == RigKind::quarter_car ? Channel::z_r : Channel::x_act),
-        limits(with),
+        limits(scaled ? with : flat(with)),
         sensors(fitted(channel)),
         samples(limits, hal::seconds(period), sensors),
         guard(limits, supervision, rig, period) {}
 
+  /// Without the limit that scales with the motion.
+  static Limits flat(Limits limits) {
+    limits.following_least = 0.0;
+    return limits;
+  }
   static hal::SensorSetup fitted(Channel channel) {
     hal::SensorSetup setup;
     setup[model::index(channel)].fitted = true;
@@ -117,6 +122,47 @@ TEST(MotionGuard, WaitsForTheFollowingTime) {
     }
   }
   EXPECT_TRUE(watched.follow({}, 0.0101));
+}
+
+// Fault. A drive that never moves under ± 2 … 60 mm at 0.3 … 8 Hz, with 4 µm of noise, is found within a second and a
+// cycle: the error scales with the motion. Law. One that follows 10 ms late, of which the description knows nothing, or
+// with a gain of 0.97, is not, at any of them, nor at full speed; nor one that is 4 mm off for good.
+TEST(MotionGuard, ScalesTheFollowingErrorWithTheMotion) {
+  for (const double amplitude : {2e-3, 9e-3, 60e-3}) {
+    for (const double frequency : {0.3, 1.0, 3.0, 8.0}) {
+      const double w = two_pi * frequency;
+      if (amplitude * w > 0.7) continue;
+      // Of an error as large as the motion, 1 mm and 14 ms of its speed are allowed: A/√2 > 1 mm + 14 ms ω A/√2.
+      const bool large = amplitude * (1.0 - 0.0143 * w) > 1.7e-3;
+      for (const int does : {0, 1, 2, 3}) {
+        if (does == 0 && !large) continue;
+        Watched watched(behind_delay(0.0), h, Limits{}, Supervision{}, true);
+        watched.guard.start(0.0);
+        for (int k = 0; k < 100; ++k) {  // at rest while the rig arms
+          hal::Frame frame;
+          frame.channels[model::index(Channel::x_act)] = {does == 3 ? 4e-3 : 0.0, watched.now, hal::Quality::good};
+          watched.samples.take(frame, watched.now);
+          EXPECT_FALSE(watched.guard.follow({}, watched.samples, watched.now, true));
+        }
+        bool found = false;
+        const int last = static_cast<int>((1.0 + 1.0 / frequency) / h);
+        for (int k = 0; k < last && !found; ++k) {
+          // Begins without a jump of its speed, as every reference does.
+          const auto at = [&](double t) {
+            return t <= 0.0 ? 0.0 : amplitude * std::sin(w * t) * (t < 0.5 ? 2.0 * t : 1.0);
+          };
+          const double t = h * k, noise = k % 2 == 0 ? 4e-6 : -4e-6;
+          const hal::Command command{at(t), (at(t + 1e-5) - at(t - 1e-5)) / 2e-5, 0.0};
+          const double measured = does == 0   ? noise
+                                  : does == 1 ? at(t - 0.010) + noise
+                                  : does == 2 ? 0.97 * at(t) + noise
+                                              : at(t) + 4e-3 + noise;
+          found = watched.follow(command, measured).has_value();
+        }
+        EXPECT_EQ(found, does == 0) << does << ": " << amplitude << " m, " << frequency << " Hz";
+      }
+    }
+  }
 }
 
 // What the description says about the sensor of the position is no error of the machine.

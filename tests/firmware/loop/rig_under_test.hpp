@@ -83,7 +83,8 @@ class ModelPlant final : public hal::simulated::Plant {
     for (const Channel c : {Channel::x_act, Channel::z_r}) {
       values[model::index(c)] = deviations_.position_sign * values[model::index(c)] + deviations_.position_offset;
     }
-    double& force = values[model::index(Channel::F)];
+    double& force =
+        values[model::index(model_.parameters().kind == model::RigKind::quarter_car ? Channel::F_w : Channel::F)];
     drawn_ = drawn_ * 6364136223846793005U + 1442695040888963407U;
     const double noise = 2.0 * static_cast<double>(drawn_ >> 11U) / 9007199254740992.0 - 1.0;
     force = deviations_.force_sign * force + deviations_.force_offset + deviations_.force_noise * noise;

@@ -1,0 +1,88 @@
+#include "firmware/description/wide_limits.hpp"
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "firmware/description/control_settings.hpp"
+#include "firmware/description/text/number_text.hpp"
+#include "firmware/description/values/loop_settings.hpp"
+
+namespace firmware {
+namespace {
+
+/// Without words a setting stays within these.
+struct Usual {
+  std::string_view table, key;
+  double lowest, highest;
+};
+
+// About four times the default, where nothing is said: a rig that needs more is another kind of rig, or a unit is
+// wrong.
+constexpr std::array usual_settings{
+    Usual{"limits", "acceleration", 0.0, 500.0},  // 0: follows from the speed
+    Usual{"limits", "following", 0.0, 0.025},     // a tenth of the usual stroke
+    Usual{"limits", "following_least", 0.0, 0.005},
+    Usual{"supervision", "bridged_in_a_row", 1.0, 10.0},
+    Usual{"supervision", "stale_after", 1.0, 20.0},
+    Usual{"supervision", "speed_time", 0.0, 0.2},
+    Usual{"supervision", "following_time", 0.0, 0.2},
+    Usual{"supervision", "following_memory", 0.0, 2.0},
+    Usual{"supervision", "following_share", 0.0, 0.2},
+    Usual{"supervision", "speed_window", 0.0, 0.04},
+    Usual{"supervision", "frozen_samples", 1.0, 2000.0},  // 0: no channel is watched
+    Usual{"supervision", "frozen_way", 0.0, 0.01},
+    Usual{"supervision", "frozen_speed", 0.0, 0.2},
+    Usual{"supervision", "frozen_acceleration", 0.0, 2.0},
+    Usual{"supervision", "gap", 0.0, 0.04},  // 28 mm at the usual speed
+    Usual{"supervision", "energy_memory", 0.0, 2.0},
+    Usual{"supervision", "energy_quiet", 0.0, 0.01},
+    Usual{"supervision", "energy_cycles", 1.0, 12.0},
+    Usual{"supervision", "enable_time", 0.0, 0.5},  // ISO 13849: contactors need less than 0.1 s
+    Usual{"supervision", "unpowered_way", 0.0, 0.01},
+    Usual{"supervision", "growth_time", 0.0, 0.4},
+};
+
+MotionObjection objection(std::string_view table, std::string_view key, double value, double lowest, double highest) {
+  const std::string path = std::string(table) + "." + std::string(key);
+  return {path + " = " + shortest(value) + " leaves its guard without effect: " + shortest(lowest) + " to " +
+              shortest(highest) + ", or [waivers] wide_limits = \"why\"",
+          path};
+}
+
+}  // namespace
+
+MotionObjection wide_objection(const RigDescription& description) {
+  if (description.waivers.contains("wide_limits")) return {};
+  const ControllerDescription& controller = description.controller;
+  for (const Usual& usual : usual_settings) {
+    for (const LoopSetting& setting : loop_settings()) {
+      if (setting.table != usual.table || setting.key != usual.key) continue;
+      const double value = setting.get(controller.loop);
+      // A limit that does not act by a waiver of its own is no number of the description.
+      if (value == never_reached || (value >= usual.lowest && value <= usual.highest)) continue;
+      return objection(usual.table, usual.key, value, usual.lowest, usual.highest);
+    }
+  }
+  const Arming arming = arming_settings(description);
+  const double force = control_settings(description).limits.force;
+  struct Value {
+    std::string_view table, key;
+    double value, lowest, highest;
+  };
+  for (const Value& v : {
+           Value{"limits", "speed", controller.speed, 0.0, 2.0},  // faster than the cylinders of such rigs
+           Value{"limits", "ramp", controller.ramp, 0.0, 0.25},   // reduced speed of ISO 10218-1, beside people
+           Value{"limits", "energy_gain", controller.energy_gain, 0.0, 1.5},
+           Value{"controller", "late_in_a_row", static_cast<double>(description.hardware.schedule.late_in_a_row), 1.0,
+                 50.0},
+           Value{"arming", "preload", arming.preload, 0.0, 0.25 * force},
+           Value{"arming", "sway", arming.sway, 0.0, 0.05 * force},
+           Value{"arming", "position_tolerance", arming.position_tolerance, 0.0, 0.02},
+       }) {
+    if (v.value < v.lowest || v.value > v.highest) return objection(v.table, v.key, v.value, v.lowest, v.highest);
+  }
+  return {};
+}
+
+}  // namespace firmware

@@ -1,0 +1,33 @@
+#include "firmware/description/wide_limits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/support/rig_texts.hpp"
+
+namespace {
+
+// Numbers that switched guards off without a word: each is refused on devices, and names its key; a waiver says why.
+TEST(WideLimits, NeedWords) {
+  const auto objection = [](const std::string& more) {
+    return firmware::wide_objection(firmware::parse_rig(std::string(support::hil_text) + more, "rig.toml"));
+  };
+  EXPECT_TRUE(objection("").empty()) << objection("").text;
+  for (const auto& [table, entry, key] :
+       {std::tuple("limits", "speed = 100.0", "limits.speed"), std::tuple("limits", "ramp = 0.6", "limits.ramp"),
+        std::tuple("limits", "acceleration = 1e5", "limits.acceleration"),
+        std::tuple("limits", "following = 0.1", "limits.following"),
+        std::tuple("limits", "energy_gain = 50.0", "limits.energy_gain"),
+        std::tuple("supervision", "frozen_samples = 0", "supervision.frozen_samples"),
+        std::tuple("supervision", "gap = 1.0", "supervision.gap"),
+        std::tuple("supervision", "unpowered_way = 0.05", "supervision.unpowered_way"),
+        std::tuple("controller", "late_in_a_row = 1000", "controller.late_in_a_row"),
+        std::tuple("arming", "preload = 20e3", "arming.preload"), std::tuple("arming", "sway = 9e3", "arming.sway")}) {
+    const std::string text = "[" + std::string(table) + "]\n" + entry + "\n";
+    EXPECT_EQ(objection(text).key, key) << objection(text).text;
+    EXPECT_TRUE(objection(text + "[waivers]\nwide_limits = 'a rig without people'\n").empty()) << entry;
+  }
+}
+
+}  // namespace
