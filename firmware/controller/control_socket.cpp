@@ -294,6 +294,9 @@ std::string ControlSocket::objection(const std::string& word, const std::string&
   if (word == "rest" && (loses_power(progress.reason.load()) || loses_power(progress.second.load()))) {
     return "rest needs a rig that has kept its power; acknowledge and arm it anew";
   }
+  if (word == "rest" && !progress.proven.load()) {
+    return "rest needs a rig that has been armed since it was idle; acknowledge and arm it";
+  }
   return {};
 }
 

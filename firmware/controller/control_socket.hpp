@@ -25,6 +25,7 @@ struct LoopProgress {
   std::atomic<bool> enabled{false};
   std::atomic<bool> at_rest{true};
   std::atomic<bool> held{false};
+  std::atomic<bool> proven{true};     ///< `rest` may give power: an arming has passed
   std::atomic<double> position{0.0};  ///< of the command [m]
 };
 

@@ -259,6 +259,7 @@ void Session::publish() {
   progress_.enabled.store(loop_.enabled(), std::memory_order_relaxed);
   progress_.at_rest.store(loop_.at_rest(), std::memory_order_relaxed);
   progress_.held.store(loop_.held(), std::memory_order_relaxed);
+  progress_.proven.store(loop_.proven(), std::memory_order_relaxed);
   progress_.position.store(loop_.command().position, std::memory_order_relaxed);
   progress_.periods.fetch_add(1, std::memory_order_release);
 }

@@ -116,6 +116,8 @@ class ControlLoop {
   }
   /// In safe the command stays where it stopped, instead of returning to rest.
   [[nodiscard]] bool held() const { return mode_ == Mode::safe && held_; }
+  /// An arming has passed, and nothing has happened since that takes one: `rest` may give power.
+  [[nodiscard]] bool proven() const { return proven_; }
   [[nodiscard]] bool enabled() const { return power_.on(); }                           ///< the drive has power
   [[nodiscard]] double tare() const { return samples_.tare(force_channel()); }         ///< taken from F, or F_w [N]
   [[nodiscard]] const hal::Command& command() const { return command_guard_.last(); }  ///< for this instant
