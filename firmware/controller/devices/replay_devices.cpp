@@ -164,15 +164,20 @@ std::vector<LevelChange> level_changes(const std::vector<double>& level, double 
   double before = 1.0;
   for (std::size_t k = 0; k < level.size(); ++k) {
     if (level[k] == before) continue;
-    // Over n periods, s = j/n: L = L₀ + Δ(3s² − 2s³), n = T/h · max(1, |Δ|) rounded up (ReferencePlayer). The first
-    // row, j = 1, gives Δ to 1e-10; what was asked for is a whole number of millionths. Later rows may be those of a
-    // reference that is held, where the change pauses.
+    // Over n periods, s = j/n: L = L₀ + Δ(3s² − 2s³), n = T/h · max(1, |Δ|) rounded up (ReferencePlayer). The first row
+    // gives Δ for each n, the second one tells which n it is; what was asked for is a whole number of millionths. Later
+    // rows may be those of a reference that is held, where the change pauses.
+    const auto share = [](double row, std::size_t n) {
+      const double s = row / static_cast<double>(n);
+      return s * s * (3.0 - 2.0 * s);
+    };
     LevelChange change{k, std::round(1e6 * level[k]) / 1e6};  // before a run: at once
     bool smooth = false;
     for (std::size_t n = periods_of(1.0); n <= periods_of(widest) && !smooth; ++n) {
-      const double s = 1.0 / static_cast<double>(n), share = s * s * (3.0 - 2.0 * s);
-      const double wanted = std::round(1e6 * (before + (level[k] - before) / share)) / 1e6, way = wanted - before;
-      smooth = n == periods_of(std::abs(way)) && std::abs(before + way * share - level[k]) <= 1e-12;
+      const double wanted = std::round(1e6 * (before + (level[k] - before) / share(1.0, n))) / 1e6,
+                   way = wanted - before;
+      smooth = n == periods_of(std::abs(way)) && std::abs(before + way * share(1.0, n) - level[k]) <= 1e-12 &&
+               (k + 1 == level.size() || std::abs(before + way * share(2.0, n) - level[k + 1]) <= 1e-10);
       if (smooth) change.level = wanted;
     }
     changes.push_back(change);
