@@ -85,6 +85,10 @@ inline constexpr double continuation_shares[] = {0.1, 0.16, 0.25, 0.35, 0.5, 0.7
 /// 2026120500). Half and twice were not tried.
 inline constexpr double distance_shift = 1.05;
 
+/// Samples that a selection may simulate before its later steps are left out (budget.hpp): some 20 s of one core.
+/// Half: the slowest of the real recordings are told without laws. Twice: twice the time of the slowest.
+inline constexpr double most_simulated_samples = 1e9;
+
 // Neighbouring laws ---------------------------------------------------------------------------------------------------
 
 /// [s] over which the amplitude of an effect is averaged: longer than what a quarter car or a bench remembers (a few
@@ -151,6 +155,12 @@ inline constexpr double group_choice = 1.386;
 /// Groups of channels whose promise is largest, of which a fit or a scan of corners starts. Half of 2: the second best
 /// is missed where a missing effect shifts phases. Twice: twice the fits.
 inline constexpr std::size_t tried_groups = 2;
+/// ln of the probability that a recording has one fault of a kind: one of a hundred. Effects say theirs on their cards;
+/// a rig has drives and springs more often than two clocks. Half and twice of the probability: 1.4 in the evidence.
+inline constexpr double fault_log_prior = -4.6;
+/// The same of an effect: one of thirty. How wide its parameters are spread before a recording is seen: positive ones
+/// over four decades, in natural logarithms, others over two of the scales from which their fits start.
+inline constexpr double effect_log_prior = -3.4, prior_decades = 9.2, prior_scales = 2.0;
 /// Candidates of faults that are fitted at most beside a model; effects that are tried in the place of a fault.
 inline constexpr std::size_t fitted_faults = 4, fault_rivals = 4;
 /// [Hz] Corners from which a filter's fit starts: each a factor of 2 from the next, the trust radius is a factor of e.
