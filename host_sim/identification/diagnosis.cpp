@@ -6,6 +6,7 @@
 #include "host_sim/identification/assess/assess.hpp"
 #include "host_sim/identification/learn/learn_laws.hpp"
 #include "host_sim/identification/parity/parity_residual.hpp"
+#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/external_event.hpp"
 #include "host_sim/identification/select/rival_parameters.hpp"
 #include "host_sim/identification/select/select_model.hpp"
@@ -39,6 +40,7 @@ void require_motion(const IdentificationProblem& problem) {
 /// everything, it takes their place if it leaves nothing but noise.
 Learned explain_rest(const firmware::RigDescription& description, IdentificationProblem& problem,
                      const SearchSpace& space, const ProgressCallback& progress, SearchResult& found) {
+  if (!may_begin(problem, "events from outside and laws", found)) return {};
   if (!leaves_a_rest(problem, found)) return learn_laws(problem, space, progress, found);
   IdentificationProblem whole = problem;
   SearchResult without_events = found;
@@ -61,12 +63,12 @@ Identified identify(const firmware::RigDescription& description, std::vector<Rec
   require_finite(description, data, given);
   IdentificationProblem problem(std::move(data.recordings), given);  // noise/
   require_motion(problem);
-  std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());         // parity/
-  SearchSpace space = search_space(description, problem.samples(), given);                          // estimate/
-  SearchResult found = select_model(problem, space, progress);                                      // select/
-  Learned learned = explain_rest(description, problem, space, progress, found);                     // learn/
-  find_rival_parameters(problem, space, found);                                                     // select/
-  Diagnosis diagnosis = assess(description, problem, space, std::move(relations), found, learned);  // assess/
+  std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());             // parity/
+  SearchSpace space = search_space(description, problem.samples(), given);                              // estimate/
+  SearchResult found = select_model(problem, space, progress);                                          // select/
+  Learned learned = explain_rest(description, problem, space, progress, found);                         // learn/
+  if (may_begin(problem, "parameters as rivals", found)) find_rival_parameters(problem, space, found);  // select/
+  Diagnosis diagnosis = assess(description, problem, space, std::move(relations), found, learned);      // assess/
   diagnosis.remarks.insert(diagnosis.remarks.begin(), data.remarks.begin(), data.remarks.end());
   return {std::move(problem), std::move(space), std::move(found), std::move(learned), std::move(diagnosis)};
 }

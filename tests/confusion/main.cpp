@@ -36,6 +36,7 @@ struct Options {
   bool laws = false;
   std::uint64_t laws_seed = 1;
   std::string out, golden, against;
+  bool compare_models = false;
   std::filesystem::path results;  ///< folder of the shards
   std::string shard;
   bool merge = false;
@@ -138,7 +139,8 @@ int main_of(const Options& options) {
                  o.asked.id().c_str(), (o.failure.empty() ? o.found : o.failure).c_str());
   };
   const auto outcomes = options.merge ? merged(options, asked)
-                                      : run_all(asked, options.run.wanted, options.jobs, options.most_seconds, tell);
+                                      : run_all(asked, options.run.wanted, options.jobs, options.most_seconds, tell,
+                                                options.compare_models);
   const Table table = table_of(outcomes);
   const std::string words = options.rough  ? rough_text(outcomes)
                             : options.laws ? laws_text(outcomes)
@@ -182,6 +184,7 @@ int main(int argc, char** argv) {
   app.add_option("--most-seconds", options.most_seconds, "For one recording; more is a failure")->capture_default_str();
   app.add_flag("--list", options.list, "Name the recordings and end");
   app.add_option("--out", options.out, "JSON with everything");
+  app.add_flag("--models", options.compare_models, "In --out: the evidence for each model that was compared");
   app.add_option("--golden", options.golden, "FILE.json and FILE.txt to be kept, as tests/golden/confusion");
   app.add_option("--against", options.against, "Golden copy: status 1 where less is right than there");
   app.add_option("--results", options.results, "Folder for the outcomes of one shard, which goes on where it was");

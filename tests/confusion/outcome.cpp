@@ -227,7 +227,7 @@ Outcome judged(const Asked& asked, const truth::Truth& truth, const Diagnosis& d
   return outcome;
 }
 
-Outcome run(const Asked& asked, const truth::Wanted& wanted) {
+Outcome run(const Asked& asked, const truth::Wanted& wanted, bool compare_models) {
   Outcome outcome;
   outcome.asked = asked;
   try {
@@ -255,7 +255,9 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
       black_box.emplace(records.front().recording);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();
-    const Diagnosis diagnosis = host_sim::identification::diagnose(description, std::move(records));
+    host_sim::identification::Identified identified =
+        host_sim::identification::identify(description, std::move(records));
+    const Diagnosis& diagnosis = identified.diagnosis;
     outcome = judged(asked, truth, diagnosis);
     if (rough) judge_rough(outcome, truth, diagnosis);
     judge_law(outcome, truth, diagnosis);
@@ -263,6 +265,7 @@ Outcome run(const Asked& asked, const truth::Wanted& wanted) {
     if (black_box) outcome.errors_of_force = errors_of_force(diagnosis, black_box->error());
     outcome.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     outcome.processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
+    if (compare_models) outcome.models = compared_models(identified);
   } catch (const std::exception& problem) {
     outcome.failure = problem.what();
   }
@@ -300,6 +303,9 @@ ordered_json to_json(const Outcome& o) {
   json["wrong_law"] = o.wrong_law;
   json["gap"] = o.gap;
   json["gap_channel"] = o.gap_channel;
+  for (const ComparedModel& model : o.models) {
+    json["models"].push_back({{"causes", model.causes}, {"penalised", model.penalised}, {"evidence", model.evidence}});
+  }
   json["residual_power"] = o.residual_power;
   json["wall"] = o.wall;
   json["processor"] = o.processor;
@@ -321,6 +327,11 @@ Outcome outcome_from(const ordered_json& json) {
   for (const auto& n : json.at("named"))
     o.named.push_back({n.at("effect"), number_from(n.at("confidence")), n.at("right")});
   o.truth_is_rival = json.value("truth_is_rival", false);
+  for (const auto& model : json.value("models", ordered_json::array())) {
+    ComparedModel compared{model.at("causes"), number_from(model.at("penalised")), {}};
+    for (const auto& [key, value] : model.at("evidence").items()) compared.evidence[key] = number_from(value);
+    o.models.push_back(std::move(compared));
+  }
   for (const auto& e : json.at("estimates")) {
     o.estimates.push_back({e.at("path"), e.at("effect"), number_from(e.at("error")), e.at("held")});
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_sim/identification/diagnosis.hpp"
+#include "tests/confusion/model_list.hpp"
 #include "tests/confusion/plan.hpp"
 #include "tests/truth/truth.hpp"
 
@@ -63,6 +64,7 @@ struct Outcome {
   /// law, by a black box, and noise. Empty elsewhere.
   std::map<std::string, double> errors_of_force{};
   std::map<std::string, double> law_numbers{};  ///< of the hidden law
+  std::vector<ComparedModel> models{};          ///< with `compare_models`
 
   [[nodiscard]] std::size_t effects_found() const;  ///< of those hidden
   [[nodiscard]] bool exact() const;                 ///< all that is hidden is named, and nothing else
@@ -83,7 +85,8 @@ struct Outcome {
 
 /// "rough:<condition>" is drawn by truth::draw_rough.
 /// Draws, simulates, writes as text, reads, diagnoses and judges. What is thrown becomes a failure.
-[[nodiscard]] Outcome run(const Asked& asked, const truth::Wanted& wanted);
+/// `compare_models`: also with the evidence for each model that was compared (model_list.hpp).
+[[nodiscard]] Outcome run(const Asked& asked, const truth::Wanted& wanted, bool compare_models = false);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const Outcome& outcome);
 [[nodiscard]] Outcome outcome_from(const nlohmann::ordered_json& json);

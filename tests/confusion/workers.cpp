@@ -20,7 +20,8 @@ struct Worker {
 };
 
 /// An outcome as text fits into a pipe (64 KiB), so the child can write it and end before anyone reads.
-std::pair<pid_t, int> begin(const Asked& asked, const truth::Wanted& wanted, unsigned most_seconds) {
+std::pair<pid_t, int> begin(const Asked& asked, const truth::Wanted& wanted, unsigned most_seconds,
+                            bool compare_models) {
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
   const pid_t id = ::fork();
@@ -31,7 +32,7 @@ std::pair<pid_t, int> begin(const Asked& asked, const truth::Wanted& wanted, uns
   }
   ::close(ends[0]);
   ::alarm(most_seconds);
-  const std::string text = to_json(run(asked, wanted)).dump();
+  const std::string text = to_json(run(asked, wanted, compare_models)).dump();
   const bool written = ::write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size());
   ::_exit(written ? 0 : 1);
 }
@@ -57,14 +58,15 @@ Outcome outcome_of(const Asked& asked, const std::string& text, int status) {
 }  // namespace
 
 std::vector<Outcome> run_all(const std::vector<Asked>& asked, const truth::Wanted& wanted, std::size_t jobs,
-                             unsigned most_seconds, const std::function<void(const Outcome&)>& tell) {
+                             unsigned most_seconds, const std::function<void(const Outcome&)>& tell,
+                             bool compare_models) {
   std::vector<Outcome> outcomes(asked.size());
   std::map<pid_t, Worker> working;
   std::size_t next = 0;
   while (next < asked.size() || !working.empty()) {
     if (next < asked.size() && working.size() < jobs) {
       std::fflush(nullptr);
-      const auto [id, pipe] = begin(asked[next], wanted, most_seconds);
+      const auto [id, pipe] = begin(asked[next], wanted, most_seconds, compare_models);
       working[id] = {next++, pipe};
       continue;
     }

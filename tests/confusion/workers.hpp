@@ -13,6 +13,7 @@ namespace confusion {
 /// is a failure of that recording and of no other. `tell` hears of each as it is done.
 [[nodiscard]] std::vector<Outcome> run_all(const std::vector<Asked>& asked, const truth::Wanted& wanted,
                                            std::size_t jobs, unsigned most_seconds,
-                                           const std::function<void(const Outcome&)>& tell);
+                                           const std::function<void(const Outcome&)>& tell,
+                                           bool compare_models = false);
 
 }  // namespace confusion

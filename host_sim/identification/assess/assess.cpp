@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "host_sim/identification/assess/cause_support.hpp"
 #include "host_sim/identification/assess/experiment.hpp"
 #include "host_sim/identification/assess/lost_samples.hpp"
 #include "host_sim/identification/assess/noise_faults.hpp"
@@ -17,6 +18,7 @@
 #include "host_sim/identification/estimate/uncertainty.hpp"
 #include "host_sim/identification/learn/describe_law.hpp"
 #include "host_sim/identification/parity/fault_location.hpp"
+#include "host_sim/identification/select/model_evidence.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -29,11 +31,56 @@ using model::Channel;
 /// Back to the tolerated parameters alone.
 void give_up(SearchResult& found) {
   found.best = found.nothing;
-  found.rivals.clear();
-  found.rival_parameters.clear();
-  found.gains.clear();
+  found.causes.clear();
   found.freed.clear();
   found.suspects.clear();
+}
+
+/// What is known of the model that stays when causes have left that the recordings do not bear out.
+struct Supported {
+  Uncertainty known;           ///< of its parameters
+  std::vector<double> shares;  ///< of its effects (cause_support.hpp)
+};
+/// What is said of the causes that left enters the result. Beside a law only what is open leaves: the others were fitted
+/// with it.
+Supported leave_out_unsupported(const firmware::RigDescription& description, const IdentificationProblem& problem,
+                                const IdentificationProblem& whole, const SearchSpace& space, SearchResult& found,
+                                Diagnosis& result) {
+  Supported supported{uncertainty(problem, space.suspects, found.best.fit), {}};
+  const std::vector<Undetermined> open = leave_out_undetermined(problem, space, supported.known, found);
+  const bool may_leave = found.best.fit.hypothesis.laws.empty() && left_by(problem, found.best.fit).any();
+  CauseSupport support = support_of_causes(description, problem, whole, space, may_leave, found);
+  for (const std::string& name : support.left_out) {
+    result.remarks.push_back(name + " was left out: it raises the error on held-out data");
+  }
+  if (!open.empty() || !support.left_out.empty()) {
+    estimate_held_out_starts(found.best.fit.hypothesis, description, problem.samples());
+    supported.known = uncertainty(problem, space.suspects, found.best.fit);
+  }
+  result.undetermined = supported.known.undetermined;
+  result.undetermined.insert(result.undetermined.end(), open.begin(), open.end());
+  supported.shares = std::move(support.shares);
+  return supported;
+}
+
+/// chance_of_discrepancy() of estimate/evidence.hpp over all channels and bands of the fitted windows; together they hold
+/// something unknown as often as p = thresholds::outside_share says. Where the tests of estimate/left_by_fit.hpp find a
+/// rest, which noise makes them do with a probability ε, at least
+///
+///   (1)  p/(p + (1 − p) ε)
+double chance_of_a_rest(const IdentificationProblem& problem, const Fit& fit, bool found) {
+  constexpr double p = thresholds::outside_share;
+  const double by_tests = found ? p / (p + (1.0 - p) * thresholds::family_error) : 0.0;
+  std::vector<Power> left = power_by_band(problem, fit.residual);
+  std::erase_if(left, [](const Power& power) { return !(power.count > 0.0); });
+  if (left.empty()) return by_tests;
+  DiscrepancyModel discrepancy;
+  // The least share of noise that counts as more than noise is three deviations of what is known of its power.
+  discrepancy.noise_error =
+      (corners_are_blurred(problem, fit.hypothesis) ? thresholds::corner_power_error : thresholds::significant_share) /
+      3.0;
+  discrepancy.chance = 1.0 - std::pow(1.0 - p, 1.0 / static_cast<double>(left.size()));
+  return std::max(by_tests, chance_of_discrepancy(left, discrepancy));
 }
 
 /// The test that tells the two kinds of law apart that explain most.
@@ -146,8 +193,8 @@ void add_failed_relations(Diagnosis& result) {
 
 /// An effect whose size changes with its amplitude or with time is not the law that acts there.
 void add_inconstant_laws(const SearchResult& found, double temper, Diagnosis& result) {
-  for (std::size_t i = 0; i < found.constancy.size(); ++i) {
-    const LawConstancy& constancy = found.constancy[i];
+  for (std::size_t i = 0; i < found.causes.size(); ++i) {
+    const LawConstancy& constancy = found.causes[i].constancy;
     if (!constancy.fails(temper)) continue;
     const char* const how =
         constancy.with_time ? ": its size changes over the record" : ": its size depends on the amplitude";
@@ -197,11 +244,12 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
         std::abs(off.value.value - off.described) <= thresholds::rounding * std::abs(off.described)) {
       continue;
     }
-    RatedRivals rivals = rated(suspect.rivals, 0.0, suspect.parameters, certainty.temper, [&](const Hypothesis& rival) {
+    const FoundCause& cause = suspect.cause;
+    RatedRivals rivals = rated(cause.rivals, 0.0, cause.parameters, certainty.temper, [&](const Hypothesis& rival) {
       return best_experiment(problem, found.best.fit.hypothesis, rival);
     });
     off.alternatives = std::move(rivals.alternatives);
-    off.confidence = confidence(rivals.odds, suspect.gain, certainty);
+    off.confidence = confidence(rivals.odds, cause.gain, certainty);
     list.push_back(std::move(off));
   }
   return list;
@@ -243,20 +291,25 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   if (learned.without) estimate_held_out_starts(*learned.without, problem.samples());
   const bool diverges = !stays_finite(problem, found.best.fit.hypothesis);
   if (diverges) give_up(found);
-  const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
 
   // What is said of the rig is what it does as one.
   std::optional<IdentificationProblem> joined;
   const IdentificationProblem& whole = problem.is_apart() ? joined.emplace(problem.joined()) : problem;
   Diagnosis result;
+  const Supported supported = leave_out_unsupported(description, problem, whole, space, found, result);
+  const Uncertainty& known = supported.known;
+  const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
   result.relations = std::move(relations);
   result.simulations = found.simulations;
   result.candidates = found.candidates;
-  result.remarks = noise_remarks(problem);
+  const auto of_noise = noise_remarks(problem);
+  result.remarks.insert(result.remarks.begin(), of_noise.begin(), of_noise.end());
   result.remarks.insert(result.remarks.end(), found.remarks.begin(), found.remarks.end());
+  result.not_tried = found.not_tried;
   result.residual_power = residual_power(whole, space, found);
   const LeftByFit left = left_by(problem, found.best.fit);
   result.unexplained = left.any();
+  result.unexplained_probability = chance_of_a_rest(problem, found.best.fit, left.any());
   result.residual = left.words();
   if (diverges) {
     result.unexplained = true;
@@ -273,8 +326,6 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const Certainty certainty = certainty_of(whole, found, result.unexplained, explained);
   add_inconstant_laws(found, certainty.temper, result);
   const SearchSpace fitted_space = untied(space, found.freed);
-  Uncertainty known = uncertainty(problem, space.suspects, found.best.fit);
-  result.undetermined = std::move(known.undetermined);
   const std::vector<Interval> parameters = intervals(found.best.fit, known.half_widths);
   const std::vector<FreeParameter>& tolerated = fitted_space.tolerated;
   for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];
@@ -284,6 +335,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.next_step = next_step(problem, learned);
   result.described_curves = described_curves(problem, description, refit);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
+  for (std::size_t i = 0; i < supported.shares.size(); ++i) result.effects[i].share = supported.shares[i];
   add_lookalikes(result);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
   const auto has_lookalike = [](const NamedEffect& named) { return is_close(named.other); };
@@ -302,6 +354,10 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   }
   if (found.freed.empty()) add_failed_relations(result);  // they hold with the parameters as described
   result.verdict = verdict_of(result, explained, close);
+  if (result.unexplained) {
+    std::stable_sort(result.effects.begin(), result.effects.end(),
+                     [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
+  }
 
   locate(whole, found, !car.effects.empty(), result);
   result.power_over_time = power_over_time(whole, refit, after);

@@ -76,11 +76,13 @@ struct Diagnosis {
   std::map<std::string, Interval> parameters;  ///< tolerated, refitted
   std::vector<Undetermined> undetermined;      ///< combinations of parameters that the recordings leave open
   bool unexplained = false;                    ///< a significant residual remains
+  double unexplained_probability = 0.0;        ///< that more than noise is left in any band (estimate/evidence.hpp)
   std::string residual;                        ///< that residual in words; empty without one
   std::vector<Overlay> overlays;
   firmware::RigDescription rig;  ///< with effects and refitted parameters
   ResidualPower residual_power;
   std::size_t simulations = 0, candidates = 0;  ///< tried
+  std::vector<std::string> not_tried;           ///< steps of the search for which its budget was spent
   std::vector<std::string> remarks;             ///< clipped samples, channels left out, noise estimated
 
   [[nodiscard]] bool has_cause_in_recording() const {

@@ -117,20 +117,18 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
     const std::size_t count = effect_parameters(named.effect).size();
     for (std::size_t p = 0; p < count; ++p) named.parameters.push_back(parameters[next++]);
     // A hold is read off the values themselves, so no law outside the catalogue can look like it.
-    double gain = found.gains[i];
+    double gain = found.causes[i].gain;
     if (is_hold(*named.effect.entry)) {
       const HoldPeriod period = hold_period(problem.samples(), *named.effect.channel).value();
       named.parameters.push_back({period.value, period.value - period.half_width, period.value + period.half_width});
       gain = INFINITY;
     }
-    std::vector<Rival> others = found.rivals[i];
+    std::vector<Rival> others = found.causes[i].rivals;
     std::erase_if(others, [&](const Rival& rival) {  // the same in another minimum
       return rival.effect.entry == named.effect.entry && rival.effect.channel == named.effect.channel;
     });
-    const bool by_parameters = i < found.rival_parameters.size();
     RatedRivals rivals =
-        rated(others, best.penalised_chi_squared(criterion),
-              by_parameters ? found.rival_parameters[i] : std::vector<RivalParameter>(), certainty.temper,
+        rated(others, best.penalised_chi_squared(criterion), found.causes[i].parameters, certainty.temper,
               [&](const Hypothesis& rival) { return best_experiment(problem, best.fit.hypothesis, rival); });
     named.alternatives = std::move(rivals.alternatives);
     named.confidence = confidence(rivals.odds, gain, certainty);

@@ -41,6 +41,7 @@ struct NamedEffect {
   double confidence;
   std::vector<Alternative> alternatives;  ///< the nearest first
   PossibleLaw other{};
+  double share = 0.0;  ///< of the held-out error that goes when it is added (cause_support.hpp)
 };
 
 /// What confidence depends on beside the rivals.
@@ -59,12 +60,12 @@ struct Certainty {
 /// Confidence of an effect that gained so much χ², with the odds against each of its rivals:
 ///
 ///   (2)  odds_i     = exp((penalised χ²_i − penalised χ²) / (2 temper))          Bayes factor, as BIC approximates it
-///   (3)  outside    = outside_share · ln(seen · temper/(gain · q₀))/ln(1/q₀),  in 0 … outside_share,  q₀ =
-///   closest_outside (4)  confidence = highest_confidence · worth · (1 − outside) / (1 + Σ 1/odds_i)
+///   (3)  outside    = outside_share · ln(seen · temper/(gain · q₀))/ln(1/q₀)     in 0 … outside_share
+///   (4)  confidence = highest_confidence · worth · (1 − outside) / (1 + Σ 1/odds_i)
 ///
-/// (3): a law outside the catalogue that shares all but q of the effect's power leaves q · gain, which is seen from
-/// `seen` on. Its q is as likely around 0.001 as around 0.1 (uniform in ln q). Source of (2): R. Kass and A. Raftery,
-/// Bayes factors, J. Am. Stat. Assoc. 90, 1995.
+/// q₀: closest_outside. (3): a law outside the catalogue that shares all but q of the effect's power leaves q · gain,
+/// which is seen from `seen` on. Its q is as likely around 0.001 as around 0.1 (uniform in ln q). Source of (2): R. Kass
+/// and A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90, 1995.
 [[nodiscard]] double confidence(const std::vector<double>& odds, double gain, const Certainty& certainty);
 
 /// All other explanations of one cause, with the odds against each.

@@ -104,7 +104,7 @@ std::vector<RecordingFault> recording_causes(const IdentificationProblem& proble
   std::vector<RecordingFault> list;
   for (std::size_t f = 0; f < best.faults().size(); ++f) {
     const PlacedFault& fault = best.faults()[f];
-    const FaultSupport support = f < found.faults.size() ? found.faults[f] : FaultSupport();
+    const FoundCause support = f < found.faults.size() ? found.faults[f] : FoundCause();
     const auto no_experiment = [](const Hypothesis&) { return std::string(); };  // it would be one with the recorder
     const RatedRivals rivals =
         rated(support.rivals, best.penalised_chi_squared(criterion), {}, certainty.temper, no_experiment);

@@ -13,6 +13,7 @@ namespace host_sim::identification {
 struct Undetermined {
   std::string combination;  ///< "body.mass, wheel.mass and all stiffnesses and dampings in one ratio"
   std::string why;          ///< "no force is measured"
+  std::string cause{};      ///< of an effect or a fault of the recordings that has no name for that reason
 };
 
 /// The fitted windows are cut into blocks b of a second or two, each whitened by itself, with central differences:

@@ -163,17 +163,15 @@ bool LawSearch::replace_by_effect(const Candidate& law) {
   found_.best = std::move(model);
   weigh_anew();
   found_.alone.clear();
-  found_.rivals.clear();
-  found_.gains.clear();
+  found_.causes.clear();
   found_.freed.clear();
   found_.suspects.clear();
   if (found_.best.fit.hypothesis.laws.empty()) {
     compare(problem_, space_, {{}, true, progress_}, found_);
   } else {
-    found_.rivals.resize(found_.best.effects.size());
-    found_.gains.assign(found_.best.effects.size(), best_cost_ - cost);
+    found_.causes.assign(found_.best.effects.size(), FoundCause{.gain = best_cost_ - cost});
   }
-  found_.constancy = law_constancy(problem_, found_);
+  find_constancy(problem_, found_);
   return true;
 }
 
@@ -187,25 +185,22 @@ void LawSearch::weigh_anew() {
 
 /// The law takes the place of the effects that it makes needless.
 void LawSearch::adopt(Candidate law) {
-  std::vector<std::vector<Rival>> rivals;
+  std::vector<FoundCause> causes;
   for (const firmware::PlacedEffect& kept : law.model.effects) {
-    std::vector<Rival>& of_effect = rivals.emplace_back();  // none of one that was found beside the law
-    for (std::size_t i = 0; i < std::min(found_.best.effects.size(), found_.rivals.size()); ++i) {
+    FoundCause& cause = causes.emplace_back();  // without rivals where it was found beside the law
+    for (std::size_t i = 0; i < std::min(found_.best.effects.size(), found_.causes.size()); ++i) {
       const firmware::PlacedEffect& old = found_.best.effects[i];
-      if (old.entry == kept.entry && old.channel == kept.channel) of_effect = found_.rivals[i];
+      if (old.entry == kept.entry && old.channel == kept.channel) cause.rivals = found_.causes[i].rivals;
     }
+    if (causes.size() <= gains_.size()) cause.gain = gains_[causes.size() - 1];
   }
   const double before = found_.best.penalised_chi_squared(criterion_);
   found_.best = std::move(law.model);
   weigh_anew();
   // Rivals keep their distance, which was found under other weights.
   const double shift = found_.best.penalised_chi_squared(criterion_) - before;
-  for (auto& of_effect : rivals) {
-    for (Rival& rival : of_effect) rival.penalised_chi_squared += shift;
-  }
-  found_.rivals = std::move(rivals);
-  found_.gains = gains_;
-  found_.constancy.assign(found_.best.effects.size(), {});
+  for (FoundCause& cause : causes) cause.shift_rivals(shift);
+  found_.causes = std::move(causes);
   found_.freed.clear();
   found_.suspects.clear();
 }

@@ -13,9 +13,8 @@ namespace host_sim::identification {
 /// rms of the white noise in samples of a smooth signal, from sixth differences:
 ///
 ///   (1)  σ² = median over stretches of 64 samples of  mean (δ⁶x)² / (m Σ w²),   w = 1 −6 15 −20 15 −6 1
-///   (2)  m = (1 − 2/9k)³ = 0.967, median ÷ mean of χ²_k/k;  k = 64/Σρ² = 20 of the 64 differences, which are
-///   correlated
-///        by ρ_j = C(12, 6+j)/C(12, 6), count as independent
+///   (2)  m = (1 − 2/9k)³ = 0.967                          median ÷ mean of χ²_k/k
+///   (3)  k = 64/Σρ² = 20,  ρ_j = C(12, 6+j)/C(12, 6)      so many of the 64 correlated differences count
 ///
 /// A signal below a tenth of the sample rate leaves less than 4e-3 of its amplitude in δ⁶x. The median ignores
 /// stretches with events. Source: T. Gasser, L. Sroka, C. Jennen-Steinmetz, Residual variance and residual pattern in

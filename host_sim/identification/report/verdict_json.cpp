@@ -88,6 +88,7 @@ ordered_json to_json(const NamedEffect& named, const model::RigParameters<double
     json["parameters"][named.effect.entry->parameters[p].name] = to_json(named.parameters[p]);
   }
   json["confidence"] = named.confidence;
+  json["share"] = named.share;
   json["alternatives"] = to_json(named.alternatives);
   return json;
 }
@@ -185,10 +186,12 @@ ordered_json to_json(const Diagnosis& diagnosis) {
   json["parameters"] = ordered_json::object();
   for (const auto& [path, value] : diagnosis.parameters) json["parameters"][path] = to_json(value);
   json["unexplained"] = diagnosis.unexplained;
+  json["unexplained_probability"] = diagnosis.unexplained_probability;
   if (!diagnosis.residual.empty()) json["rest"] = diagnosis.residual;
   json["residual_power"] = {{"given", diagnosis.residual_power.given},
                             {"refit", diagnosis.residual_power.refit},
                             {"after", diagnosis.residual_power.after}};
+  json["budget"] = {{"tried", diagnosis.candidates}, {"not_tried", diagnosis.not_tried}};
   json["effort"] = {{"candidates", diagnosis.candidates}, {"simulations", diagnosis.simulations}};
   json["remarks"] = diagnosis.remarks;
   json["parameters_off"] = ordered_json::array();
@@ -222,6 +225,7 @@ ordered_json to_json(const Diagnosis& diagnosis) {
   json["undetermined"] = ordered_json::array();
   for (const Undetermined& open : diagnosis.undetermined) {
     json["undetermined"].push_back({{"combination", open.combination}, {"why", open.why}});
+    if (!open.cause.empty()) json["undetermined"].back()["cause"] = open.cause;
   }
   require_finite(json, "");
   return json;

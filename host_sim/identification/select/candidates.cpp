@@ -213,6 +213,10 @@ Scales scales_of(const std::vector<PreparedRecording>& recordings, const Hypothe
     }
     if (bench) {
       enlarge(s.motion.force, size_of(responses[r][index(Channel::F)]).rms);
+      // A description without a stiffness moves no force, and every start would be a share of nothing.
+      if (std::find(e.channels.begin(), e.channels.end(), Channel::F) != e.channels.end()) {
+        enlarge(s.motion.force, 0.5 * size_of(e.recording[Channel::F]).rms);
+      }
     } else {
       enlarge(s.motion.force, hypothesis.rig.body.mass * size_of(responses[r][index(Channel::zdd_b)]).rms);
     }

@@ -300,7 +300,7 @@ void leave_out_what_lasts(IdentificationProblem& problem, const SearchSpace& spa
   out = std::move(longer);
   refit_on(problem, space, SelectionCriterion(), found);
   compare(problem, space, {{}, true, progress}, found);
-  found.constancy = law_constancy(problem, found);
+  find_constancy(problem, found);
 }
 
 /// The model selected again, `without` what was left out, takes the place of the other where it is better by (1) and

@@ -25,9 +25,8 @@ struct FaultCandidate {
 ///   drift          (1)  d = F{ t/T F⁻¹{∂r/∂p} } · p       for each parameter p of rig and effects; the derivative is
 ///                       that of the fit's Jacobian, or costs a simulation for a parameter that is no part of it
 ///
-///                  (2)  and only where one change of the form of recording_faults.hpp (4) gains what sizes of p that
-///                  are
-///                       free at thresholds::drift_pieces instants gain, but for thresholds::drift_remainder of it
+///                  (2)  and only where one change of the form of recording_faults.hpp (4) gains what sizes of p gain
+///                       that are free at thresholds::drift_pieces instants, but for thresholds::drift_remainder of it
 ///
 /// (1): a rig whose parameter is p (1 + s t/T) answers as the derivative says, weighted with time, as long as its
 /// motion forgets fast beside T. (2): the

@@ -124,15 +124,18 @@ bool LawConstancy::fails(double temper) const {
   return gain > thresholds::inconstant_gain * temper && share > thresholds::inconstant_share;
 }
 
-std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, const SearchResult& found) {
+void find_constancy(const IdentificationProblem& problem, SearchResult& found) {
   const Fit& fit = found.best.fit;
-  std::vector<LawConstancy> list(found.best.effects.size());
-  if (list.empty() || fit.jacobian.cols() == 0) return list;
+  found.causes.resize(found.best.effects.size());
+  for (FoundCause& cause : found.causes) cause.constancy = {};
+  if (found.causes.empty() || fit.jacobian.cols() == 0) return;
   const LinearRefit others(fit);
   const std::vector<Response> base = readings_of(problem, fit.hypothesis);
   const Weights time = by_time(problem);
   const Eigen::VectorXd unchanged = weighted_residuals(problem, base, base, time);
-  for_all(list.size(), [&](std::size_t e) {
+  for_all(found.causes.size(), [&](std::size_t e) {
+    const double explained = found.causes[e].gain;
+    LawConstancy& constancy = found.causes[e].constancy;
     for (const FreeParameter& parameter : effect_parameters(found.best.effects[e])) {
       const std::optional<Hypothesis> other_size = moved_a_little(problem, fit.hypothesis, parameter);
       if (!other_size) continue;
@@ -143,26 +146,25 @@ std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, co
         const Eigen::VectorXd change = weighted_residuals(problem, base, other, weights) - unchanged;
         if (!change.allFinite()) continue;
         const double gain = others.free_gain(change);
-        if (gain <= list[e].gain) continue;
-        list[e].gain = gain;
-        list[e].with_time = &weights == &gates[1];
+        if (gain <= constancy.gain) continue;
+        constancy.gain = gain;
+        constancy.with_time = &weights == &gates[1];
       }
     }
-    if (e < found.gains.size() && found.gains[e] > 0.0) list[e].share = std::sqrt(list[e].gain / found.gains[e]);
+    if (explained > 0.0) constancy.share = std::sqrt(constancy.gain / explained);
   });
-  return list;
 }
 
 bool law_in_doubt(const SearchResult& found, std::size_t effect, double temper) {
   const firmware::PlacedEffect& own = found.best.effects[effect];
-  for (std::size_t i = 0; i < std::min(found.constancy.size(), found.best.effects.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(found.causes.size(), found.best.effects.size()); ++i) {
     const firmware::PlacedEffect& other = found.best.effects[i];
-    if (!found.constancy[i].fails(temper)) continue;
+    const LawConstancy& constancy = found.causes[i].constancy;
+    if (!constancy.fails(temper)) continue;
     if (i == effect) return true;
     const bool same_place = !own.channel && !other.channel && own.entry->subsystem == other.entry->subsystem;
-    const double gain = effect < found.gains.size() ? found.gains[effect] : 0.0;
-    const double imitated = thresholds::imitated_share * thresholds::imitated_share * gain;
-    if (same_place && found.constancy[i].gain > imitated) return true;
+    const double imitated = thresholds::imitated_share * thresholds::imitated_share * found.causes[effect].gain;
+    if (same_place && constancy.gain > imitated) return true;
   }
   return false;
 }

@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "host_sim/identification/select/search.hpp"
 
 namespace host_sim::identification {
 
-/// For each effect of a model that was compared. With s(t) the change of the channels that a small change of a
+/// FoundCause::constancy of each effect of a model. With s(t) the change of the channels that a small change of a
 /// parameter of the effect makes, the parameter p becomes p (1 + ε w(t)), where w is
 ///
 ///   (1)  the logarithm of the local rms of s (over thresholds::constancy_window), in deviations from its mean
@@ -18,7 +17,7 @@ namespace host_sim::identification {
 /// that is near the effect has another size at another amplitude: a power p of velocity in the place of the power q
 /// grows by (p − q) times the logarithm of the amplitude. Source: score test, C. R. Rao, Proc. Camb. Phil. Soc. 44,
 /// 1948.
-[[nodiscard]] std::vector<LawConstancy> law_constancy(const IdentificationProblem& problem, const SearchResult& found);
+void find_constancy(const IdentificationProblem& problem, SearchResult& found);
 
 /// Whether the law of an effect that was found is in doubt: it fails, or another effect of the same subsystem does, by
 /// more than a small share of what this one explains. Two laws together imitate a third one: viscous and quadratic

@@ -10,9 +10,8 @@ namespace host_sim::identification {
 
 /// With r the residuals of a fit, J its Jacobian and d the change of r that a candidate makes,
 ///
-///   (1)  gain = max over s ∈ [0, 2] of  |r|² − min_θ |r + s d + J θ|²      of a candidate with a start: s = 1 is that
-///   start (2)  the same over all s                                               of a parameter, whose d is a
-///   derivative
+///   (1)  gain = max over s ∈ [0, 2] of  |r|² − min_θ |r + s d + J θ|²      of a candidate: s = 1 is its start
+///   (2)  the same over all s                                               of a parameter, whose d is a derivative
 ///
 /// Parameters at a bound cannot make way. Source: the Lagrange multiplier (score) test, C. R. Rao, Proc. Camb. Phil.
 /// Soc. 44, 1948. The fit must outlive this.

@@ -137,7 +137,8 @@ double Resemblance::squared_cosine(const Eigen::MatrixXd& gram, const std::vecto
 
 void find_rival_parameters(IdentificationProblem& problem, const SearchSpace& space, SearchResult& found) {
   const CandidateModel& best = found.best;
-  found.rival_parameters.assign(best.effects.size(), {});
+  found.causes.resize(best.effects.size());
+  for (FoundCause& cause : found.causes) cause.parameters.clear();
   const SelectionCriterion criterion;
   Effort effort;
   const ModelFitter fitter(problem, untied(space, found.freed).common, criterion, effort);
@@ -153,7 +154,7 @@ void find_rival_parameters(IdentificationProblem& problem, const SearchSpace& sp
   for (std::size_t i = 0; i < best.effects.size(); ++i) {
     if (fitter.is_seen(best.effects[i])) continue;
     const double unlike =
-        std::max(thresholds::unlike, 2.0 * std::log(thresholds::listed_odds) / std::max(found.gains[i], 1.0));
+        std::max(thresholds::unlike, 2.0 * std::log(thresholds::listed_odds) / std::max(found.causes[i].gain, 1.0));
     std::vector<std::pair<double, std::size_t>> alike;  // cos², place in `suspects`
     for (std::size_t s = 0; s < suspects.size(); ++s) {
       const double squared = resemblance.squared_cosine(i, s);
@@ -164,7 +165,7 @@ void find_rival_parameters(IdentificationProblem& problem, const SearchSpace& sp
     std::sort(alike.rbegin(), alike.rend());
     if (alike.size() > thresholds::fitted_suspects) alike.resize(thresholds::fitted_suspects);
     const CandidateModel without = fitter.without(best, i);
-    std::vector<RivalParameter>& rivals = found.rival_parameters[i];
+    std::vector<RivalParameter>& rivals = found.causes[i].parameters;
     rivals.resize(alike.size());
     for_all(alike.size(), [&](std::size_t r) {
       const FreeParameter& parameter = suspects[alike[r].second];

@@ -245,8 +245,7 @@ void Search::compare_in_sample(SearchResult& found) {
   const auto is_bare = [&] { return found.best.effects.empty() && found.best.faults().empty(); };
   for (int round = 0; round < thresholds::most_rounds && !is_bare(); ++round) {
     reduced_.clear();
-    found.rivals.assign(found.best.effects.size(), {});
-    found.gains.assign(found.best.effects.size(), 0.0);
+    found.causes.assign(found.best.effects.size(), {});
     found.faults.assign(found.best.faults().size(), {});
     bool changed = take_filter_seen(found);
     for (std::size_t i = 0; i < found.best.faults().size() && !changed; ++i) changed = improve_fault(i, found);
@@ -305,8 +304,7 @@ bool Search::eliminate_by_held_out(SearchResult& found) {
     const CandidateModel& other = reduced->second;
     if (rating(other.fit.hypothesis, other.penalised_chi_squared(criterion_)) >= with) continue;
     found.best = fitter_.refitted(other.fit.hypothesis, other.effects, 2);
-    found.rivals.clear();
-    found.gains.clear();
+    found.causes.clear();
     return true;
   }
   return false;
@@ -315,8 +313,8 @@ bool Search::eliminate_by_held_out(SearchResult& found) {
 /// Adds to the rivals nearby what they predict worse or better than the model; the one that is better in all takes the
 /// place of the effect, which becomes its rival.
 void Search::rate_by_held_out(SearchResult& found) const {
-  for (std::size_t i = 0; i < found.rivals.size(); ++i) {
-    std::vector<Rival>& rivals = found.rivals[i];
+  for (std::size_t i = 0; i < found.causes.size(); ++i) {
+    std::vector<Rival>& rivals = found.causes[i].rivals;
     double held_out = held_out_chi_squared(fitter_.problem(), found.best.fit.hypothesis);
     for (std::size_t r = 0; r < std::min(thresholds::near_rivals, rivals.size()); ++r) {
       Rival& rival = rivals[r];
@@ -329,13 +327,14 @@ void Search::rate_by_held_out(SearchResult& found) const {
       const double held_out_better = held_out_chi_squared(fitter_.problem(), better.fit.hypothesis);
       const double then = better.penalised_chi_squared(criterion_);
       if (then + held_out_better >= now + held_out - thresholds::replaces || ends_at_bound(better.effects[i])) continue;
-      found.gains[i] += found.best.fit.chi_squared - better.fit.chi_squared;
+      found.causes[i].gain += found.best.fit.chi_squared - better.fit.chi_squared;
       found.best = std::move(better);
       rival = before;
       // Relative to the new model: its own held-out windows are what all are compared with.
       for (std::size_t k = 0; k <= i; ++k) {
-        const std::size_t rated = k < i ? std::min(thresholds::near_rivals, found.rivals[k].size()) : r + 1;
-        for (std::size_t n = 0; n < rated; ++n) found.rivals[k][n].penalised_chi_squared += held_out - held_out_better;
+        std::vector<Rival>& others = found.causes[k].rivals;
+        const std::size_t rated = k < i ? std::min(thresholds::near_rivals, others.size()) : r + 1;
+        for (std::size_t n = 0; n < rated; ++n) others[n].penalised_chi_squared += held_out - held_out_better;
       }
       held_out = held_out_better;
     }
@@ -392,11 +391,12 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
     best = std::move(full);
     return true;
   }
-  found.rivals[effect] = rivals_of(best, reduced, effect, others);
-  found.gains[effect] = reduced.fit.chi_squared - best.fit.chi_squared;
+  FoundCause& cause = found.causes[effect];
+  cause.rivals = rivals_of(best, reduced, effect, others);
+  cause.gain = reduced.fit.chi_squared - best.fit.chi_squared;
   // Refitted beside the other effects as they are now, a rival may be better after all.
-  if (!found.rivals[effect].empty() && found.rivals[effect].front().penalised_chi_squared < to_beat) {
-    CandidateModel better = promoted(best, effect, found.rivals[effect].front());
+  if (!cause.rivals.empty() && cause.rivals.front().penalised_chi_squared < to_beat) {
+    CandidateModel better = promoted(best, effect, cause.rivals.front());
     if (better.penalised_chi_squared(criterion_) < to_beat && !ends_at_bound(better.effects[effect])) {
       best = std::move(better);
       return true;
@@ -552,7 +552,7 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
     best = std::move(*other);
     return true;
   }
-  FaultSupport& support = found.faults[fault];
+  FoundCause& support = found.faults[fault];
   support.gain = reduced.fit.chi_squared - best.fit.chi_squared;
   auto others = fitter_.extended(reduced, found.scales, thresholds::fault_rivals);
   // What the fault was may be bent into other parameters by then: also from where these are.
@@ -680,16 +680,12 @@ void refit_on(IdentificationProblem& problem, const SearchSpace& space, const Se
   found.simulations += effort.simulations;
   const double larger = static_cast<double>(found.best.fit.residual.size()) / part;
   const double after = found.best.penalised_chi_squared(criterion);
-  for (auto& rivals : found.rivals) {
-    for (Rival& rival : rivals) {
-      rival.penalised_chi_squared = after + larger * (rival.penalised_chi_squared - before);
-    }
-  }
-  for (double& gain : found.gains) gain *= larger;
-  for (FaultSupport& support : found.faults) {
-    support.gain *= larger;
-    for (Rival& rival : support.rivals) {
-      rival.penalised_chi_squared = after + larger * (rival.penalised_chi_squared - before);
+  for (std::vector<FoundCause>* const list : {&found.causes, &found.faults}) {
+    for (FoundCause& cause : *list) {
+      cause.gain *= larger;
+      for (Rival& rival : cause.rivals) {
+        rival.penalised_chi_squared = after + larger * (rival.penalised_chi_squared - before);
+      }
     }
   }
 }

@@ -24,20 +24,6 @@ struct RivalParameter {
   Hypothesis hypothesis;         ///< the model with it
 };
 
-/// A parameter outside its tolerance, or without one and not as described.
-struct SuspectParameter {
-  std::string path;
-  double gain;                ///< how much larger χ² is with it as described, all else refitted
-  std::vector<Rival> rivals;  ///< effects in its place; their penalised χ² is relative to the model's own
-  std::vector<RivalParameter> parameters;  ///< others in its place, the nearest first
-};
-
-/// How much a fault of the recordings in `best` gains, and what could stand in its place.
-struct FaultSupport {
-  double gain = 0.0;          ///< how much larger χ² is without it, all else refitted
-  std::vector<Rival> rivals;  ///< effects in its place
-};
-
 /// Something acted on the rig from outside; those samples are left out.
 struct ExternalEvent {
   std::size_t recording = 0;
@@ -55,22 +41,40 @@ struct LawConstancy {
   [[nodiscard]] bool fails(double temper) const;
 };
 
+/// What is known of a cause beside its values: an effect or a fault of the recordings in a model, or a parameter.
+struct FoundCause {
+  double gain = 0.0;                         ///< how much larger χ² is without it, all else refitted
+  std::vector<Rival> rivals{};               ///< effects in its place, the nearest first
+  std::vector<RivalParameter> parameters{};  ///< parameters in its place, the nearest first (rival_parameters.hpp)
+  LawConstancy constancy{};                  ///< of an effect
+
+  /// The model has become another one, whose penalised χ² is larger by `shift`: rivals keep their distance.
+  void shift_rivals(double shift) {
+    for (Rival& rival : rivals) rival.penalised_chi_squared += shift;
+  }
+};
+
+/// A parameter outside its tolerance, or without one and not as described. The penalised χ² of its rivals are relative
+/// to that of the model.
+struct SuspectParameter {
+  std::string path;
+  FoundCause cause;
+};
+
 struct SearchResult {
   CandidateModel nothing;  ///< only the tolerated parameters refitted
   CandidateModel best;
-  std::vector<std::vector<Rival>> rivals;                       ///< of each effect in `best`, nearest first
-  std::vector<std::vector<RivalParameter>> rival_parameters{};  ///< the same (rival_parameters.hpp)
-  std::vector<double> gains;  ///< of each effect in `best`: how much larger χ² is without it, all else refitted
+  std::vector<FoundCause> causes{};  ///< of each effect in `best`
+  std::vector<FoundCause> faults{};  ///< of each fault of the recordings in `best`
   std::vector<ExternalEvent> events{};
-  std::vector<FaultSupport> faults;        ///< of each fault of the recordings in `best`
-  std::vector<LawConstancy> constancy;     ///< of each effect in `best`
   std::vector<FreeParameter> freed;        ///< parameters that no tolerance binds in `best`
   std::vector<SuspectParameter> suspects;  ///< each of them
   std::vector<CandidateModel> alone;       ///< single effects that were tried, best first; until they are compared
   Scales scales{};                         ///< from `nothing` before any effect was tried
   std::size_t simulations = 0;
-  std::size_t candidates = 0;        ///< tried
-  std::vector<std::string> remarks;  ///< rivals that only effects of sensors make
+  std::size_t candidates = 0;            ///< tried
+  std::vector<std::string> remarks;      ///< rivals that only effects of sensors make
+  std::vector<std::string> not_tried{};  ///< steps for which the budget was spent (budget.hpp)
 };
 
 /// Called during a search: share of the whole, what is done, simulations and candidates so far.

@@ -263,21 +263,19 @@ bool search_apart(IdentificationProblem& problem, const SearchSpace& space, cons
   const auto& effects = component.best.effects;
   united.effects.insert(united.effects.end(), effects.begin(), effects.end());
   found.best = ModelFitter::refitted_in(problem, space, {}, united);
-  found.rivals.clear();
-  found.gains.clear();
+  found.causes.clear();
   found.faults.clear();
   found.freed.clear();
   found.suspects.clear();
   const double now = found.best.penalised_chi_squared({});
   for (std::size_t i = 0; i < machine.candidates.size(); ++i) {
-    found.rivals.push_back(rivals_in(machines, machine, i, stroke, both, now));
-    found.gains.push_back(gain_in(machines, machine, i));
+    found.causes.push_back(
+        {.gain = gain_in(machines, machine, i), .rivals = rivals_in(machines, machine, i, stroke, both, now)});
   }
   const double alone = component.best.penalised_chi_squared({});
   for (std::size_t i = 0; i < effects.size(); ++i) {
-    for (Rival& rival : component.rivals[i]) rival.penalised_chi_squared += now - alone;
-    found.rivals.push_back(std::move(component.rivals[i]));
-    found.gains.push_back(component.gains[i]);
+    found.causes.push_back(std::move(component.causes[i]));
+    found.causes.back().shift_rivals(now - alone);
   }
   return true;
 }

@@ -8,6 +8,7 @@
 #include "host_sim/identification/estimate/left_by_fit.hpp"
 #include "host_sim/identification/estimate/lower_minimum.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
@@ -50,22 +51,21 @@ bool comes_in_a_step(const IdentificationProblem& problem, const Fit& best, cons
 /// than noise: there each effect may stand in for a part of what is missing.
 void leave_out_steps(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
                      SearchResult& found) {
-  if (!found.freed.empty() || found.gains.size() != found.best.effects.size()) return;
+  if (!found.freed.empty() || found.causes.size() != found.best.effects.size()) return;
   Effort effort;
   const ModelFitter fitter(problem, space.common, criterion, effort);
   if (!fitter.leaves_noise(found.best)) return;
-  for (std::size_t i = 0; i < found.gains.size();) {
+  for (std::size_t i = 0; i < found.causes.size();) {
     const firmware::PlacedEffect& effect = found.best.effects[i];
     model::RigParameters<double> others = found.best.fit.hypothesis.rig;
     firmware::remove_effect(others, *effect.entry, effect.channel);
-    if (found.gains[i] >= thresholds::gain_of_steps || fitter.is_seen(effect) || !has_corners(others) ||
+    if (found.causes[i].gain >= thresholds::gain_of_steps || fitter.is_seen(effect) || !has_corners(others) ||
         !comes_in_a_step(problem, found.best.fit, effect)) {
       ++i;
       continue;
     }
     found.best = fitter.without(found.best, i);
-    found.gains.erase(found.gains.begin() + static_cast<std::ptrdiff_t>(i));
-    if (i < found.rivals.size()) found.rivals.erase(found.rivals.begin() + static_cast<std::ptrdiff_t>(i));
+    found.causes.erase(found.causes.begin() + static_cast<std::ptrdiff_t>(i));
     i = 0;
   }
   found.simulations += effort.simulations;
@@ -94,7 +94,7 @@ bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, c
   compare(problem, space, options, found);
   compare_parameters(problem, space, progress, found);
   settle(problem, space, criterion, found);
-  found.constancy = law_constancy(problem, found);
+  find_constancy(problem, found);
   return true;
 }
 
@@ -119,8 +119,8 @@ bool parameters_explain_all(IdentificationProblem& problem, const SearchSpace& s
 /// Whether the size of an effect changes, so that it is another law.
 bool changes(const SearchResult& found) {
   const double temper = temper_of(found.best.fit);
-  return std::any_of(found.constancy.begin(), found.constancy.end(),
-                     [&](const LawConstancy& c) { return c.fails(temper); });
+  return std::any_of(found.causes.begin(), found.causes.end(),
+                     [&](const FoundCause& cause) { return cause.constancy.fails(temper); });
 }
 
 /// Whether two of the effects may be one law that could imitate them: it contains one of them, at the same place.
@@ -199,18 +199,23 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
   if (off) far = false;
   if (!far && !off) compare(problem, space, options, found);
   if (far || leaves_more(problem, found, thresholds::explains_all)) {
-    const bool replaced = search_under_model_error(problem, space, progress, found);
+    const bool replaced = may_begin(problem, "search under model error", found) &&
+                          search_under_model_error(problem, space, progress, found);
     if (far && !replaced) compare(problem, space, options, found);
   }
-  if (found.freed.empty()) compare_parameters(problem, space, progress, found);
+  if (found.freed.empty() && may_begin(problem, "parameters in the place of effects", found)) {
+    compare_parameters(problem, space, progress, found);
+  }
   settle(problem, space, {}, found);
-  found.constancy = law_constancy(problem, found);
+  find_constancy(problem, found);
   const bool rest = leaves_a_rest(problem, found);
   if (!rest && !may_be_one_law(found)) return found;
-  if (rest && search_apart(problem, space, progress, found)) {
-    found.constancy = law_constancy(problem, found);
+  if (rest && may_begin(problem, "machine and component apart", found) &&
+      search_apart(problem, space, progress, found)) {
+    find_constancy(problem, found);
     return found;
   }
+  if (!may_begin(problem, "laws that could imitate others", found)) return found;
   IdentificationProblem other = before;
   SearchResult imitating;
   // What leaves that much is no answer, however its effects are exchanged.

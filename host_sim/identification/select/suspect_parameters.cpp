@@ -156,18 +156,19 @@ class ParameterSearch {
     freed[i].put(start, freed[i].get(space_.given));
     const ModelFitter fitter(problem_, untied(space_, others).common, criterion_, effort_);
     const CandidateModel reduced = fitter.refitted(start, best.effects);
-    SuspectParameter result{freed[i].path, reduced.fit.chi_squared - best.fit.chi_squared, {}, {}};
+    SuspectParameter result{freed[i].path, {.gain = reduced.fit.chi_squared - best.fit.chi_squared}};
     const double to_best = best.penalised_chi_squared(criterion_) + price(1);
     for (const CandidateModel& other : fitter.extended(reduced, scales, thresholds::suspect_rivals)) {
-      result.rivals.push_back(
+      result.cause.rivals.push_back(
           {other.effects.back(), other.penalised_chi_squared(criterion_) - to_best, other.fit.hypothesis});
     }
     // A length of a duct and its diameter may be one number to these channels.
-    for (const FreedModel& other : one_more({reduced, others}, 0.5 * result.gain)) {
+    for (const FreedModel& other : one_more({reduced, others}, 0.5 * result.cause.gain)) {
       const FreeParameter& parameter = other.freed.back();
       if (is_same(parameter, freed[i])) continue;
-      result.parameters.push_back({parameter.path, parameter.value(parameter.get(other.model.fit.hypothesis)),
-                                   other.model.fit.chi_squared - best.fit.chi_squared, other.model.fit.hypothesis});
+      result.cause.parameters.push_back({parameter.path, parameter.value(parameter.get(other.model.fit.hypothesis)),
+                                         other.model.fit.chi_squared - best.fit.chi_squared,
+                                         other.model.fit.hypothesis});
     }
     return result;
   }
@@ -327,10 +328,13 @@ bool replace_two(ParameterSearch& search_for, Replacement& now) {
 }
 
 /// What was found of a model, for the parts of it that are left, relative to what it is now.
-template <class T>
-std::vector<T> of_kept(const std::vector<T>& all, const std::vector<std::size_t>& kept) {
-  std::vector<T> left;
-  for (const std::size_t i : kept) left.push_back(i < all.size() ? all[i] : T());
+std::vector<FoundCause> of_kept(const std::vector<FoundCause>& all, const std::vector<std::size_t>& kept,
+                                double shift) {
+  std::vector<FoundCause> left;
+  for (const std::size_t i : kept) {
+    left.push_back(i < all.size() ? all[i] : FoundCause());
+    left.back().shift_rivals(shift);
+  }
   return left;
 }
 
@@ -347,15 +351,8 @@ void exchange(IdentificationProblem& problem, const SearchSpace& space, SearchRe
   const double shift = now.model.penalised_chi_squared(criterion) - found.best.penalised_chi_squared(criterion);
   found.best = std::move(now.model);
   found.freed = std::move(now.freed);
-  found.rivals = of_kept(found.rivals, now.effects);
-  found.gains = of_kept(found.gains, now.effects);
-  found.faults = of_kept(found.faults, now.faults);
-  for (std::vector<Rival>& rivals : found.rivals) {
-    for (Rival& rival : rivals) rival.penalised_chi_squared += shift;
-  }
-  for (FaultSupport& support : found.faults) {
-    for (Rival& rival : support.rivals) rival.penalised_chi_squared += shift;
-  }
+  found.causes = of_kept(found.causes, now.effects, shift);
+  found.faults = of_kept(found.faults, now.faults, shift);
   for (std::size_t i = 0; i < found.freed.size(); ++i) {
     found.suspects.push_back(search_for.suspect(found.best, found.freed, i, found.scales));
   }
@@ -498,8 +495,7 @@ bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, 
     if (!beside) return false;
     other = std::move(*beside);
   }
-  other.rivals.resize(other.best.effects.size());
-  other.gains.resize(other.best.effects.size());
+  other.causes.resize(other.best.effects.size());
   if (other.faults.empty()) other.faults = found.faults;
   other.faults.resize(other.best.faults().size());
   other.nothing = std::move(found.nothing);

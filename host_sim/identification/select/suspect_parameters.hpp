@@ -11,10 +11,8 @@ namespace host_sim::identification {
 
 /// Parameters compete with the effects that were found, under the same criterion:
 ///
-///   (1)  χ² + (effect + parameter + violation) · k       k parameters without a bound; violation = 2 ln 100: a
-///   described
-///                                                        value is believed a hundred times more than an effect is
-///                                                        doubted
+///   (1)  χ² + (effect + parameter + violation) · k       k parameters without a bound
+///   (2)  violation = 2 ln 100                            a described value is off in one of a hundred rigs
 ///
 ///   1  the parameter whose linear gain is largest is freed and fitted, then the next beside it, as long as (1) falls
 ///      and each explains the share of an effect

@@ -150,8 +150,8 @@ void add_other_models(const IdentificationProblem& problem, const identification
     models.push_back(std::move(model));
   };
   std::size_t rivals = 0;
-  for (std::size_t i = 0; i < found.rivals.size(); ++i) {
-    for (const identification::Rival& rival : found.rivals[i]) {
+  for (std::size_t i = 0; i < found.causes.size(); ++i) {
+    for (const identification::Rival& rival : found.causes[i].rivals) {
       const double log_odds = 0.5 * (rival.penalised_chi_squared - own) / temper;
       if (log_odds > std::log(thresholds::open_odds) || rivals >= thresholds::most_rivals) continue;
       std::vector<firmware::PlacedEffect> effects = found.best.effects;

@@ -50,9 +50,7 @@ TEST(Confidence, DoesNotBelieveAnImitationBesideARest) {
   const auto confidence_of = [&](const char* name, std::vector<double> values, bool rest) {
     SearchResult found;
     found.best.effects = {{firmware::find_effect(name), std::nullopt, std::move(values)}};
-    found.gains = {1e9};
-    found.rivals.resize(1);
-    found.constancy.resize(1);
+    found.causes = {{.gain = 1e9}};
     std::vector<Interval> parameters;
     for (const double value : found.best.effects[0].values) parameters.push_back({value, 0.99 * value, 1.01 * value});
     return named_effects(problem, found, {}, parameters, {1.0, 1.0, 200.0, rest}).at(0).confidence;
@@ -98,9 +96,7 @@ TEST(Confidence, DoesNotBelieveWhatTheStepsMayMake) {
     SearchResult found;
     found.best.fit.hypothesis = hypothesis;
     found.best.effects = {{firmware::find_effect("viscous_damping"), std::nullopt, {1.0}}};
-    found.gains = {gain};
-    found.rivals.resize(1);
-    found.constancy.resize(1);
+    found.causes = {{.gain = gain}};
     return named_effects(problem, found, {}, {Interval{1.0, 0.9, 1.1}}, {1.0, 1.0, 1e-6, false}).at(0).confidence;
   };
   const double steps =
@@ -121,11 +117,10 @@ TEST(Confidence, DoesNotWeighAnEffectAgainstItself) {
   SearchResult found;
   found.best.fit.hypothesis = given;
   found.best.effects = {{firmware::find_effect("viscous_damping"), std::nullopt, {100.0}}};
-  found.gains = {1e4};
+  found.causes = {{.gain = 1e4}};
   const double same = found.best.penalised_chi_squared({});
-  found.rivals = {{{{firmware::find_effect("viscous_damping"), std::nullopt, {90.0}}, same, given},
-                   {{firmware::find_effect("coulomb_friction"), std::nullopt, {90.0}}, same + 1e3, given}}};
-  found.constancy.resize(1);
+  found.causes[0].rivals = {{{firmware::find_effect("viscous_damping"), std::nullopt, {90.0}}, same, given},
+                            {{firmware::find_effect("coulomb_friction"), std::nullopt, {90.0}}, same + 1e3, given}};
   const NamedEffect named =
       named_effects(problem, found, {}, {Interval{100.0, 90.0, 110.0}}, {1.0, 1.0, 1e-6, false}).at(0);
   EXPECT_GT(named.confidence, 0.99);
@@ -214,7 +209,7 @@ TEST(Assess, SaysWhatIsMissingAndHowSureThatIs) {
 
   const auto json = to_json(found);
   for (const char* key : {"verdict", "where", "relations", "effects", "gap", "parameters", "unexplained",
-                          "parameters_off", "recording", "laws", "undetermined"}) {
+                          "parameters_off", "recording", "laws", "undetermined", "unexplained_probability", "budget"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_TRUE(json.at("laws").is_array());

@@ -52,6 +52,21 @@ std::optional<double> limit_of(const PreparedRecording& recording) {
   return std::nullopt;
 }
 
+// Edge. A component that is described without stiffness and damping makes no force, so starts in proportion to it would
+// be shares of nothing: half of what is measured is the least. Without an offset, which is no motion.
+TEST(Candidates, BeginAtTheMeasuredForceWhereNoneIsDescribed) {
+  PreparedRecording recording = bench(Channel::F, false);
+  for (double& force : recording.recording[Channel::F]) force += 150.0;
+  Hypothesis hypothesis;
+  hypothesis.rig.kind = model::RigKind::component_bench;
+  const std::size_t n = recording.recording.size();
+  recording.input.motion.resize(n);
+  host_sim::Response response;
+  for (auto& channel : response) channel.assign(n, 0.0);
+  const double measured = std::sqrt(0.5 * (6.0 * 6.0 + 5.0 * 5.0));
+  EXPECT_NEAR(scales_of({recording}, hypothesis, {response}).motion.force / measured, 0.5, 0.05);
+}
+
 // Fault. The tops of what was cut off are round behind a low-pass, and no value comes twice: the most frequent top is
 // the limit, within half of its bin (1 % of 8). A force must stand still there, since a component that yields has tops
 // of its own, with noise.

@@ -184,9 +184,9 @@ TEST(SelectModel, NamesWhatIsHiddenAndNothingElse) {
                    [&](double share, const std::string&, std::size_t, std::size_t) { shares.push_back(share); });
   ASSERT_EQ(found.best.effects.size(), 1U);
   EXPECT_EQ(found.best.effects[0].entry->name, "coulomb_friction");
-  EXPECT_GT(found.gains[0], 1000.0);
+  EXPECT_GT(found.causes[0].gain, 1000.0);
   const SelectionCriterion criterion;
-  for (const Rival& rival : found.rivals[0]) {
+  for (const Rival& rival : found.causes[0].rivals) {
     EXPECT_GT(rival.penalised_chi_squared, found.best.penalised_chi_squared(criterion));
   }
   EXPECT_GE(shares.size(), 3U);
@@ -209,16 +209,16 @@ TEST(Search, RefitsOnTheWholeWhatAPartShowed) {
   SearchResult found = search(part, bench.space, options);
   compare(part, bench.space, options, found);
   ASSERT_EQ(found.best.effects.size(), 1U);
-  const double before = found.best.fit.chi_squared, gain = found.gains[0];
-  ASSERT_FALSE(found.rivals[0].empty());
+  const double before = found.best.fit.chi_squared, gain = found.causes[0].gain;
+  ASSERT_FALSE(found.causes[0].rivals.empty());
   const auto distance = [&] {
-    return found.rivals[0][0].penalised_chi_squared - found.best.penalised_chi_squared(options.criterion);
+    return found.causes[0].rivals[0].penalised_chi_squared - found.best.penalised_chi_squared(options.criterion);
   };
   const double apart = distance();
   refit_on(bench.problem, bench.space, options.criterion, found);
   EXPECT_NEAR(distance() / apart, 2.0, 0.05);
   EXPECT_NEAR(found.best.fit.chi_squared / before, 2.0, 0.15);
-  EXPECT_NEAR(found.gains[0] / gain, 2.0, 0.05);
+  EXPECT_NEAR(found.causes[0].gain / gain, 2.0, 0.05);
 }
 
 // Law. Where a model leaves nothing but noise, allowing for an error finds nothing better; the problem is left as it

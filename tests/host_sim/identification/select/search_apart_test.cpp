@@ -114,13 +114,13 @@ TEST(SearchApart, FindsTheMachineFromItsStroke) {
   EXPECT_NEAR(value_of("actuator_lag"), time_constant, 0.03 * time_constant);
   EXPECT_NEAR(value_of("actuator_delay") + value_of("actuator_lag"), delay + time_constant, 0.03 * time_constant);
   EXPECT_NEAR(value_of("coulomb_friction"), friction, 0.03 * friction);
-  ASSERT_EQ(made.found.rivals.size(), made.found.best.effects.size());
-  ASSERT_EQ(made.found.gains.size(), made.found.best.effects.size());
+  ASSERT_EQ(made.found.causes.size(), made.found.best.effects.size());
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_GT(made.found.gains[i], 0.0);
-    ASSERT_FALSE(made.found.rivals[i].empty());
+    EXPECT_GT(made.found.causes[i].gain, 0.0);
+    ASSERT_FALSE(made.found.causes[i].rivals.empty());
     // One with more parameters may be better by thresholds::replaces_error, squared.
-    EXPECT_GT(made.found.rivals[i].front().penalised_chi_squared, 0.96 * made.found.best.penalised_chi_squared({}));
+    EXPECT_GT(made.found.causes[i].rivals.front().penalised_chi_squared,
+              0.96 * made.found.best.penalised_chi_squared({}));
   }
 }
 
