@@ -44,10 +44,26 @@ bool is_single(const std::vector<double>& time, const StampRounding& rounding) {
   return rounding.significant_digits > 8 && all_are_single_precision(time);
 }
 
+// Stamps that rise, and are rounded to places, rise by a place at least: 10 behind 9.99 is no stamp of tenths, though
+// none before it has more than three digits. Of the stamps with as many digits before the point as the largest.
+double smallest_rise(const std::vector<double>& time, double largest, double scale) {
+  constexpr double rounding = 1.0 - 1e-12;
+  const double decade = std::pow(10.0, std::floor(std::log10(largest / scale))) * scale * rounding;
+  double smallest = INFINITY;
+  for (std::size_t k = 1; k < time.size(); ++k) {
+    if (std::max(std::abs(time[k]), std::abs(time[k - 1])) < decade) continue;
+    if (const double rise = time[k] - time[k - 1]; rise > 0.0) smallest = std::min(smallest, rise);
+  }
+  return smallest;
+}
+
 double printed_place(const std::vector<double>& time, const StampRounding& rounding, bool single) {
   const double largest = std::max(std::abs(time.front()), std::abs(time.back()));
-  return std::max(last_place(rounding, largest),
-                  single ? static_cast<double>(std::numeric_limits<float>::epsilon()) * largest : 0.0);
+  double place = last_place(rounding, largest);
+  if (place > last_place({rounding.decimals, 17, rounding.scale}, largest)) {
+    place = std::min(place, smallest_rise(time, largest, rounding.scale));
+  }
+  return std::max(place, single ? static_cast<double>(std::numeric_limits<float>::epsilon()) * largest : 0.0);
 }
 
 }  // namespace

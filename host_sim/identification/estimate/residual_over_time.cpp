@@ -7,6 +7,7 @@
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/noise/thresholds.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
 
 namespace host_sim::identification {
@@ -26,6 +27,11 @@ struct Part {
   Window window;
 };
 
+/// A stretch of so many seconds, or as long as it takes to hold what is whitened by itself.
+double at_least(double seconds, const ProblemRecording& r) {
+  return std::max(seconds, static_cast<double>(thresholds::shortest_whitened) * r.samples->compared_period());
+}
+
 std::vector<Part> parts_of(const IdentificationProblem& problem, double seconds) {
   std::vector<Part> parts;
   for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
@@ -35,7 +41,7 @@ std::vector<Part> parts_of(const IdentificationProblem& problem, double seconds)
       const auto samples = static_cast<double>(window.size());
       if (window.size() == 0) continue;
       const auto count =
-          static_cast<std::size_t>(std::max(1.0, std::round(samples * r.samples->input.period / seconds)));
+          static_cast<std::size_t>(std::max(1.0, std::round(samples * r.samples->input.period / at_least(seconds, r))));
       for (std::size_t p = 0; p < count; ++p) {
         const auto edge = [&](std::size_t k) { return window.from + window.size() * k / count; };
         parts.push_back({i, &window == &r.held_out, {edge(p), edge(p + 1)}});

@@ -14,6 +14,7 @@
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
+#include "host_sim/identification/noise/thresholds.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
 
 namespace host_sim::identification {
@@ -53,7 +54,9 @@ std::vector<Block> cut_into_blocks(const IdentificationProblem& problem) {
     const ProblemRecording& r = problem.recordings()[i];
     if (!r.is_fitted()) continue;
     const double length = static_cast<double>(r.fitted.size()) * r.samples->input.period;
-    const auto count = static_cast<std::size_t>(std::max(1.0, std::floor(length / each)));
+    const auto count = static_cast<std::size_t>(
+        std::max(1.0, std::floor(length / std::max(each, static_cast<double>(thresholds::shortest_whitened) *
+                                                             r.samples->compared_period()))));
     for (std::size_t b = 0; b < count; ++b) {
       Block& block = blocks.emplace_back();
       block.recording = i;

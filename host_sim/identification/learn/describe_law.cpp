@@ -279,6 +279,12 @@ class LawDescription {
 
   void follows_load(DescribedLaw& out) const {
     out.shape = "follows the load";
+    if (!(fit_.hypothesis.rig.suspension.stiffness > 0.0)) {  // without a spring there is no load to have a share of
+      out.numbers = {number("force_at_rms_travel", 0), number("velocity", 1)};
+      out.words = formatted("friction grows with the travel: %s N at %.3g mm",
+                            figures(out.numbers.front().value).c_str(), 1e3 * law_.rms);
+      return;
+    }
     const double per_load = 1.0 / (law_.rms * fit_.hypothesis.rig.suspension.stiffness);
     out.numbers = {number("share_of_load", 0, per_load), number("velocity", 1)};
     out.words = formatted("friction follows the load: %.2g %% of it", 100.0 * out.numbers.front().value);

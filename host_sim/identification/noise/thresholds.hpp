@@ -49,6 +49,10 @@ inline constexpr double least_filtered_noise = 0.05;
 /// to the known density of the input's noise, so only the incoherent part scatters, by 1/√(3 lines of a band). Half (2)
 /// and twice (6): the same names; the time of the noise step is proportional to it.
 inline constexpr int noise_realisations = 3;
+/// [samples] A stretch of a recording that is whitened by itself has so many that were recorded, at least. Derivation:
+/// a taper of a quarter at each end leaves eight, and the lines of five frequencies between 0 and half the rate. Half:
+/// three. Twice: at 10 Hz what changes within three seconds is one.
+inline constexpr std::size_t shortest_whitened = 16;
 /// [samples] A shorter window has no covariance.
 inline constexpr std::size_t shortest_covariance_window = 16;
 

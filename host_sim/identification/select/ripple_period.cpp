@@ -10,6 +10,20 @@
 
 namespace host_sim::identification {
 
+namespace {
+
+/// (3): the most periods in a range that samples, each `every`-th, tell from fewer.
+double most_periods(const std::vector<double>& travel, std::size_t count, std::size_t every, double range) {
+  std::vector<double> steps;
+  for (std::size_t k = every; k < count; k += every) steps.push_back(std::abs(travel[k] - travel[k - every]));
+  if (steps.empty()) return 0.0;
+  const auto middle = steps.begin() + std::ssize(steps) / 2;
+  std::nth_element(steps.begin(), middle, steps.end());
+  return std::min(thresholds::most_ripples, 0.5 * range / std::max(*middle, 1e-9 * range));
+}
+
+}  // namespace
+
 double ripple_period(const std::vector<double>& travel, const std::vector<double>& force) {
   const std::size_t count = std::min(travel.size(), force.size());
   if (count == 0) return 0.0;
@@ -17,8 +31,10 @@ double ripple_period(const std::vector<double>& travel, const std::vector<double
   const double range = *highest - *lowest;
   if (!(range > 0.0) || !std::isfinite(range)) return 0.0;
   const std::size_t every = count / thresholds::ripple_samples + 1;
-  constexpr int first = 6, last = 256;  // in steps of 1/(4X)
-  std::vector<std::complex<double>> sums(last + 1);
+  constexpr int first = 6;  // in steps of 1/(4X), as last is
+  const int last = static_cast<int>(4.0 * most_periods(travel, count, every, range));
+  if (last < first) return 0.0;
+  std::vector<std::complex<double>> sums(static_cast<std::size_t>(last) + 1);
   double mean = 0.0;
   std::size_t taken = 0;
   for (std::size_t k = 0; k < count; k += every) mean += force[k], ++taken;
@@ -36,7 +52,22 @@ double ripple_period(const std::vector<double>& travel, const std::vector<double
   std::vector<double> sorted = power;
   std::nth_element(sorted.begin(), sorted.begin() + std::ssize(sorted) / 2, sorted.end());
   if (!(*strongest > thresholds::ripple_prominence * sorted[sorted.size() / 2])) return 0.0;
-  return range / (0.25 * static_cast<double>(first + (strongest - power.begin())));
+  // Between the steps, so that the phase is right to an eighth of a turn at both ends.
+  const double step = 0.25 * static_cast<double>(first + (strongest - power.begin()));
+  double best = step, largest = 0.0;
+  for (int i = -8; i <= 8; ++i) {
+    const double periods = step + static_cast<double>(i) / 32.0;
+    std::complex<double> sum = 0.0;
+    for (std::size_t k = 0; k < count; k += every) {
+      if (!std::isfinite(force[k])) continue;
+      sum += (force[k] - mean) * std::polar(1.0, 2.0 * std::numbers::pi * periods * (travel[k] - *lowest) / range);
+    }
+    if (std::norm(sum) > largest) {
+      largest = std::norm(sum);
+      best = periods;
+    }
+  }
+  return range / best;
 }
 
 }  // namespace host_sim::identification

@@ -34,7 +34,7 @@ inline constexpr double nearly_all = 0.02, held_out_like_fitted = 2.0;
 /// difference.
 inline constexpr double at_bound = 1e-3;
 /// [1] Power of a ripple over the travel, relative to the median of all periods, from which it is a candidate.
-/// Derivation: under noise 63 independent periods have powers of an exponential distribution; one of a thousand
+/// Derivation: under noise 255 independent periods have powers of an exponential distribution; one of 250
 /// recordings has one above 16 medians. Half: nearly every recording has a candidate, which costs time and no verdict.
 /// Twice: a ripple must be 1.4 times as large.
 inline constexpr double ripple_prominence = 16.0;
@@ -51,6 +51,9 @@ inline constexpr std::size_t top_prominence = 6;
 /// do, behind a low-pass of a tenth of the sample rate 7 %, while behind a limit all do but those just after it was
 /// reached; half of them is asked for. Half and twice: the same verdicts on the recording of fault_candidates_test.
 inline constexpr double still = 0.05;
+/// [1] Periods of a ripple in the range of travel, at most. Derivation: the teeth of a motor, 72 a turn, over three
+/// turns. Half: the cogging of a motor over two turns is found. Twice: twice the time of (1) in ripple_period.hpp.
+inline constexpr double most_ripples = 256.0;
 /// Samples in which it is looked for: the power of a ripple as large as the noise is then some 5000 medians. Half and
 /// twice: no difference, half and twice 10 ms.
 inline constexpr std::size_t ripple_samples = 20'000;

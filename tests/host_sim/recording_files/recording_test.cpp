@@ -329,6 +329,20 @@ TEST(RecordingTime, RefusesStampsTooCoarseToTellAGapFromAStep) {
             "REC.csv:3: time is rounded to 0.01 s, expected stamps that tell a gap from a step of 0.0166667 s");
 }
 
+// "%g" writes 10 behind 9.99: the last stamp has fewer digits than the steps need, and is no stamp of tenths.
+TEST(RecordingTime, ReadsStampsThatEndAtAPowerOfTen) {
+  for (const double end : {1.0, 10.0, 100.0, 1000.0}) {
+    for (const double rate : {100.0, 128.0, 250.0}) {
+      const int count = static_cast<int>(std::min(3.0, end) * rate) + 1;
+      const double start = end - (count - 1) / rate;
+      EXPECT_EQ(message_of(printed_stamps("%.10g", start, rate, 1.0, count), {}, rate), "no error") << end << rate;
+    }
+  }
+  // Where rows are missing before it, it is refused all the same.
+  const std::string rows = printed_stamps("%g", 9.0, 100.0, 1.0, 96);
+  EXPECT_NE(message_of(rows + "10,1\n", {}, 100.0), "no error");
+}
+
 // Exponents count: 1.111e-03 has six decimals.
 TEST(RecordingTime, ReadsTheRoundingOfStampsWithExponents) {
   EXPECT_EQ(message_of(printed_stamps("%.3e", 0.0, 900.0, 1.0, 30), {}, 900.0), "no error");

@@ -39,6 +39,21 @@ TEST(RipplePeriod, IsFoundInNoise) {
   }
 }
 
+// The cogging of a motor, 72 periods of its turn at constant speed there and back: the grid goes as far as the samples
+// tell periods apart, here 13 a period. The refined period keeps the phase to an eighth of a turn over all 72.
+TEST(RipplePeriod, IsFoundAsFarAsTheSamplesTellPeriodsApart) {
+  std::mt19937 random(7);
+  std::normal_distribution<> noise(0.0, 1.0);
+  Record r;
+  const double range = 0.0628, period = range / 72.3;
+  for (int k = 0; k < 8000; ++k) {
+    const double turn = std::fmod(k / 1000.0, 2.0);
+    r.travel.push_back(range * (turn < 1.0 ? turn : 2.0 - turn));
+    r.force.push_back(std::sin(2.0 * std::numbers::pi * r.travel.back() / period) + noise(random));
+  }
+  EXPECT_NEAR(ripple_period(r.travel, r.force) / period, 1.0, 1.0 / (8.0 * 72.3));
+}
+
 // Law. Noise alone has none: one of a thousand records would, of twenty none; nor has a record that stands still or is
 // empty.
 TEST(RipplePeriod, IsNoneInNoise) {
