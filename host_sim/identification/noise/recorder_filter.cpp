@@ -28,7 +28,10 @@ std::optional<RecorderFilter> filter_of(const IdentificationProblem& problem, st
   WeightedCorner mean;
   for (const ProblemRecording& r : problem.recordings()) {
     const ChannelNoise& noise = r.noise[channel];
-    if (!noise.shows_a_filter()) return std::nullopt;
+    const bool fused = r.samples->inputs_fused && filter.channels.front() == model::Channel::zdd_r;
+    const bool is_used =
+        fused || r.samples->explains(filter.channels.front()) || r.samples->input.channel == filter.channels.front();
+    if (!is_used || !noise.shows_a_filter()) return std::nullopt;
     filter.order = noise.colour.order;
     filter.digital = noise.colour.filter == NoiseColour::Filter::digital;
     mean.add(noise.colour.corner, noise.corner_half_width);

@@ -24,6 +24,12 @@ double power_of_noise(const PreparedRecording& recording, model::Channel channel
   return std::max(samples * sinc * sinc, thresholds::least_held_noise);
 }
 
+/// ε of (2)
+double error_of_simulation(double f, double step) {
+  const double turn = 2.0 * std::numbers::pi * f * step;
+  return std::hypot(thresholds::simulation_error, std::pow(turn, 4) / 30.0);
+}
+
 /// A Fourier transform borrowed from a shared list: a plan costs more than a transform, and serves one thread at a
 /// time.
 class LentTransform {
@@ -159,7 +165,7 @@ Eigen::MatrixXcd Whitening::covariance(const PreparedRecording& recording, std::
     const ChannelNoise& own = noise[index(channel)];
     const double channel_power = power(c, band);
     const auto i = static_cast<Eigen::Index>(c);
-    constexpr double error = thresholds::simulation_error;
+    const double error = error_of_simulation(f, recording.input.period);
     sigma(i, i) += own.level * own.level * power_of_noise(recording, channel, own.colour, f) +
                    error * error * channel_power + 1e-300;
     if (!recording.renewals[index(channel)]) {

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <span>
 #include <utility>
 
 #include "host_sim/comparison/model_rate.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
+#include "host_sim/signal/spectrum.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -139,6 +142,84 @@ std::array<Outliers, model::channel_count> leave_out_outliers(model::RigKind kin
   return outliers;
 }
 
+/// Median over the lines above the motion of the coherence of two channels, |S_ab|²/(S_aa S_bb); 0: too few samples.
+double coherence_above_motion(const std::vector<double>& a, const std::vector<double>& b, double period) {
+  constexpr std::size_t fewest_blocks = 8;
+  const double rate = 1.0 / period;
+  const std::size_t wanted = std::min(static_cast<std::size_t>(rate), 2 * a.size() / (fewest_blocks + 1));
+  if (wanted < 32) return 0.0;
+  const std::size_t length = good_fft_size_at_most(wanted);
+  BlockTransform transform(hann_window(length), Detrend::line);
+  std::vector<double> aa(transform.bins(), 0.0), bb = aa;
+  std::vector<std::complex<double>> ab(transform.bins(), 0.0);
+  for (std::size_t from = 0; from + length <= a.size(); from += length / 2) {
+    const auto of_a = transform(std::span(a).subspan(from, length));
+    const std::vector<std::complex<double>> kept(of_a.begin(), of_a.end());
+    const auto of_b = transform(std::span(b).subspan(from, length));
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      aa[k] += std::norm(kept[k]);
+      bb[k] += std::norm(of_b[k]);
+      ab[k] += std::conj(kept[k]) * of_b[k];
+    }
+  }
+  const double first = std::min(thresholds::noise_begins, thresholds::noise_begins_share * rate);
+  std::vector<double> coherences;
+  for (std::size_t k = 0; k < aa.size(); ++k) {
+    const double f = static_cast<double>(k) * rate / static_cast<double>(length);
+    if (f < first || f > thresholds::noise_ends_share * rate) continue;
+    if (aa[k] > 0.0 && bb[k] > 0.0) coherences.push_back(std::norm(ab[k]) / (aa[k] * bb[k]));
+  }
+  if (coherences.empty()) return 0.0;
+  const auto middle = coherences.begin() + static_cast<std::ptrdiff_t>(coherences.size() / 2);
+  std::nth_element(coherences.begin(), middle, coherences.end());
+  return *middle;
+}
+
+/// Noise of two sensors is not coherent, the tail of a motion is: where the spectra of two channels whose noise nobody
+/// declared are one motion above the frequencies that are driven, only the rest can be noise.
+void leave_motion_out(SampledRecording& result, const firmware::RigDescription& description,
+                      const firmware::Recording& recording) {
+  std::vector<std::size_t> open;
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    const model::Channel channel = model::channel_at(c);
+    const bool is_measured = channel != model::Channel::F_act && !is_computed(description.rig.kind, channel);
+    const bool is_open = is_measured && recording.has(channel) && !description.noise[c] && !result.renewals[c];
+    if (is_open && result.channel_noise[c].level > 0.0) open.push_back(c);
+  }
+  std::array<double, model::channel_count> most{};
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    for (std::size_t j = i + 1; j < open.size(); ++j) {
+      const double coherence =
+          coherence_above_motion(recording.channels[open[i]], recording.channels[open[j]], recording.sample_period);
+      most[open[i]] = std::max(most[open[i]], coherence);
+      most[open[j]] = std::max(most[open[j]], coherence);
+    }
+  }
+  for (const std::size_t c : open) {
+    if (most[c] < thresholds::coherent_motion) continue;
+    const double least = exactness_of_model(recording.channels[c], recording.filled);
+    const double rest = result.channel_noise[c].level * std::sqrt(1.0 - most[c]);
+    result.channel_noise[c] = {std::max(least, rest), {}, thresholds::grid_error, 0.0, 0.0};
+    result.noise[c] = result.channel_noise[c].level;
+  }
+}
+
+/// What speaks for a filter of the recorder: not a channel whose noise nobody declared, where declared noise of a
+/// position is white. Its own spectrum may be the tail of its motion.
+ChannelNoises witnesses(const SampledRecording& result, const firmware::RigDescription& description) {
+  ChannelNoises all = result.channel_noise;
+  const auto is_white = [&](std::size_t c) {
+    const bool position = model::unit(model::channel_at(c)) == "m";
+    return position && description.noise[c] && all[c].level > 0.0 && all[c].is_known() && all[c].colour.is_white();
+  };
+  bool any_white = false;
+  for (std::size_t c = 0; c < all.size(); ++c) any_white = any_white || is_white(c);
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    if (any_white && !description.noise[c]) all[c] = {};
+  }
+  return all;
+}
+
 /// The noise of everything that is measured: each channel by itself, then those whose colour is not clear once more
 /// with that of the others.
 void find_noise(SampledRecording& result, const firmware::RigDescription& description,
@@ -156,7 +237,8 @@ void find_noise(SampledRecording& result, const firmware::RigDescription& descri
       result.noise_factor[c] = found.factor;
       result.noise[c] = found.noise.level;
     }
-    ChannelNoises measured = result.channel_noise;
+    if (!again) leave_motion_out(result, description, recording);
+    ChannelNoises measured = witnesses(result, description);
     for (std::size_t c = 0; c < measured.size(); ++c) {
       if (is_computed(description.rig.kind, model::channel_at(c))) measured[c] = {};
     }

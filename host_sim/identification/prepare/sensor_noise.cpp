@@ -106,6 +106,19 @@ SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, do
   return {found, NoiseFactor{factor, 1.96 * factor * found.relative_error}};
 }
 
+double exactness_of_model(const std::vector<double>& samples, const std::vector<bool>& filled) {
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  const double near = samples.empty() ? 0.0 : samples.front();  // a constant loses no digits
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (k < filled.size() && filled[k]) continue;
+    sum += samples[k] - near;
+    squares += (samples[k] - near) * (samples[k] - near);
+    count += 1.0;
+  }
+  if (!(count > 0.0)) return 0.0;
+  return thresholds::model_exactness * std::sqrt(std::max(squares / count - std::pow(sum / count, 2), 0.0));
+}
+
 SensorNoise find_sensor_noise(const firmware::RigDescription& description, const firmware::Recording& recording,
                               model::Channel channel, const std::optional<NoiseColour>& expected, double step) {
   const auto& declared = description.noise[index(channel)];

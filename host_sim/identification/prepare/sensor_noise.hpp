@@ -54,6 +54,14 @@ struct SensorNoise {
 [[nodiscard]] SensorNoise with_declared(ChannelNoise found, std::optional<double> declared, double period,
                                         const std::optional<NoiseColour>& expected = {});
 
+/// How exact the model is that is compared with a channel:
+///
+///   (4)  thresholds::model_exactness · rms(x − x̄)
+///
+/// A channel that shows motion alone above its noise (sampled_recording.cpp) is not taken for more exact than that: a
+/// simulated channel without noise has the error of the simulation, and what its spectrum falls off with is no filter.
+[[nodiscard]] double exactness_of_model(const std::vector<double>& samples, const std::vector<bool>& filled);
+
 /// Both for a channel. Of a channel that is held, the new values are looked at, and their noise is taken for white.
 /// `step`: of rounding (sample_faults.hpp), whose noise belongs to that of the channel:
 ///

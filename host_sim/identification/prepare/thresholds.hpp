@@ -73,6 +73,16 @@ inline constexpr double white_noise = 0.10;
 /// The first is three times the scatter of the estimate; the second a person would mind. Half of the first: estimates
 /// replace declarations for nothing. Twice: noise 10 % louder adds a fifth to the power, which counts as unexplained.
 inline constexpr double noise_as_declared = 0.05, noise_named = 0.18;
+/// [1] of a channel's rms about its mean: noise that nobody declared, of a channel whose spectrum is motion up to the
+/// highest frequency, is not taken for less. Derivation: the simulation
+/// with which the channel is compared is exact to 2e-4 of it (noise::simulation_error). Half: white noise of 1e-4, half
+/// the error that is there, on a channel without noise. Twice: 0.8 µm on a tyre deflection of 2 mm rms, a sixtieth of a
+/// good sensor's noise.
+inline constexpr double model_exactness = 2e-4;
+/// [1] Coherence of two channels above the motion that is driven, from which what is there is motion. Derivation: noise
+/// is then less than a tenth of the power, and eight blocks of two independent noises reach a coherence of 0.9 in the
+/// median of their lines never. Half: a channel loses noise of half its power there. Twice is no coherence.
+inline constexpr double coherent_motion = 0.9;
 /// [1] A declared noise is right to this factor either way: one standard deviation of its logarithm. What the samples
 /// show outweighs it, since a level that counts as known is known ten times as exactly; coloured noise is wrong by no
 /// more, since motion may look like it: what friction left of an acceleration at 333 Hz was noise behind 141 Hz, four

@@ -34,6 +34,8 @@ firmware::RigDescription car(const std::string& noise) {
       "car.toml");
 }
 
+constexpr const char* five_of_seven = "[noise]\nz_r = 2e-5\nzdd_w = 0.05\nzdd_b = 0.05\ndz_b = 5e-5\nF_w = 10.0\n";
+
 /// The recording that rigtwin simulate makes of it.
 firmware::Recording run(const firmware::RigDescription& rig, std::uint64_t seed, double duration = 8.0) {
   const firmware::RoadChoice road{"iso8608:B", 27.78, seed, std::nullopt, std::nullopt};
@@ -48,6 +50,24 @@ firmware::Recording run(const firmware::RigDescription& rig, std::uint64_t seed,
 
 Diagnosis diagnosed(const firmware::RigDescription& rig, firmware::Recording recording) {
   return diagnose(rig, {{std::move(recording), Use::shared}});
+}
+
+// A description that gives the noise of five of seven channels: the other two are simulated without. No channel is more
+// exact than the model, so the description explains its own run.
+TEST(FirstSentence, AgreesWithTheDescriptionsOwnRun) {
+  const firmware::RigDescription rig = car(five_of_seven);
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const Diagnosis found = diagnosed(rig, run(rig, seed));
+    EXPECT_EQ(sentence(found), agrees) << "seed " << seed;
+  }
+}
+
+// Channels without any noise have a spectrum that falls off with the road: that is no filter of the recorder.
+TEST(FirstSentence, SeesNoFilterInExactChannels) {
+  const firmware::RigDescription rig = car("");
+  const Diagnosis found = diagnosed(rig, run(rig, 1));
+  EXPECT_EQ(sentence(found), agrees);
+  EXPECT_TRUE(found.recording_faults.empty()) << words(found.recording_faults.front());
 }
 
 // A load cell that was not tared: said once, under recording, and the rest is about motion.
