@@ -6,6 +6,7 @@
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/laws/law_file.hpp"
 #include "firmware/description/laws/law_reader.hpp"
+#include "firmware/description/recorder_reader.hpp"
 #include "firmware/description/rig_description_controller.hpp"
 #include "firmware/description/table/rig_description_table.hpp"
 #include "firmware/description/text/input_error.hpp"
@@ -271,6 +272,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_effects(top, description.rig);
   description.laws = read_laws(top, description.rig);
   read_sensors(top, description);
+  description.recorder = read_recorder(top, description.rig);
   read_waivers(top, description.waivers);
   read_controller(top, description.rig, description.controller);
   read_arming(top, description.waivers, description.controller);

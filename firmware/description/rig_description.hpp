@@ -15,6 +15,7 @@
 #include "firmware/description/values/channel_map.hpp"
 #include "firmware/description/values/compensation_description.hpp"
 #include "firmware/description/values/hardware_description.hpp"
+#include "firmware/description/values/recorder_description.hpp"
 #include "firmware/loop/duct_control/duct_settings.hpp"
 #include "firmware/loop/kalman/kalman_settings.hpp"
 #include "firmware/loop/settings.hpp"
@@ -77,6 +78,7 @@ struct RigDescription {
   std::array<std::optional<double>, model::channel_count> noise;  ///< rms of the sensor's noise [SI]
   MeasuringRanges range;
   ChannelMap channels;
+  RecorderDescription recorder;  ///< what it makes of the channels
   ControllerDescription controller;
   DelayBudget delay_budget;
   std::optional<CompensationDescription> compensation;  ///< hil only: of the machine's delay

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "firmware/description/compensation_reader.hpp"
+#include "firmware/description/recorder_reader.hpp"
 #include "firmware/description/semi_active_reader.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
@@ -136,6 +137,8 @@ void write_sensors(Text& out, const RigDescription& description) {
     if (!range) continue;
     out.line(std::string(name(model::channel_at(c))), "[" + real(range->lower) + ", " + real(range->upper) + "]");
   }
+  out.table("recording");
+  for (const auto& [key, value] : recorder_lines(description.recorder)) out.line(key, value);
   out.table("channels");
   for (const auto& [key, source] : description.channels) {
     out.line(key, "{ column = " + basic_string_of(source.column) +

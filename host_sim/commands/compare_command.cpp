@@ -14,6 +14,7 @@
 #include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/comparison/refit.hpp"
+#include "host_sim/identification/predict/recording_faults.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "host_sim/show/comparison_page.hpp"
 
@@ -131,6 +132,19 @@ void print(const RecordingComparison& recording) {
   }
 }
 
+/// [recording] of a description.
+RecordedAs recorder_in(const firmware::RigDescription& description) {
+  if (!description.recorder.any()) return {};
+  const firmware::RecorderDescription& recorder = description.recorder;
+  return {[recorder](const auto& rig, std::size_t samples, double period) {
+            return identification::variation_of(rig, identification::described_faults(recorder, {}, {}), samples,
+                                                period);
+          },
+          [recorder](const firmware::Recording& measured, model::Channel input, Response& channels) {
+            identification::record_with(recorder, input, measured, channels);
+          }};
+}
+
 StartChoice start_choice(const std::string& word) {
   if (word == "automatic") return StartChoice::automatic;
   if (word == "rest") return StartChoice::rest;
@@ -147,7 +161,7 @@ void compare(const CompareOptions& options) {
   for (const auto& file : options.data) {
     for (firmware::Recording& part :
          read_parts(file, description.channels, description.sample_rate, description.rig.kind)) {
-      recordings.emplace_back(description, std::move(part), options.start);
+      recordings.emplace_back(description, std::move(part), options.start, recorder_in(description));
     }
   }
 

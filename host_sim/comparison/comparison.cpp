@@ -33,7 +33,7 @@ std::vector<StaticValue> take_off_constants(const model::RigParameters<double>& 
 }  // namespace
 
 ComparedRecording::ComparedRecording(const firmware::RigDescription& description, firmware::Recording recording,
-                                     StartChoice choice)
+                                     StartChoice choice, RecordedAs recorder)
     : recording_(std::move(recording)),
       step_(model_steps_per_sample(recording_.sample_period, description.rig.kind == model::RigKind::hil
                                                                  ? 1.0 / description.sample_rate
@@ -41,7 +41,8 @@ ComparedRecording::ComparedRecording(const firmware::RigDescription& description
       range_(description.range),
       tared_(take_off_constants(description.rig, recording_, range_)),
       simulated_(interpolated(recording_, step_)),
-      input_(simulation_input(description.rig, simulated_)) {
+      input_(simulation_input(description.rig, simulated_)),
+      recorder_(std::move(recorder)) {
   constexpr std::size_t least = 16;  // fewer samples resolve no band and no state at the start
   if (recording_.size() < least) {
     throw firmware::InputError(recording_.source, 0, "only " + std::to_string(recording_.size()) + " samples",
@@ -91,7 +92,9 @@ ComparedRecording::ComparedRecording(const firmware::RigDescription& description
 
 Response ComparedRecording::simulate(const model::RigParameters<double>& rig) const {
   Response response = host_sim::simulate(
-      rig, input_, at_rest_ ? resting(rig, input_) : estimated_start(rig, input_, simulated_, range_));
+      rig, input_, at_rest_ ? resting(rig, input_) : estimated_start(rig, input_, simulated_, range_), 0, 1,
+      recorder_.varied ? recorder_.varied(rig, input_.size(), input_.period) : RigVariation{});
+  if (recorder_.recorded) recorder_.recorded(simulated_, input_.channel, response);
   if (step_ == 1) return response;
   for (std::vector<double>& values : response) {
     for (std::size_t k = 0; k * step_ < values.size(); ++k) values[k] = values[k * step_];

@@ -1,6 +1,7 @@
 // Compares a recording with the simulation of its own input.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -45,11 +46,20 @@ struct RecordingComparison {
 /// How the state at the first sample is found.
 enum class StartChoice { automatic, rest, estimated };
 
+/// What lies between a rig's channels and the samples of a recording, where the description has a recorder.
+struct RecordedAs {
+  /// The rig whose parameters change over `samples`, `period` [s] apart.
+  std::function<RigVariation(const model::RigParameters<double>& rig, std::size_t samples, double period)> varied{};
+  /// Simulated channels become recorded ones, in the place of those of `measured`; both at one rate.
+  std::function<void(const firmware::Recording& measured, model::Channel input, Response& channels)> recorded{};
+};
+
 /// A recording with its input prepared and its start chosen; its simulations differ in the rig's parameters only.
 class ComparedRecording {
  public:
   /// InputError when the input is missing, or nothing measured could be compared.
-  ComparedRecording(const firmware::RigDescription& description, firmware::Recording recording, StartChoice choice);
+  ComparedRecording(const firmware::RigDescription& description, firmware::Recording recording, StartChoice choice,
+                    RecordedAs recorder = {});
 
   /// Simulation with these parameters; a start that is estimated is estimated with them.
   [[nodiscard]] Response simulate(const model::RigParameters<double>& rig) const;
@@ -81,6 +91,7 @@ class ComparedRecording {
   std::vector<StaticValue> tared_;
   firmware::Recording simulated_;  ///< the recording at the model's rate
   SimulationInput input_;
+  RecordedAs recorder_;
   bool at_rest_ = false;
   std::vector<Judged> judged_;
 };

@@ -13,6 +13,18 @@ std::size_t model_steps_per_sample(double sample_period, double longest) {
       std::max(1.0, std::ceil(sample_period / std::max(longest, longest_model_step) - margin)));
 }
 
+bool is_stepped(const std::vector<double>& command) {
+  std::size_t jumps = 0, moves = 0;
+  for (std::size_t k = 1; k < command.size(); ++k) {
+    if (command[k] == command[k - 1]) continue;
+    ++moves;
+    const bool still_before = k < 2 || command[k - 1] == command[k - 2];
+    const bool still_behind = k + 1 >= command.size() || command[k + 1] == command[k];
+    if (still_before && still_behind) ++jumps;
+  }
+  return jumps > 0 && 2 * jumps > moves;
+}
+
 firmware::Recording interpolated(const firmware::Recording& recording, std::size_t factor) {
   if (factor == 1 || recording.size() < 2) return recording;
   const std::size_t count = factor * (recording.size() - 1) + 1;
@@ -29,6 +41,8 @@ firmware::Recording interpolated(const firmware::Recording& recording, std::size
     result.resize(count);
     for (std::size_t k = 0; k < count; ++k) result[k] = values[k / factor];
   };
+  const std::vector<double>& command = recording[model::Channel::x_cmd];
+  if (is_stepped(command)) held(command, finer[model::Channel::x_cmd]);
   for (std::size_t j = 0; j < finer.ducts.size(); ++j) held(recording.ducts[j], finer.ducts[j]);
   held(recording.filled, finer.filled);
   for (std::size_t k = 0; k < finer.filled.size(); ++k) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "firmware/recording/recording.hpp"
 
@@ -15,8 +16,13 @@ inline constexpr double longest_model_step = 1e-3;
 /// longest_model_step at least; the loop of a hil rig may be slower, which is no error of the simulation.
 [[nodiscard]] std::size_t model_steps_per_sample(double sample_period, double longest = longest_model_step);
 
-/// The recording with so many samples for each one. Those between are interpolated (signal/interpolation.hpp); ducts
-/// keep their position. What lies beside a sample that was not recorded was not recorded either.
+/// Whether a command is a staircase, held between its steps: most of its changes have none beside them. What a spectrum
+/// makes of such a step between samples swings by 9 % of it before it comes.
+[[nodiscard]] bool is_stepped(const std::vector<double>& command);
+
+/// The recording with so many samples for each one. Those between are interpolated (signal/interpolation.hpp); ducts,
+/// and an x_cmd that is stepped, keep their position. What lies beside a sample that was not recorded was not recorded
+/// either.
 [[nodiscard]] firmware::Recording interpolated(const firmware::Recording& recording, std::size_t factor);
 
 }  // namespace host_sim

@@ -190,6 +190,10 @@ std::vector<Response> simulate_side_by_side(const std::vector<SideBySideRig>& ri
       for (const Channel channel : channels) responses[j][index(channel)].resize(count);
     }
     simulate_group(all, group, lanes, count, substeps, channels, responses);
+    for (const std::size_t j : group) {
+      add_load_cell(*rigs[j].rig, *rigs[j].input, rigs[j].variation == nullptr ? none : *rigs[j].variation,
+                    responses[j]);
+    }
   }
   return responses;
 }

@@ -1,6 +1,7 @@
 #include "host_sim/comparison/simulation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <type_traits>
@@ -8,6 +9,8 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/loop/area_control.hpp"
+#include "host_sim/comparison/measured_motion.hpp"
+#include "model/sensors.hpp"
 
 namespace host_sim {
 namespace {
@@ -50,10 +53,68 @@ Rig on_prescribed_wheel(Rig rig) {
   return rig;
 }
 
+/// Without what moves between load cell and component: add_load_cell() has its force.
+Rig without_load_cell(Rig rig) {
+  rig.effects.for_each([](auto& slot) {
+    if constexpr (model::ActsOn<std::remove_cvref_t<decltype(slot.effect)>, model::LoadCell<double>>) {
+      slot.active = false;
+    }
+  });
+  return rig;
+}
+
+double moving_mass(const Rig& rig) {
+  model::LoadCell<double> cell{};
+  rig.effects.act_on(cell);
+  return cell.moving_mass;
+}
+
+/// A rig whose load cell says nothing is added behind a simulation without its sensor of F.
+Rig without_sensor_of_force(Rig rig) {
+  rig.effects.for_each_sensor([](auto& slot, Channel channel) {
+    if (channel == Channel::F) slot.active = false;
+  });
+  return rig;
+}
+
+/// The sensor of F over a force that was simulated without it.
+void pass_sensor_of_force(const Rig& rig, double period, std::vector<double>& force) {
+  std::array<model::SensorPath<double>, model::channel_count> paths{};
+  paths[index(Channel::F)] = rig.effects.sensor_paths()[index(Channel::F)];
+  const model::Sensors<double> sensors(paths, period);
+  if (!sensors.any()) return;
+  model::Sensors<double>::State state;
+  model::Signals<double> signals{};
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    signals[index(Channel::F)] = force[k];
+    if (k == 0) {
+      sensors.start(state, signals, nullptr);
+    } else {
+      sensors.step(state, signals, nullptr);
+    }
+    force[k] = sensors.reading(state, Channel::F, force[k]);
+  }
+}
+
 }  // namespace
 
+firmware::FootPointMotion motion_between(bool deflection_reached, const std::vector<double>& samples, double rate) {
+  return deflection_reached ? measured_motion(samples, rate) : firmware::through_samples(samples, rate);
+}
+
+void add_load_cell(const Rig& rig, const SimulationInput& input, const RigVariation& variation, Response& response) {
+  auto& force = response[index(Channel::F)];
+  if (!input.deflection_reached || force.empty()) return;
+  double mass = moving_mass(variation.every > 0 ? variation.at(0) : rig);
+  if (!(mass > 0.0)) return;
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    if (variation.every > 0 && k % variation.every == 0) mass = moving_mass(variation.at(k));
+    force[k] += mass * input.motion[k].acceleration;
+  }
+}
+
 Rig answering(const Rig& rig, const SimulationInput& input) {
-  const Rig answers = input.deflection_reached ? without_machine(rig) : rig;
+  const Rig answers = input.deflection_reached ? without_load_cell(without_machine(rig)) : rig;
   return input.wheel_prescribed ? on_prescribed_wheel(answers) : answers;
 }
 
@@ -64,8 +125,9 @@ SimulationInput simulation_input(const Rig& rig, const firmware::Recording& reco
   if (rig.kind == RigKind::component_bench) {
     input.deflection_reached = recording.has(Channel::x_act) && !recording.has(Channel::x_cmd);
     input.channel = input.deflection_reached ? Channel::x_act : Channel::x_cmd;
-    input.motion = firmware::through_samples(
-        recording.required(input.channel, "drives the simulation of a component_bench"), rate);
+    const std::vector<double>& driving =
+        recording.required(input.channel, "drives the simulation of a component_bench");
+    input.motion = motion_between(input.deflection_reached, driving, rate);
     input.area = commanded_area(rig, recording[Channel::z_b], input.period);
   } else {
     const bool car = rig.kind == RigKind::quarter_car;
@@ -191,6 +253,18 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
 
 Response simulate(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
                   int substeps, const std::vector<Channel>& channels, const RigVariation& variation) {
+  if (input.deflection_reached && moving_mass(rig) > 0.0) {
+    // Its force is that of the measured acceleration, which the model's step, knowing the past alone, has less exactly.
+    const Rig bare = without_sensor_of_force(without_load_cell(rig));
+    RigVariation varied = variation;
+    if (variation.every > 0) {
+      varied.at = [&](std::size_t k) { return without_sensor_of_force(without_load_cell(variation.at(k))); };
+    }
+    Response response = simulate(bare, input, start, samples, substeps, channels, varied);
+    add_load_cell(rig, input, variation, response);
+    pass_sensor_of_force(rig, input.period, response[index(Channel::F)]);
+    return response;
+  }
   using Plain = model::RigModel<double, model::usual_delay_capacity, model::ModelVariant::every_part, model::no_laws>;
   if (rig.laws.any() || rig.has_extensions()) {
     return simulated<model::RigModel<>>(rig, input, start, samples, substeps, channels, variation);

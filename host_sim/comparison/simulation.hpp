@@ -21,7 +21,8 @@ namespace host_sim {
 ///   hil                  foot point z_r
 ///   component_bench      command x_cmd; x_act where there is no x_cmd, the machine is then left out of the model
 ///
-/// Between samples z_r and x move on cubic Hermite polynomials whose velocities are differences of fourth order. z̈_r,
+/// Between samples z_r and x move on cubic Hermite polynomials whose velocities are differences of fourth order, of a
+/// measured x_act of eighth (measured_motion.hpp). z̈_r,
 /// which only sensors with inertia see, is the recorded zdd_r; without it second differences of z_r, which multiply the
 /// noise of z_r by 2.7/h².
 ///
@@ -74,8 +75,21 @@ struct RigVariation {
                                 const InitialState& start, std::size_t samples, int substeps,
                                 const std::vector<model::Channel>& channels, const RigVariation& variation = {});
 
-/// The rig that answers to an input: without its machine where the deflection is known, with a wheel that follows where
-/// its motion is prescribed.
+/// The motion through samples that drive a rig: of a measured deflection that of measured_motion.hpp, which may be near
+/// a resonance of the bench.
+[[nodiscard]] firmware::FootPointMotion motion_between(bool deflection_reached, const std::vector<double>& samples,
+                                                       double rate);
+
+/// The force of what moves between load cell and component, on a measured deflection:
+///
+///   (1)  F += m ẍ_act       ẍ_act: of the samples before and behind (measured_motion.hpp)
+///
+/// simulate() has it; answering() leaves it out. F without its sensor.
+void add_load_cell(const model::RigParameters<double>& rig, const SimulationInput& input, const RigVariation& variation,
+                   Response& response);
+
+/// The rig that answers to an input: without its machine and its load cell where the deflection is known, with a wheel
+/// that follows where its motion is prescribed.
 [[nodiscard]] model::RigParameters<double> answering(const model::RigParameters<double>& rig,
                                                      const SimulationInput& input);
 

@@ -266,15 +266,21 @@ void locate(const IdentificationProblem& problem, const SearchResult& found, boo
   result.locations.push_back({Channel::F_w, 0.0, 0.5 / problem.sample_period(), "tyre", 1.0 - other});
 }
 
-/// A parameter that drifts has its value in the middle of the recording.
-void put_into_rig(const firmware::RigDescription& description, const Hypothesis& found, Diagnosis& result) {
+/// A parameter that drifts has its value at the beginning of the recording; its change stands in [recording].
+void put_into_rig(const firmware::RigDescription& description, const PreparedRecording& recording,
+                  const Hypothesis& found, Diagnosis& result) {
   result.rig = description;
   for (const auto& [path, value] : result.parameters) {
     if (double* const parameter = firmware::find_parameter(result.rig.rig, path)) *parameter = value.value;
   }
   for (const NamedEffect& named : result.effects) firmware::put_effect(result.rig.rig, named.effect);
   put_laws(found.laws, result.rig.rig);
-  result.rig.rig = drifted(result.rig.rig, found.faults, 0.5);
+  const auto add = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+  const firmware::RecorderDescription recorder = recorder_of(found.faults, recording.input.channel, recording.channels);
+  add(result.rig.recorder.common_filter, recorder.common_filter);
+  add(result.rig.recorder.clock, recorder.clock);
+  add(result.rig.recorder.hum, recorder.hum);
+  add(result.rig.recorder.drift, recorder.drift);
 }
 
 }  // namespace
@@ -362,7 +368,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   locate(whole, found, !car.effects.empty(), result);
   result.power_over_time = power_over_time(whole, refit, after);
   result.overlays = overlays_of(whole, space.given, refit, after);
-  put_into_rig(description, after, result);
+  put_into_rig(description, problem.samples().front(), after, result);
   return result;
 }
 

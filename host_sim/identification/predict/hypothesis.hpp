@@ -17,11 +17,16 @@ struct Hypothesis {
   std::vector<InitialState> starts;  ///< by recording
   /// Of a channel with a hold: at which of the instants that its renewals allow it takes its value.
   std::array<HoldClock, model::channel_count> clocks{};
-  std::vector<PlacedFault> faults{};  ///< of the recordings, the same in all
-  std::vector<PlacedLaw> laws{};      ///< learned; their tables stand in `rig`, too
+  std::vector<PlacedFault> faults{};    ///< of the recordings, the same in all
+  std::vector<PlacedLaw> laws{};        ///< learned; their tables stand in `rig`, too
+  std::vector<PlacedFault> recorder{};  ///< the description's [recording]: always there, never a candidate
+
+  [[nodiscard]] std::vector<PlacedFault> all_faults() const;  ///< `recorder`, then `faults`
 };
 
-/// The rig as described; recordings that do not begin at rest start in the state that their first seconds show.
+/// The rig and the recorder as described; recordings that do not begin at rest start in the state that their first
+/// seconds show. Of described hum each recording has a phase of its own, so it is left to the search where there are
+/// several.
 [[nodiscard]] Hypothesis described_hypothesis(const firmware::RigDescription& description,
                                               const std::vector<PreparedRecording>& recordings);
 

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/comparison/simulation.hpp"
 
 namespace host_sim::identification {
 
@@ -66,6 +68,28 @@ struct PlacedFault {
 /// Samples of a channel as the other faults leave them; `period` [s].
 [[nodiscard]] std::vector<double> with_faults(const std::vector<PlacedFault>& faults, model::Channel channel,
                                               std::vector<double> values, double period);
+
+/// A rig whose parameters drift, as one that changes in small steps; no step where nothing drifts. `samples` of the
+/// recording, `period` [s] apart.
+[[nodiscard]] RigVariation variation_of(const model::RigParameters<double>& rig, const std::vector<PlacedFault>& faults,
+                                        std::size_t samples, double period);
+
+/// The faults of a description's recorder in a recording that is driven by the channel `input` and explains `channels`.
+/// What the input has is undone in the others: (2b), a clock that is early. Hum has its amplitude as a cosine.
+[[nodiscard]] std::vector<PlacedFault> described_faults(const firmware::RecorderDescription& recorder,
+                                                        model::Channel input,
+                                                        const std::vector<model::Channel>& channels);
+
+/// The reverse: what a rig description says of these faults.
+[[nodiscard]] firmware::RecorderDescription recorder_of(const std::vector<PlacedFault>& faults, model::Channel input,
+                                                        const std::vector<model::Channel>& channels);
+
+/// Gives hum the phase that measured − read has at its frequency, least squares; the amplitude stays.
+void set_phases(PlacedFault& hum, const firmware::Recording& measured, const Response& read);
+
+/// Simulated channels as a described recorder records them; `measured` gives the phase of hum. Both at one rate.
+void record_with(const firmware::RecorderDescription& recorder, model::Channel input,
+                 const firmware::Recording& measured, Response& channels);
 
 /// The rig of (4) at a share of the recording, 0 … 1.
 [[nodiscard]] model::RigParameters<double> drifted(const model::RigParameters<double>& rig,

@@ -16,16 +16,6 @@ using Rig = model::RigParameters<double>;
 
 namespace {
 
-/// A drifting parameter is renewed so often, [s] at least and [1] of the recording, with its value in the middle.
-/// Derivation: of a change by 50 % each of 600 steps is 0.083 %, wrong by 0.024 % rms, which comes and goes faster than
-/// 10 Hz: below 1e-4 of a signal whose sensitivity to the parameter is 1 (a test measures it). Half: twice the time for
-/// building models. Twice: 2e-4.
-constexpr double drift_refresh = 0.05, drift_steps = 600.0;
-
-}  // namespace
-
-namespace {
-
 template <class Predicate>
 bool any_corner(const Rig& rig, Predicate is_it) {
   bool any = false;
@@ -122,18 +112,6 @@ Response no_answer(const PreparedRecording& recording, const SimulationInput& in
   return response;
 }
 
-/// A rig whose parameters drift, as one that changes in small steps; no step where nothing drifts.
-RigVariation variation_of(const Rig& bare, const std::vector<PlacedFault>& faults, const PreparedRecording& recording,
-                          double period) {
-  if (!drifts(faults)) return {};
-  const auto length = static_cast<double>(std::max<std::size_t>(recording.size(), 1));
-  const double every = std::max(drift_refresh / period, length / drift_steps);
-  return {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(every))), [=](std::size_t k) {
-            const double middle = (static_cast<double>(k) + 0.5 * every) / length;
-            return drifted(bare, faults, std::min(middle, 1.0));
-          }};
-}
-
 /// The same rig with another machine.
 RigVariation moved_by(const RigVariation& variation, const std::vector<firmware::PlacedEffect>& machine) {
   if (variation.every == 0) return {};
@@ -148,8 +126,9 @@ Response true_channels(const Hypothesis& hypothesis, const PreparedRecording& re
   const SimulationInput& input = before ? before->input : read;
   const InitialState& start = before ? before->start : begin;
   const Rig bare = without_sensors(hypothesis.rig);
-  if (is_no_rig(bare, hypothesis.faults, input.period)) return no_answer(recording, input, samples);
-  const RigVariation variation = variation_of(bare, hypothesis.faults, recording, input.period);
+  const std::vector<PlacedFault> faults = hypothesis.all_faults();
+  if (is_no_rig(bare, faults, input.period)) return no_answer(recording, input, samples);
+  const RigVariation variation = variation_of(bare, faults, recording.size(), input.period);
   const int steps = steps_of(bare, input.period, resolution);
   Response response = simulate(bare, input, start, samples, steps, simulated_channels(bare, input), variation);
   if (recording.machine) {
@@ -178,9 +157,9 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
   std::vector<RigVariation> variations;
   std::vector<int> steps;  // 0: no rig
   for (const SimulatedRig& one : rigs) {
-    const std::vector<PlacedFault>& faults = one.hypothesis->faults;
+    const std::vector<PlacedFault> faults = one.hypothesis->all_faults();
     bare.push_back(without_sensors(one.hypothesis->rig));
-    variations.push_back(variation_of(bare.back(), faults, recording, one.input->period));
+    variations.push_back(variation_of(bare.back(), faults, recording.size(), one.input->period));
     const bool none = is_no_rig(bare.back(), faults, one.input->period);
     if (none) responses[steps.size()] = no_answer(recording, *one.input, samples);
     steps.push_back(none ? 0 : steps_of(bare.back(), one.input->period, resolution));
@@ -221,7 +200,8 @@ std::vector<Response> true_channels_of_each(const std::vector<SimulatedRig>& rig
 }
 
 bool is_altered(const Hypothesis& hypothesis, Channel channel) {
-  return has_sensor_effect(hypothesis.rig, channel) || alters(hypothesis.faults, channel);
+  return has_sensor_effect(hypothesis.rig, channel) || alters(hypothesis.faults, channel) ||
+         alters(hypothesis.recorder, channel);
 }
 
 bool has_sensor_effect(const Rig& rig, Channel channel) {
@@ -296,7 +276,7 @@ std::vector<double> through_all_but_hold(const Rig& rig, const PreparedRecording
 std::vector<double> readings_before_hold(const Hypothesis& hypothesis, const PreparedRecording& recording,
                                          Channel channel, const std::vector<double>& truth) {
   return through_all_but_hold(hypothesis.rig, recording, channel,
-                              before_filter_of_input(hypothesis.faults, channel, truth, recording.input.period));
+                              before_filter_of_input(hypothesis.all_faults(), channel, truth, recording.input.period));
 }
 
 std::vector<double> sensor_readings(const Hypothesis& hypothesis, const PreparedRecording& recording, Channel channel,
@@ -306,7 +286,7 @@ std::vector<double> sensor_readings(const Hypothesis& hypothesis, const Prepared
   if (!values.empty() && is_held(hypothesis.rig, recording, channel)) {
     values = held_values(values, *recording.renewals[c], hypothesis.clocks[c]);
   }
-  return with_faults(hypothesis.faults, channel, std::move(values), recording.input.period);
+  return with_faults(hypothesis.all_faults(), channel, std::move(values), recording.input.period);
 }
 
 Response read_channels(const Hypothesis& hypothesis, const PreparedRecording& recording, const SimulationInput& input,

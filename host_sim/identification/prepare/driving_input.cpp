@@ -65,7 +65,8 @@ SimulationInput driving_input(const model::RigParameters<double>& rig, const fir
 
 firmware::FootPointMotion motion_of(Channel channel, const std::vector<double>& samples, double period) {
   const bool integrated = channel == Channel::zdd_r || channel == Channel::zdd_w;
-  auto motion = firmware::through_samples(integrated ? twice_integrated(samples, period) : samples, 1.0 / period);
+  auto motion =
+      motion_between(channel == Channel::x_act, integrated ? twice_integrated(samples, period) : samples, 1.0 / period);
   if (integrated) {
     for (std::size_t k = 0; k < motion.size(); ++k) motion[k].acceleration = samples[k];
   }
