@@ -61,7 +61,8 @@ NoisyInput noisy_input(const PreparedRecording& recording, int realisation) {
     const double first = position.front(), rise = n > 1 ? position[1] - first : 0.0;
     for (std::size_t k = 0; k < n; ++k) position[k] -= first + rise * static_cast<double>(k);
   }
-  const firmware::FootPointMotion motion = motion_between(recording.input.deflection_reached, position, 1.0 / period);
+  const firmware::FootPointMotion motion =
+      motion_between(recording.input.channel == Channel::x_act, position, 1.0 / period);
   for (std::size_t k = 0; k < n; ++k) {
     noisy.input.motion[k].position += motion[k].position;
     noisy.input.motion[k].velocity += motion[k].velocity;
