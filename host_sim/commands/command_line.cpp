@@ -1,15 +1,21 @@
 #include "host_sim/commands/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 #include <new>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/run_stopped.hpp"
+#include "firmware/description/text/spelling.hpp"
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/channels_command.hpp"
+#include "host_sim/commands/commit.hpp"
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/compensation_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
@@ -42,15 +48,40 @@ int fail(firmware::ExitStatus status, std::string_view message) {
   return static_cast<int>(status);
 }
 
-/// Names the unknown command and lists the known ones. (CLI11 only says that a subcommand is required.)
+/// Names the unknown command and the one that was probably meant, or lists the known ones. (CLI11 only says that a
+/// subcommand is required.)
 void demand_command(const CLI::App& app, const std::string& word) {
-  std::string known;
+  if (word.starts_with('-')) return;
+  std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (word == command->get_name()) return;
-    known += (known.empty() ? "" : ", ") + command->get_name();
+    names.push_back(command->get_name());
   }
-  if (!word.starts_with('-'))
-    throw firmware::UsageError("unknown command " + firmware::in_quotes(word) + ", expected one of " + known);
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  if (std::find(known.begin(), known.end(), word) != known.end()) return;
+  throw firmware::UsageError(firmware::with_suggestion("unknown command", word, known) + ", expected one of " +
+                             firmware::listed(known));
+}
+
+/// `rigtwin help` and `rigtwin help COMMAND`.
+struct HelpOptions {
+  std::string command;
+};
+
+void add_help(CLI::App& app, HelpOptions& options) {
+  CLI::App* const help = app.add_subcommand("help", "Print the commands, or the options of one command");
+  help->add_option("command", options.command, "The command");
+  help->callback([&app, &options] {
+    if (options.command.empty()) {
+      std::fputs(app.help().c_str(), stdout);
+    } else {
+      demand_command(app, options.command);
+      std::fputs(app.get_subcommand(options.command)->help(app.get_name()).c_str(), stdout);
+    }
+  });
+}
+
+std::string version_text() {
+  return "rigtwin " + std::string(firmware::version) + (commit.empty() ? "" : " (" + std::string(commit) + ")");
 }
 
 }  // namespace
@@ -58,8 +89,10 @@ void demand_command(const CLI::App& app, const std::string& word) {
 int run_command_line(int argc, const char* const* argv) {
   remember_command_line(argc, argv);
   CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC", "rigtwin");
-  app.set_version_flag("--version", "rigtwin " + std::string(firmware::version));
+  app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
+  HelpOptions help_options;
+  add_help(app, help_options);
   SimulateOptions simulate_options;
   CompareOptions compare_options;
   add_simulate(app, simulate_options);
@@ -103,8 +136,12 @@ int run_command_line(int argc, const char* const* argv) {
   WatchOptions watch_options;
   add_watch(app, watch_options);
   try {
-    if (argc > 1) demand_command(app, argv[1]);
-    app.parse(argc, argv);
+    if (argc > 1) {
+      demand_command(app, argv[1]);
+      app.parse(argc, argv);
+    } else {
+      std::fputs(app.help().c_str(), stdout);
+    }
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       return fail(firmware::ExitStatus::cannot_write, unwritable_output);
     }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,57 @@ std::string bash_completion(const CLI::App& app) {
          "    *) COMPREPLY=($(compgen -f -- \"$word\")) ;;\n  esac\n}\ncomplete -o filenames -F _rigtwin rigtwin\n";
 }
 
+/// Text between single quotes of a shell: zsh and fish end a text at the next quote.
+std::string shell_quoted(const std::string& text) {
+  std::string safe = "'";
+  for (const char c : text) safe += c == '\'' ? "'\\''" : std::string(1, c);
+  return safe + "'";
+}
+
+/// Text of zsh's _arguments: a bracket would end an explanation, a colon begins the next part.
+std::string zsh_text(const std::string& text) {
+  std::string safe;
+  for (const char c : text) safe += (c == '[' || c == ']' || c == ':' || c == '\\' ? "\\" : "") + std::string(1, c);
+  return safe;
+}
+
+/// The function that zsh calls: commands with their explanations, then the options of the command and file names.
+std::string zsh_completion(const CLI::App& app) {
+  std::string names, cases;
+  for (const CLI::App* command : commands_of(app)) {
+    names += "    " + shell_quoted(zsh_text(command->get_name()) + ":" + command->get_description()) + "\n";
+    cases += "    " + command->get_name() + ") _arguments";
+    for (const CLI::Option* option : options_of(*command)) {
+      for (const std::string& name : option->get_lnames()) {
+        cases += " \\\n      " + shell_quoted("--" + name + "[" + zsh_text(option->get_description()) + "]" +
+                                              (option->get_type_size() == 0 ? "" : ":value:_files"));
+      }
+    }
+    cases += " \\\n      '*:file:_files' ;;\n";
+  }
+  return "#compdef rigtwin\nlocal -a commands\nif (( CURRENT == 2 )); then\n  commands=(\n" + names +
+         "  )\n  _describe command commands\nelse\n  local command=$words[2]\n  shift words\n  (( CURRENT-- ))\n"
+         "  case $command in\n" +
+         cases + "  esac\nfi\n";
+}
+
+/// What fish completes: commands while there is none, then the options of the command.
+std::string fish_completion(const CLI::App& app) {
+  std::string lines = "# fish completion for rigtwin\n";
+  for (const CLI::App* command : commands_of(app)) {
+    const std::string& name = command->get_name();
+    lines += "complete -c rigtwin -f -n __fish_use_subcommand -a " + name + " -d " +
+             shell_quoted(command->get_description()) + "\n";
+    for (const CLI::Option* option : options_of(*command)) {
+      for (const std::string& long_name : option->get_lnames()) {
+        lines += "complete -c rigtwin -n '__fish_seen_subcommand_from " + name + "' -l " + long_name +
+                 (option->get_type_size() == 0 ? "" : " -r") + " -d " + shell_quoted(option->get_description()) + "\n";
+      }
+    }
+  }
+  return lines;
+}
+
 /// Text as troff takes it: no command at the beginning of a line, hyphens that can be copied.
 std::string troff(const std::string& text) {
   std::string safe;
@@ -50,6 +102,27 @@ std::string troff(const std::string& text) {
     }
   }
   return safe.starts_with('.') || safe.starts_with('\'') ? "\\&" + safe : safe;
+}
+
+/// The first steps, as the manual begins.
+std::string examples() {
+  struct Example {
+    const char *words, *command;
+  };
+  constexpr Example all[] = {
+      {"Begin a description, with comments", "rigtwin init --kind quarter_car --out rig.toml"},
+      {"See a file of another program, and bring it in",
+       "rigtwin import measured.tdms --rig rig.toml --out record.csv"},
+      {"Compare a recording with the model, by channel and band", "rigtwin compare --rig rig.toml --data record.csv"},
+      {"Find what the model lacks; found/report.html shows it",
+       "rigtwin diagnose --rig rig.toml --data record.csv --out found"},
+      {"Is a loop with hardware stable at its delay?", "rigtwin stability --rig found/rig.toml"},
+      {"One minute of motorway through the simulated rig",
+       "rigtwin simulate --rig rig.toml --road iso8608:B --duration 60 --out run.csv"},
+  };
+  std::string text = ".SH EXAMPLES\n";
+  for (const Example& example : all) text += ".TP\n" + troff(example.words) + "\n.B " + troff(example.command) + "\n";
+  return text;
 }
 
 std::string man_page(const CLI::App& app) {
@@ -67,7 +140,7 @@ std::string man_page(const CLI::App& app) {
               (option->get_default_str().empty() ? "" : " (default: " + troff(option->get_default_str()) + ")") + "\n";
     }
   }
-  return page +
+  return page + examples() +
          ".SH EXIT STATUS\n.TP\n0\ndone\n.TP\n2\nwrong usage\n.TP\n3\nunreadable or unfit input: one line says file, "
          "line, "
          "what is wrong, what is expected\n.TP\n4\na result cannot be written\n.TP\n5\ninternal error\n.TP\n6\n"
@@ -96,17 +169,23 @@ nlohmann::ordered_json commands_json(const CLI::App& app) {
 }  // namespace
 
 void add_shell(CLI::App& app, ShellOptions& options) {
-  const auto add = [&](const char* name, const char* description, std::string (*text)(const CLI::App&)) {
+  const auto add = [&](const char* name, const char* description, const std::function<std::string()>& text) {
     CLI::App* command = app.add_subcommand(name, description);
     add_json_option(*command, options.json, "the commands and their options");
     command->callback([&app, &options, text] {
       if (!write_json(options.json, options.json.empty() ? nlohmann::ordered_json() : commands_json(app))) {
-        std::fputs(text(app).c_str(), stdout);
+        std::fputs(text().c_str(), stdout);
       }
     });
+    return command;
   };
-  add("completion", "Print the completion for bash: source <(rigtwin completion)", bash_completion);
-  add("manpage", "Print the manual page rigtwin(1): rigtwin manpage | man -l -", man_page);
+  CLI::App* const completion =
+      add("completion", "Print the completion for a shell: source <(rigtwin completion bash)", [&app, &options] {
+        if (options.shell == "zsh") return zsh_completion(app);
+        return options.shell == "fish" ? fish_completion(app) : bash_completion(app);
+      });
+  completion->add_option("shell", options.shell, "bash, zsh or fish")->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  add("manpage", "Print the manual page rigtwin(1): rigtwin manpage | man -l -", [&app] { return man_page(app); });
 }
 
 }  // namespace host_sim

@@ -10,6 +10,7 @@ class App;
 namespace host_sim {
 
 struct ShellOptions {
+  std::string shell = "bash";
   std::string json;  ///< all commands and options as JSON in place of the text; "-": standard output
 };
 

@@ -26,6 +26,7 @@ class ChapterReader {
     while (next(line)) take(line);
     if (block_begin_ > 0) fail_at(block_begin_, "begins a block that does not end", "``` on a line of its own");
     if (condition_) fail("ends inside of <!-- if", "<!-- end -->");
+    if (excerpt_) fail_at(chapter_.parts[*excerpt_].line, "has no excerpt", "a block ```text behind it");
     return std::move(chapter_);
   }
 
@@ -49,6 +50,7 @@ class ChapterReader {
     } else if (in_commands_) {
       chapter_.parts.back().text += std::string(line) + "\n";
     } else {
+      if (in_excerpt_ && line != "…") chapter_.parts[*excerpt_].expected.emplace_back(line);
       add_text(line);
     }
   }
@@ -66,7 +68,7 @@ class ChapterReader {
     } else if (line.starts_with(open)) {
       condition_ = known_.contains(name(open));
     } else if (line == "<!-- catalogue -->") {
-      if (condition_.value_or(true)) chapter_.parts.push_back({Part::Kind::catalogue, {}, number_, 0});
+      if (condition_.value_or(true)) chapter_.parts.push_back({.kind = Part::Kind::catalogue, .line = number_});
     } else {
       fail("is unknown", "<!-- if NAME -->, <!-- end --> or <!-- catalogue -->");
     }
@@ -75,18 +77,25 @@ class ChapterReader {
   void toggle_block(std::string_view line) {
     if (block_begin_ > 0) {
       if (!in_commands_) add_text(line);
+      if (in_excerpt_) excerpt_.reset();
       block_begin_ = 0;
-      in_commands_ = false;
+      in_commands_ = in_excerpt_ = false;
       return;
     }
     block_begin_ = number_;
     const std::string_view info = line.substr(fence.size());
     in_commands_ = info == "sh" || info.starts_with("sh ");
     if (!in_commands_) {
+      in_excerpt_ = excerpt_ && info == "text";
       add_text(line);
       return;
     }
-    chapter_.parts.push_back({Part::Kind::commands, {}, number_, lines_of(info.substr(2))});
+    if (excerpt_) fail("begins before the excerpt of the block above", "a block ```text");
+    Part part{.kind = Part::Kind::commands, .line = number_};
+    part.excerpt = info == "sh excerpt";
+    if (!part.excerpt) part.shown = lines_of(info.substr(2));
+    if (part.excerpt) excerpt_ = chapter_.parts.size();
+    chapter_.parts.push_back(std::move(part));
   }
 
   std::size_t lines_of(std::string_view option) {
@@ -98,12 +107,12 @@ class ChapterReader {
       const auto read = std::from_chars(option.data() + name.size(), end, lines);
       if (read.ec == std::errc() && read.ptr == end && lines > 0) return lines;
     }
-    fail("has an unknown option of a block", "```sh or ```sh lines=8");
+    fail("has an unknown option of a block", "```sh, ```sh lines=8 or ```sh excerpt");
   }
 
   void add_text(std::string_view line) {
     if (chapter_.parts.empty() || chapter_.parts.back().kind != Part::Kind::text) {
-      chapter_.parts.push_back({Part::Kind::text, {}, number_, 0});
+      chapter_.parts.push_back({.kind = Part::Kind::text, .line = number_});
     }
     chapter_.parts.back().text += std::string(line) + "\n";
   }
@@ -119,7 +128,9 @@ class ChapterReader {
   std::size_t number_ = 0;
   std::size_t block_begin_ = 0;  ///< line of the open block; 0: none
   bool in_commands_ = false;
-  std::optional<bool> condition_;  ///< of the open <!-- if; false: left out
+  bool in_excerpt_ = false;
+  std::optional<std::size_t> excerpt_;  ///< the part whose excerpt is still to come
+  std::optional<bool> condition_;       ///< of the open <!-- if; false: left out
 };
 
 /// The last heading of a text, without its marks.

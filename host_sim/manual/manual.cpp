@@ -3,7 +3,11 @@
 #include <md4c-html.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 
 #include "firmware/description/text/input_error.hpp"
@@ -110,10 +114,35 @@ void run_block(const Chapter& chapter, const Part& part, Workshop& workshop, Man
                                    part.text + " -> " + executed.ended.output,
                                "status 0");
   }
+  if (const std::string missing = missing_line(part.expected, executed.ended.output); !missing.empty()) {
+    throw firmware::InputError(chapter.file, part.line,
+                               "these commands do not print what is shown of them: " + executed.ended.output, missing);
+  }
   page.add_html("<pre class=\"run\">" + report::escaped(part.text) + "</pre>\n");
   const std::string shown = shown_output(executed.ended.output, part.shown);
-  if (!shown.empty()) page.add_html("<pre class=\"output\">" + report::escaped(shown) + "</pre>\n");
+  if (!part.excerpt && !shown.empty()) page.add_html("<pre class=\"output\">" + report::escaped(shown) + "</pre>\n");
   manual.executed.push_back(std::move(executed));
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream stream(line);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// The number in a word such as "(0.0099994", "12.84°" or "±2.5"; NaN where there is none.
+double number_in(const std::string& word) {
+  const std::size_t first = word.find_first_of("-0123456789");
+  if (first == std::string::npos) return std::nan("");
+  return std::strtod(word.c_str() + first, nullptr);
+}
+
+bool is_like(const std::string& shown, const std::string& printed) {
+  constexpr double rounding = 0.02;  // relative
+  const auto a = words_of(shown), b = words_of(printed);
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const std::string& left, const std::string& right) {
+    const double x = number_in(left), y = number_in(right);
+    return left == right || std::abs(x - y) <= rounding * std::abs(x);
+  });
 }
 
 void append(const MD_CHAR* text, MD_SIZE size, void* all) { static_cast<std::string*>(all)->append(text, size); }
@@ -141,6 +170,16 @@ std::string shown_output(const std::string& output, std::size_t lines) {
     end = std::min(output.find('\n', end), output.size() - 1) + 1;
   }
   return end < output.size() ? output.substr(0, end) + "…\n" : output;
+}
+
+std::string missing_line(const std::vector<std::string>& excerpt, const std::string& output) {
+  std::istringstream printed(output);
+  for (const std::string& shown : excerpt) {
+    bool found = false;
+    for (std::string line; !found && std::getline(printed, line);) found = is_like(shown, line);
+    if (!found) return shown;
+  }
+  return {};
 }
 
 Manual make_manual(const std::vector<Chapter>& chapters, Workshop& workshop,

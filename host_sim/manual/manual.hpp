@@ -25,9 +25,14 @@ struct Manual {
 };
 
 /// Runs the commands of all chapters in their order and writes the page. InputError, naming file and line of the
-/// block, where a block does not end with status 0. `pictures` stand at <!-- catalogue -->.
+/// block, where a block does not end with status 0 or does not print its excerpt. `pictures` stand at <!-- catalogue
+/// -->.
 [[nodiscard]] Manual make_manual(const std::vector<Chapter>& chapters, Workshop& workshop,
                                  const std::vector<EffectPicture>& pictures);
+
+/// The first line of an excerpt that the output does not hold behind the lines before it; empty: it holds all. Lines
+/// are compared word by word, numbers within 2 %: libraries of other Debian releases round differently.
+[[nodiscard]] std::string missing_line(const std::vector<std::string>& excerpt, const std::string& output);
 
 /// Markdown with tables as HTML, its headings one level lower; HTML in it is shown, not obeyed.
 [[nodiscard]] std::string markdown_html(const std::string& markdown);

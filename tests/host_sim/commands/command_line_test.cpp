@@ -81,10 +81,22 @@ TEST_F(CommandLine, HelpsOnRequest) {
   EXPECT_EQ(rigtwin({"--version"}).output.rfind("rigtwin ", 0), 0U);
 }
 
+// Whoever types the bare name wants to know what there is.
+TEST_F(CommandLine, HelpsWithoutAnOption) {
+  const std::string help = rigtwin({"--help"}).output;
+  for (const std::vector<std::string>& words : {std::vector<std::string>{}, {"help"}}) {
+    const Ended bare = rigtwin(words);
+    EXPECT_EQ(bare.status, 0);
+    EXPECT_EQ(bare.output, help);
+  }
+  EXPECT_EQ(rigtwin({"help", "simulate"}).output, rigtwin({"simulate", "--help"}).output);
+}
+
 TEST_F(CommandLine, RefusesWrongUsage) {
   const auto out = folder / "run.csv";
-  expect_refused({}, 2, "subcommand");
-  expect_refused({"simulat"}, 2, "unknown command 'simulat', expected one of simulate, compare");
+  expect_refused({"help", "simulat"}, 2, "unknown command 'simulat' (did you mean 'simulate'?)");
+  expect_refused({"simulat"}, 2,
+                 "unknown command 'simulat' (did you mean 'simulate'?), expected one of help, simulate, ");
   expect_refused({"simulate", "--out", out}, 2, "--rig");
   expect_refused({"simulate", "--rig", rig}, 2, "--out");
   expect_refused({"compare", "--rig", rig}, 2, "--data");

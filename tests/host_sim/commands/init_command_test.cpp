@@ -60,7 +60,24 @@ COMP_WORDS=(rigtwin sim) COMP_CWORD=1; _rigtwin; [ "${COMPREPLY[*]}" = simulate 
 COMP_WORDS=(rigtwin simulate --dur) COMP_CWORD=2; _rigtwin; [ "${COMPREPLY[*]}" = --duration ] || exit 1
 )");
   EXPECT_EQ(std::system(("bash '" + script.string() + "'").c_str()), 0);
+  EXPECT_EQ(rigtwin({"completion", "bash"}).output, completion.output);
+  EXPECT_NE(page.output.find(".SH EXAMPLES\n"), std::string::npos);
   EXPECT_EQ(page.output.rfind(".TH RIGTWIN 1", 0), 0U);
+}
+
+// Each shell gets every command and option in its own language; brackets and quotes in an explanation do not end it.
+TEST(Shell, CompletesInZshAndFish) {
+  const Ended zsh = rigtwin({"completion", "zsh"}), fish = rigtwin({"completion", "fish"});
+  ASSERT_EQ(zsh.status, 0) << zsh.errors;
+  ASSERT_EQ(fish.status, 0) << fish.errors;
+  EXPECT_EQ(zsh.output.rfind("#compdef rigtwin\n", 0), 0U);
+  for (const char* command : {"simulate", "diagnose", "sweep"}) {
+    EXPECT_NE(zsh.output.find("    '" + std::string(command) + ":"), std::string::npos) << command;
+    EXPECT_NE(fish.output.find("-a " + std::string(command) + " -d '"), std::string::npos) << command;
+  }
+  EXPECT_NE(zsh.output.find("'--duration["), std::string::npos);
+  EXPECT_NE(fish.output.find("'__fish_seen_subcommand_from simulate' -l duration -r -d '"), std::string::npos);
+  EXPECT_EQ(rigtwin({"completion", "tcsh"}).status, 2);
 }
 
 // --json - is the only thing on standard output, for a run that a script reads.

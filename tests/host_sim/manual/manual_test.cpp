@@ -82,6 +82,16 @@ TEST(ManualChapter, LeavesOutWhatIsNotThere) {
   EXPECT_THAT(with, Not(HasSubstr("simulated words")));
 }
 
+// The lines behind a block that are an excerpt of its output are text as well.
+TEST(ManualChapter, KnowsWhatABlockMustPrint) {
+  const Chapter chapter =
+      parse_chapter("# T\n```sh excerpt\ntrue\n```\n```text\none\n…\nthree\n```\n```text\nfour\n```\n", "c.md", {});
+  ASSERT_EQ(chapter.parts.size(), 2U);
+  EXPECT_TRUE(chapter.parts[0].excerpt);
+  EXPECT_THAT(chapter.parts[0].expected, testing::ElementsAre("one", "three"));
+  EXPECT_THAT(chapter.parts[1].text, HasSubstr("one\n…\nthree\n"));
+}
+
 // A misspelt directive would silently show both variants; a block without end would swallow the rest.
 TEST(ManualChapter, RefusesWhatItDoesNotUnderstand) {
   EXPECT_THAT(fault("words\n"), HasSubstr("chapter.md:1: does not begin with a title"));
@@ -92,6 +102,9 @@ TEST(ManualChapter, RefusesWhatItDoesNotUnderstand) {
   EXPECT_THAT(fault("# T\n\n```sh\ntrue\n"), HasSubstr("chapter.md:3: begins a block that does not end"));
   EXPECT_THAT(fault("# T\n```sh line=2\ntrue\n```\n"), HasSubstr("chapter.md:2: has an unknown option"));
   EXPECT_THAT(fault("# T\n```sh lines=0\ntrue\n```\n"), HasSubstr("chapter.md:2: has an unknown option"));
+  EXPECT_THAT(fault("# T\n```sh excerpt\ntrue\n```\n"), HasSubstr("chapter.md:2: has no excerpt"));
+  EXPECT_THAT(fault("# T\n```sh excerpt\ntrue\n```\n```sh\ntrue\n```\n"),
+              HasSubstr("chapter.md:5: begins before the excerpt"));
 }
 
 TEST(ManualChapter, IsAScript) {
@@ -128,6 +141,37 @@ TEST(Manual, IsNotMadeOfCommandsThatFail) {
     EXPECT_THAT(error.what(), HasSubstr("bad.md:3: these commands end with status 3"));
     EXPECT_THAT(error.what(), Not(HasSubstr("-> later")));
   }
+}
+
+// What a chapter shows of an output is printed, in its order; else there is no manual.
+TEST(Manual, IsNotMadeOfExcerptsThatAreNotPrinted) {
+  Workshop shop = workshop();
+  const auto made = [&](const std::string& excerpt) {
+    return make_manual(
+        {parse_chapter(
+            "# T\n```sh excerpt\nprintf 'stable\\n  delay 12.7455 ms\\nend\\n'\n```\n```text\n" + excerpt + "```\n",
+            "c.md", {})},
+        shop, {});
+  };
+  EXPECT_THAT(made("stable\n…\nend\n").html, Not(HasSubstr("delay")));
+  try {
+    (void)made("end\nstable\n");
+    FAIL() << "accepted";
+  } catch (const firmware::InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("c.md:2: these commands do not print what is shown of them"));
+    EXPECT_THAT(error.what(), HasSubstr("expected stable"));
+  }
+}
+
+// Words are equal, numbers within 2 %; a sign or a unit more is another line.
+TEST(Manual, ComparesExcerptsByWordsAndNumbers) {
+  const std::string printed = "head\n  delay (0.0099994 … 12.84°\n  tail\n";
+  EXPECT_EQ(missing_line({"delay (0.0100 … 12.7°", "tail"}, printed), "");
+  EXPECT_EQ(missing_line({"delay (0.0103 … 12.84°"}, printed), "delay (0.0103 … 12.84°");
+  EXPECT_EQ(missing_line({"delay (-0.0099994 … 12.84°"}, printed), "delay (-0.0099994 … 12.84°");
+  EXPECT_EQ(missing_line({"delay (0.0099994 …"}, printed), "delay (0.0099994 …");
+  EXPECT_EQ(missing_line({"tail", "head"}, printed), "head");
+  EXPECT_EQ(missing_line({}, ""), "");
 }
 
 TEST(Manual, LeavesNoFolderBehind) {
