@@ -43,18 +43,17 @@ struct Supported {
 };
 /// What is said of the causes that left enters the result. Beside a law only what is open leaves: the others were fitted
 /// with it.
-Supported leave_out_unsupported(const firmware::RigDescription& description, const IdentificationProblem& problem,
-                                const IdentificationProblem& whole, const SearchSpace& space, SearchResult& found,
-                                Diagnosis& result) {
+Supported leave_out_unsupported(const IdentificationProblem& problem, const IdentificationProblem& whole,
+                                const SearchSpace& space, SearchResult& found, Diagnosis& result) {
   Supported supported{uncertainty(problem, space.suspects, found.best.fit), {}};
   const std::vector<Undetermined> open = leave_out_undetermined(problem, space, supported.known, found);
   const bool may_leave = found.best.fit.hypothesis.laws.empty() && left_by(problem, found.best.fit).any();
-  CauseSupport support = support_of_causes(description, problem, whole, space, may_leave, found);
+  CauseSupport support = support_of_causes(problem, whole, space, may_leave, found);
   for (const std::string& name : support.left_out) {
     result.remarks.push_back(name + " was left out: it raises the error on held-out data");
   }
   if (!open.empty() || !support.left_out.empty()) {
-    estimate_held_out_starts(found.best.fit.hypothesis, description, problem.samples());
+    estimate_held_out_starts(found.best.fit.hypothesis, problem.samples());
     supported.known = uncertainty(problem, space.suspects, found.best.fit);
   }
   result.undetermined = supported.known.undetermined;
@@ -302,7 +301,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   std::optional<IdentificationProblem> joined;
   const IdentificationProblem& whole = problem.is_apart() ? joined.emplace(problem.joined()) : problem;
   Diagnosis result;
-  const Supported supported = leave_out_unsupported(description, problem, whole, space, found, result);
+  const Supported supported = leave_out_unsupported(problem, whole, space, found, result);
   const Uncertainty& known = supported.known;
   const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
   result.relations = std::move(relations);

@@ -76,10 +76,9 @@ std::string words_of(const PlacedFault& fault) {
 
 }  // namespace
 
-double error_of_prediction(const firmware::RigDescription& description, const IdentificationProblem& problem,
-                           Hypothesis hypothesis) {
+double error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis) {
   if (!problem.has_held_out()) return pooled_error(problem, hypothesis);
-  estimate_held_out_starts(hypothesis, description, problem.samples());
+  estimate_held_out_starts(hypothesis, problem.samples());
   const std::vector<Response> readings = read_all(problem, hypothesis);
   double sum = 0.0, terms = 0.0;
   for (const model::Channel channel : problem.channels()) {
@@ -91,21 +90,20 @@ double error_of_prediction(const firmware::RigDescription& description, const Id
   return terms > 0.0 ? std::sqrt(sum / terms) : 0.0;
 }
 
-CauseSupport support_of_causes(const firmware::RigDescription& description, const IdentificationProblem& problem,
-                               const IdentificationProblem& whole, const SearchSpace& space, bool may_leave_out,
-                               SearchResult& found) {
+CauseSupport support_of_causes(const IdentificationProblem& problem, const IdentificationProblem& whole,
+                               const SearchSpace& space, bool may_leave_out, SearchResult& found) {
   CauseSupport support;
   while (true) {
     const std::size_t effects = found.best.effects.size();
     const std::size_t causes = effects + (may_leave_out ? found.best.faults().size() : 0);
     if (causes == 0) return support;
     const Reduction reduction(problem, space, found);
-    const double with = error_of_prediction(description, whole, found.best.fit.hypothesis);
+    const double with = error_of_prediction(whole, found.best.fit.hypothesis);
     std::vector<double> errors(causes);
     std::vector<CandidateModel> models(causes);
     for_all(causes, [&](std::size_t i) {
       models[i] = i < effects ? reduction.without_effect(found, i) : reduction.without_fault(found, i - effects);
-      errors[i] = error_of_prediction(description, whole, models[i].fit.hypothesis);
+      errors[i] = error_of_prediction(whole, models[i].fit.hypothesis);
       // A model that diverges without the cause cannot do without it.
       if (!std::isfinite(errors[i])) errors[i] = std::numeric_limits<double>::infinity();
     });

@@ -12,8 +12,7 @@ namespace host_sim::identification {
 /// Error over all channels on held-out data, or on the fitted windows where nothing is held out:
 ///
 ///   (1)  e = √ mean over channels of Σ(simulated − measured)²/Σ measured²
-[[nodiscard]] double error_of_prediction(const firmware::RigDescription& description,
-                                         const IdentificationProblem& problem, Hypothesis hypothesis);
+[[nodiscard]] double error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis);
 
 /// For each effect of a model the share of the error (1) that goes when it is added, e_i: of the model without it, all
 /// else refitted:
@@ -28,8 +27,7 @@ struct CauseSupport {
 /// thresholds::raises_error leave the model first, the worst before the others, all else refitted: what explains a
 /// recording and spoils the next one is no explanation. `whole`: the problem on which errors are judged, machine and
 /// component as one.
-[[nodiscard]] CauseSupport support_of_causes(const firmware::RigDescription& description,
-                                             const IdentificationProblem& problem, const IdentificationProblem& whole,
+[[nodiscard]] CauseSupport support_of_causes(const IdentificationProblem& problem, const IdentificationProblem& whole,
                                              const SearchSpace& space, bool may_leave_out, SearchResult& found);
 
 /// The causes of a model with a parameter whose 95 % interval reaches both of its bounds: nothing is known of its size,

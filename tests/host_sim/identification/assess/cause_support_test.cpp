@@ -34,10 +34,9 @@ TEST(CauseSupport, SharesTheErrorThatGoesWithACause) {
   Bench bench(sample::with_effect(sample::bench(), "coulomb_friction", {40.0}), 5.0);
   SearchResult found = found_with(bench, {firmware::find_effect("coulomb_friction"), std::nullopt, {30.0}}, 6);
   const auto error = [&](const CandidateModel& model) {
-    return error_of_prediction(sample::bench(), bench.problem, model.fit.hypothesis);
+    return error_of_prediction(bench.problem, model.fit.hypothesis);
   };
-  const auto shares =
-      support_of_causes(sample::bench(), bench.problem, bench.problem, bench.space, false, found).shares;
+  const auto shares = support_of_causes(bench.problem, bench.problem, bench.space, false, found).shares;
   ASSERT_EQ(shares.size(), 1U);
   EXPECT_NEAR(shares[0], 1.0 - error(found.best) / error(found.nothing), 1e-9);
   EXPECT_GT(shares[0], 0.05);
@@ -47,15 +46,13 @@ TEST(CauseSupport, SharesTheErrorThatGoesWithACause) {
 TEST(CauseSupport, LeavesOutWhatRaisesTheError) {
   Bench bench(sample::with_effect(sample::bench(), "coulomb_friction", {40.0}), 5.0);
   SearchResult worse = found_with(bench, {firmware::find_effect("sensor_gain"), Channel::F, {3.0}}, 0);
-  const auto left_out =
-      support_of_causes(sample::bench(), bench.problem, bench.problem, bench.space, true, worse).left_out;
+  const auto left_out = support_of_causes(bench.problem, bench.problem, bench.space, true, worse).left_out;
   ASSERT_EQ(left_out.size(), 1U);
   EXPECT_EQ(left_out[0], "sensor_gain of F");
   EXPECT_TRUE(worse.best.effects.empty());
   EXPECT_TRUE(worse.causes.empty());
   SearchResult better = found_with(bench, {firmware::find_effect("coulomb_friction"), std::nullopt, {30.0}}, 6);
-  const CauseSupport support =
-      support_of_causes(sample::bench(), bench.problem, bench.problem, bench.space, true, better);
+  const CauseSupport support = support_of_causes(bench.problem, bench.problem, bench.space, true, better);
   EXPECT_TRUE(support.left_out.empty());
   ASSERT_EQ(support.shares.size(), 1U);
   EXPECT_GT(support.shares[0], 0.05);
