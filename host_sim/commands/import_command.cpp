@@ -15,6 +15,7 @@
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/sample_checks.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/recording_files/import.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 
@@ -125,18 +126,6 @@ nlohmann::ordered_json listing_json(const FileListing& listing, const ImportOpti
   return json;
 }
 
-// The JSON to a file or to standard output; true: nothing else is printed.
-bool write_json(const ImportOptions& options, const nlohmann::ordered_json& json) {
-  if (!options.json) return false;
-  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  if (*options.json == "-") {
-    std::fputs(text.c_str(), stdout);
-    return true;
-  }
-  firmware::write_file(*options.json, text);
-  return false;
-}
-
 }  // namespace
 
 void import_recording(const ImportOptions& options) {
@@ -150,7 +139,7 @@ void import_recording(const ImportOptions& options) {
   if (!options.out) {
     if (options.write_channels) throw firmware::UsageError("--write-channels needs --out");
     const FileListing listing = list_file(options.file, context, options.choices);
-    if (!write_json(options, listing_json(listing, options))) print_listing(listing, options);
+    if (!write_json(options.json, listing_json(listing, options))) print_listing(listing, options);
     return;
   }
   Import import = import_file(options.file, context, options.choices);
@@ -168,7 +157,7 @@ void import_recording(const ImportOptions& options) {
     import.recording.comments.push_back("left out: " + firmware::in_quotes(one.name) + ": " + one.reason);
   write_recording(*options.out, import.recording);
   if (options.write_channels) firmware::write_file(*options.rig, description);
-  if (write_json(options, account_json(import, options))) return;
+  if (write_json(options.json, account_json(import, options))) return;
   print_account(import, options);
   std::printf("recording %s\n", options.out->c_str());
   if (options.write_channels) std::printf("channels  %s, table [channels]\n", options.rig->c_str());

@@ -28,7 +28,6 @@ namespace host_sim {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 using replicate::Replication;
 
 std::string read_text(const fs::path& file) {
@@ -42,7 +41,7 @@ std::string numbered(const char* what, std::size_t number, const char* ending = 
 }
 
 /// The folder of a new replication: absent, empty, or one of an earlier replication, which is replaced.
-void prepare_folder(const fs::path& folder) {
+void prepare_replication(const fs::path& folder) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
     throw firmware::OutputError(folder.string(), "is not a folder", "a folder, or the name of a new one");
@@ -79,12 +78,12 @@ Replication read_folder(const fs::path& folder) {
     throw firmware::InputError(folder.string(), 0, "holds no replication",
                                "a folder that rigtwin replicate --rig RIG.toml --target TARGET.csv --out made");
   }
-  json state;
+  nlohmann::json state;
   try {
-    state = json::parse(read_text(folder / "replicate.json"));
-    const json& settings = state.at("settings");
+    state = nlohmann::json::parse(read_text(folder / "replicate.json"));
+    const nlohmann::json& settings = state.at("settings");
     replicate::TargetRequest request;
-    for (const json& one : settings.at("channels")) {
+    for (const nlohmann::json& one : settings.at("channels")) {
       const auto channel = model::find_channel(one.at("channel").get<std::string>());
       if (!channel) throw std::runtime_error("a channel that is none");
       request.channels.emplace_back(*channel, one.at("weight").get<double>());
@@ -102,7 +101,7 @@ Replication read_folder(const fs::path& folder) {
     std::vector<firmware::Recording> runs;
     std::optional<firmware::RigDescription> refined;
     const model::Channel channel = replicate::drive_channel(replication.description().rig.kind);
-    for (const json& run : state.at("runs")) {
+    for (const nlohmann::json& run : state.at("runs")) {
       const std::string file = run.at("drive").get<std::string>();
       if (fs::path(file).filename() != file) throw std::runtime_error("a drive outside of the folder");
       const std::string hash = firmware::sha256(read_text(folder / file));
@@ -115,7 +114,7 @@ Replication read_folder(const fs::path& folder) {
       for (const auto& value : run.at("predicted_error"))
         result.predicted.push_back(value.is_number() ? value.get<double>() : 0.0);
       for (const auto& remark : run.at("remarks")) result.remarks.push_back(remark.get<std::string>());
-      const json& used = run.at("limits_used");
+      const nlohmann::json& used = run.at("limits_used");
       result.used = {used.at("stroke").get<double>(), used.at("speed").get<double>(),
                      used.at("acceleration").get<double>(), used.at("force").get<double>()};
       if (run.contains("predicted_error_without_limits")) {
@@ -133,7 +132,7 @@ Replication read_folder(const fs::path& folder) {
     // Remarks on a lost channel or a short run are made again.
     replication.restore(std::move(drives), std::move(results), std::move(runs), std::move(refined));
     return replication;
-  } catch (const json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     throw firmware::InputError((folder / "replicate.json").string(), 0, "is no result of rigtwin replicate",
                                "the file as it was written");
   } catch (const firmware::InputError&) {
@@ -222,7 +221,7 @@ void begin(const ReplicateOptions& options) {
   std::vector<firmware::Recording> events;
   for (const fs::path& file : options.target) events.push_back(read_recording(file, description.channels));
   Replication replication(description, request, events, options.goal);
-  prepare_folder(options.out);
+  prepare_replication(options.out);
   solve(replication);
   firmware::write_file(options.out / "rig.toml", firmware::format_rig(description));
   for (std::size_t e = 0; e < events.size(); ++e) {
