@@ -7,6 +7,7 @@
 #include "model/rig_model.hpp"
 #include "tests/support/reference_parameters.hpp"
 
+namespace foot_machine_test {
 namespace {
 
 using model::Channel;
@@ -104,3 +105,4 @@ TEST(FootMachine, IsAbsentWithoutEffects) {
 }
 
 }  // namespace
+}  // namespace foot_machine_test

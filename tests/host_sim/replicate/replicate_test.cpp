@@ -102,8 +102,10 @@ Recording target_of(const RigDescription& truth, const std::vector<Channel>& cha
 Recording run_of(const Replication& replication, const RigDescription& truth, std::uint64_t seed = 0) {
   const auto& drive = replication.drives().back().values;
   const Channel command = replicate::drive_channel(truth.rig.kind);
-  const auto input =
-      host_sim::SimulationInput{.period = 1e-3, .motion = firmware::through_samples(drive, 1000.0), .channel = command};
+  host_sim::SimulationInput input;
+  input.period = 1e-3;
+  input.motion = firmware::through_samples(drive, 1000.0);
+  input.channel = command;
   const auto channels = host_sim::response_channels(truth.rig.kind, input);
   const replicate::DriveModel model(truth, channels);
   const auto answer = model.answer(drive);

@@ -12,6 +12,7 @@
 namespace {
 
 using namespace host_sim::identification;
+using host_sim::identification::Power;
 
 /// (1) of evidence.hpp.
 double left_with(double power, double count, double directions, double s) {

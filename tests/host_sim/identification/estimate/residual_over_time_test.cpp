@@ -14,6 +14,7 @@
 namespace {
 
 using namespace host_sim::identification;
+using host_sim::identification::Power;
 using model::Channel;
 
 /// The bench as described, with something added to F: what the described rig leaves.
