@@ -64,9 +64,9 @@ void expect_equal(const std::vector<double>& read, const std::vector<double>& wr
   }
 }
 
-class RoundTrip : public testing::TestWithParam<Format> {};
+class FormatRoundTrip : public testing::TestWithParam<Format> {};
 
-TEST_P(RoundTrip, KeepsValuesNamesAndUnits) {
+TEST_P(FormatRoundTrip, KeepsValuesNamesAndUnits) {
   const auto& [ending, relative] = GetParam();
   for (unsigned seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -93,7 +93,7 @@ TEST_P(RoundTrip, KeepsValuesNamesAndUnits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(In, RoundTrip,
+INSTANTIATE_TEST_SUITE_P(In, FormatRoundTrip,
                          testing::Values(Format{".csv", 0.0}, Format{".tsv", 0.0}, Format{".de.csv", 0.0},
                                          Format{".uff", 1e-12}, Format{".rsp", 6e-8}, Format{".mf4", 0.0},
                                          Format{".mat", 0.0}),
