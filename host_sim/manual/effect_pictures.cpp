@@ -30,9 +30,9 @@ constexpr double run_duration = 8.0, window_begin = 4.0, window_length = 1.5;  /
 // An effect that does nothing on the road is shown on this many times the road (the wheel must lift off), with limits
 // of cylinder and sensors out of the way.
 constexpr double rougher = 4.0;
-constexpr double wide_stroke = 2.0, wide_speed = 10.0;  // [m], [m/s]
-constexpr double no_change = 1e-3;                      // rms of the change ÷ rms
-constexpr std::size_t longest_curve = 260;              // points of a curve
+constexpr double wide_stroke = 2.0, wide_speed = 10.0, wide_force = 1e6;  // [m], [m/s], [N]
+constexpr double no_change = 1e-3;                                        // rms of the change ÷ rms
+constexpr std::size_t longest_curve = 260;                                // points of a curve
 
 /// A road and the run of a rig over it without effects.
 struct Drive {
@@ -83,6 +83,7 @@ PlainRig plain_rig(const std::filesystem::path& folder, const char* file) {
   description.range = {};
   description.controller.stroke = wide_stroke;
   description.controller.speed = wide_speed;
+  description.controller.force = wide_force;
   rig.drives.push_back({"", motion, drive(description, motion)});
   identification::scale(motion, rougher);
   rig.drives.push_back(

@@ -129,7 +129,11 @@ TEST_F(Written, BringsLimitsUnitsAndHistogramsWithItsSetup) {
 
 TEST_F(Written, SaysWhyTheSessionEnds) {
   const json object = json::parse(writer().end(hal::Time{-1'500'000'000}, {9, 0}, "a signal to \"stop\""));
-  EXPECT_EQ(object, (json{{"timestamp", -1.5}, {"sequence", 9}, {"lost", 0}, {"ended", "a signal to \"stop\""}}));
+  EXPECT_EQ(object, (json{{"timestamp", -1.5},
+                          {"sequence", 9},
+                          {"lost", 0},
+                          {"instance", "a.1@here"},
+                          {"ended", "a signal to \"stop\""}}));
 }
 
 }  // namespace

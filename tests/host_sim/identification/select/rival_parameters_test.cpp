@@ -38,8 +38,8 @@ TEST(RivalParameters, StandBesideAGainThatASofterSpringMayBe) {
   EXPECT_GT(found.effects[0].confidence, 0.99);
   const NamedEffect& gain = found.effects[1];
   EXPECT_EQ(gain.effect.entry->name, "sensor_gain");
-  ASSERT_EQ(parameters_among(gain.alternatives).size(), 1U) << sentence(found);
-  const ParameterValue spring = parameters_among(gain.alternatives)[0];
+  ASSERT_FALSE(parameters_among(gain.alternatives).empty()) << sentence(found);
+  const ParameterValue spring = parameters_among(gain.alternatives)[0];  // the nearest one stands first
   EXPECT_EQ(spring.path, "suspension.stiffness");
   EXPECT_NEAR(spring.value / truth.actual.at(spring.path), 1.0, 5e-3);
   EXPECT_LT(gain.alternatives[0].odds_against, thresholds::close_odds);
