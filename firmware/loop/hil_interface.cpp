@@ -82,10 +82,10 @@ hal::Command HilInterface::compensated(Compensation& compensation, const model::
 
 void HilInterface::note(Record& record, double commanded, bool in_run) const {
   if (!alive_) return;
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
   record.values = car_->signals(state_);
-  record.values[model::index(Channel::x_act)] = unknown;
-  record.values[model::index(Channel::F_act)] = unknown;
+  record.values[model::index(Channel::x_act)] = not_measured;
+  record.values[model::index(Channel::F_act)] = not_measured;
   const double wheel = state_.core(CoreIndex::wheel_velocity), body = state_.core(CoreIndex::body_velocity);
   record.velocities = {state_.foot_point.velocity, wheel, body, wheel - body};
   if (compensation_.get() != nullptr && in_run) {

@@ -752,7 +752,8 @@ TEST(RigController, ReplaysStopsAndLimits) {
             rows_of(TemporaryFolder::read(folder / "run.csv")));
 }
 
-// What the operator did is replayed as well: a level before the start and during the run, hold, resume, stop.
+// What the operator did is replayed as well: a level before the start and during the run, hold, resume, stop. A level changes with the
+// reference, so it comes to rest before the hold.
 TEST(RigController, ReplaysLevelAndHold) {
   Operated rig;
   ASSERT_TRUE(rig.running.says("waiting for the operator"));
@@ -762,9 +763,9 @@ TEST(RigController, ReplaysLevelAndHold) {
   EXPECT_EQ(rig.ask("start").status, 0);
   ASSERT_TRUE(rig.comes_to("running"));
   EXPECT_EQ(rig.ask("level 0.6").status, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   EXPECT_EQ(rig.ask("hold").status, 0);
   ASSERT_TRUE(rig.comes_to("holding"));
-  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   EXPECT_EQ(rig.ask("resume").status, 0);
   EXPECT_EQ(rig.ask("level 1.2").status, 0);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
