@@ -125,7 +125,7 @@ TEST(FindFault, RefusesEffectsWithoutAPlace) {
   const Change lift_off = [](Parameters& r) { r.effects.add(model::TyreLiftOff<double>{}); };
   const Change guide = [](Parameters& r) { r.effects.add(model::BodyGuideFriction<double>{5.0}); };
   const Change seal = [](Parameters& r) { r.effects.add(model::SealFriction<double>{5.0}); };
-  EXPECT_EQ(with(RigKind::quarter_car, delay), "") << "a machine moves the foot point";
+  EXPECT_EQ(with(RigKind::quarter_car, delay), "none") << "a machine moves the foot point";
   EXPECT_EQ(with(RigKind::hil, inertia), "force_sensor_inertia.");
   EXPECT_EQ(with(RigKind::component_bench, inertia), "force_sensor_inertia.");
   EXPECT_EQ(with(RigKind::component_bench, lift_off), "tyre_lift_off.");
