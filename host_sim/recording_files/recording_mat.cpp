@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -58,6 +59,9 @@ std::string variable_name(const std::string& name) {
   if (result.empty() || std::isalpha(static_cast<unsigned char>(result.front())) == 0) result.insert(0, "x");
   return result.substr(0, 48);
 }
+
+// A name of up to four letters stands in its tag, a longer one behind it, filled up to eight bytes.
+std::uint64_t bytes_of_name(std::string_view name) { return name.size() <= 4 ? 0 : (name.size() + 7) / 8 * 8; }
 
 bool is_hdf5_of_matlab(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -215,14 +219,14 @@ void write_recording_mat(const std::filesystem::path& path, const firmware::Reco
   MatFile file(Mat_CreateVer(output.temporary().c_str(), header.c_str(), MAT_FT_MAT5));
   require(file != nullptr);
 
-  std::size_t variables = 0;
+  std::vector<std::uint64_t> least;  // bytes of the numbers and letters of each variable
   const auto write = [&](std::string_view name, const std::vector<double>& numbers) {
     std::array<std::size_t, 2> shape{numbers.size(), 1};
     std::vector<double> data = numbers;  // matio does not promise to leave them alone
     const Variable variable(Mat_VarCreate(std::string(name).c_str(), MAT_C_DOUBLE, MAT_T_DOUBLE, 2, shape.data(),
                                           data.data(), MAT_F_DONT_COPY_DATA));
     require(variable != nullptr && Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_NONE) == 0);
-    ++variables;
+    least.push_back(8 * numbers.size() + bytes_of_name(name));
   };
   const auto write_text = [&](const std::string& name, const std::string& text) {
     std::array<std::size_t, 2> shape{1, text.size()};
@@ -230,7 +234,7 @@ void write_recording_mat(const std::filesystem::path& path, const firmware::Reco
     const Variable variable(
         Mat_VarCreate(name.c_str(), MAT_C_CHAR, MAT_T_UTF8, 2, shape.data(), data.data(), MAT_F_DONT_COPY_DATA));
     require(variable != nullptr && Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_NONE) == 0);
-    ++variables;
+    least.push_back((text.size() <= 4 ? 0 : text.size()) + bytes_of_name(name));
   };
   for (firmware::Quantity q = 0; q < firmware::quantity_count; ++q) {
     if (!values(recording, q).empty()) write(firmware::quantity_name(q), values(recording, q));
@@ -245,9 +249,13 @@ void write_recording_mat(const std::filesystem::path& path, const firmware::Reco
     if (!extra.unit.empty()) write_text(name + "_unit", extra.unit);
   }
 
-  // matio does not report a failed write; the elements show it: as many as were written, the last ends with the file.
+  // matio does not report a failed write, and then notes the size that it has reached: an element is too small for its
+  // numbers behind flags, shape and tags of 8 + 16 + 16 + 8 + 8 bytes.
   require(Mat_Close(file.release()) == 0);
-  require(count_matlab_elements(output.temporary()) == variables);
+  constexpr std::uint64_t around = 56;
+  const std::vector<std::uint64_t> sizes = matlab_element_sizes(output.temporary());
+  require(std::equal(sizes.begin(), sizes.end(), least.begin(), least.end(),
+                     [](std::uint64_t size, std::uint64_t bytes) { return size >= bytes + around; }));
   output.commit();
 }
 

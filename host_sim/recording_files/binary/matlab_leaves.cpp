@@ -356,13 +356,17 @@ std::vector<Leaf> read_matlab_leaves(const std::filesystem::path& file) {
   return std::move(result.leaves);
 }
 
-std::size_t count_matlab_elements(const std::filesystem::path& file) {
+std::vector<std::uint64_t> matlab_element_sizes(const std::filesystem::path& file) {
+  std::vector<std::uint64_t> sizes;
   try {
     const std::optional<std::vector<MatElement>> elements = list_elements(file, file.string());
-    return elements ? elements->size() : 0;
+    for (const MatElement& element : elements ? *elements : std::vector<MatElement>{}) {
+      sizes.push_back(element.end - element.begin);
+    }
   } catch (const firmware::InputError&) {
-    return 0;
+    sizes.clear();
   }
+  return sizes;
 }
 
 bool is_matlab_4(std::string_view head) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -19,8 +20,8 @@ namespace host_sim {
 /// text.
 [[nodiscard]] std::vector<Leaf> read_matlab_leaves(const std::filesystem::path& file);
 
-/// The number of variables of a MATLAB 5 file that is whole; 0: it is not whole, or none.
-[[nodiscard]] std::size_t count_matlab_elements(const std::filesystem::path& file);
+/// The bytes of each element of a MATLAB 5 file, in their order; none where the file is no such file or breaks off.
+[[nodiscard]] std::vector<std::uint64_t> matlab_element_sizes(const std::filesystem::path& file);
 
 /// Whether a file begins as one of MATLAB 4 does, and its matrices. InputError: it is cut off or damaged.
 [[nodiscard]] bool is_matlab_4(std::string_view head);
