@@ -62,22 +62,14 @@ void demand_command(const CLI::App& app, const std::string& word) {
                              firmware::listed(known));
 }
 
-/// `rigtwin help` and `rigtwin help COMMAND`.
-struct HelpOptions {
-  std::string command;
-};
-
-void add_help(CLI::App& app, HelpOptions& options) {
-  CLI::App* const help = app.add_subcommand("help", "Print the commands, or the options of one command");
-  help->add_option("command", options.command, "The command");
-  help->callback([&app, &options] {
-    if (options.command.empty()) {
-      std::fputs(app.help().c_str(), stdout);
-    } else {
-      demand_command(app, options.command);
-      std::fputs(app.get_subcommand(options.command)->help(app.get_name()).c_str(), stdout);
-    }
-  });
+/// `rigtwin`, `rigtwin help` and `rigtwin help COMMAND`.
+void print_help(const CLI::App& app, const std::string& command) {
+  if (command.empty()) {
+    std::fputs(app.help().c_str(), stdout);
+  } else {
+    demand_command(app, command);
+    std::fputs(app.get_subcommand(command)->help(app.get_name()).c_str(), stdout);
+  }
 }
 
 std::string version_text() {
@@ -91,8 +83,6 @@ int run_command_line(int argc, const char* const* argv) {
   CLI::App app("rigtwin: one model of a suspension rig, on the rig's controller and on the PC", "rigtwin");
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
-  HelpOptions help_options;
-  add_help(app, help_options);
   SimulateOptions simulate_options;
   CompareOptions compare_options;
   add_simulate(app, simulate_options);
@@ -136,11 +126,11 @@ int run_command_line(int argc, const char* const* argv) {
   WatchOptions watch_options;
   add_watch(app, watch_options);
   try {
-    if (argc > 1) {
+    if (argc < 2 || std::string_view(argv[1]) == "help") {
+      print_help(app, argc > 2 ? argv[2] : "");
+    } else {
       demand_command(app, argv[1]);
       app.parse(argc, argv);
-    } else {
-      std::fputs(app.help().c_str(), stdout);
     }
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       return fail(firmware::ExitStatus::cannot_write, unwritable_output);

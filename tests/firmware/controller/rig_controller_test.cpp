@@ -768,7 +768,7 @@ TEST(RigController, ReplaysLevelAndHold) {
   ASSERT_TRUE(rig.comes_to("holding"));
   EXPECT_EQ(rig.ask("resume").status, 0);
   EXPECT_EQ(rig.ask("level 1.2").status, 0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));  // the reference is under way again after a second
   EXPECT_EQ(rig.ask("stop").status, 0);
   ASSERT_TRUE(rig.comes_to("safe"));
   ::kill(rig.running.program.id(), SIGTERM);

@@ -95,8 +95,7 @@ TEST_F(CommandLine, HelpsWithoutAnOption) {
 TEST_F(CommandLine, RefusesWrongUsage) {
   const auto out = folder / "run.csv";
   expect_refused({"help", "simulat"}, 2, "unknown command 'simulat' (did you mean 'simulate'?)");
-  expect_refused({"simulat"}, 2,
-                 "unknown command 'simulat' (did you mean 'simulate'?), expected one of help, simulate, ");
+  expect_refused({"simulat"}, 2, "unknown command 'simulat' (did you mean 'simulate'?), expected one of simulate, ");
   expect_refused({"simulate", "--out", out}, 2, "--rig");
   expect_refused({"simulate", "--rig", rig}, 2, "--out");
   expect_refused({"compare", "--rig", rig}, 2, "--data");
@@ -146,15 +145,17 @@ TEST_F(CommandLine, RefusesRecordingsThatDoNotFit) {
   expect_recording_refused(with(good, "z_r,", "z_x,"), "z_r");
   expect_recording_refused(with(good, ",F\n", ",G\n"), "nothing is measured that a hil answers with");
   // Single samples and rows are left out, with their line; of 40 rows three are too many.
-  const auto lame = folder.write("lame.csv", with(good, "0.007,-0.001", "0.007,nan")).string();
-  EXPECT_NE(rigtwin({"compare", "--rig", rig, "--data", lame})
-                .output.find("1 row is missing or incomplete and not used, "
-                             "the first at line 9"),
-            std::string::npos);
+  for (const char* none : {"0.007,nan", "0.007,inf"}) {
+    const auto lame = folder.write("lame.csv", with(good, "0.007,-0.001", none)).string();
+    EXPECT_NE(rigtwin({"compare", "--rig", rig, "--data", lame})
+                  .output.find("1 row is missing or incomplete and not used, "
+                               "the first at line 9"),
+              std::string::npos)
+        << none;
+  }
   std::string lamer = good;
   for (const char* t : {"0.007,", "0.008,", "0.009,"}) lamer = with(lamer, t, std::string(t) + "nan");
   expect_recording_refused(lamer, "bad.csv:9: ");
-  expect_recording_refused(with(good, "0.007,-0.001", "0.007,inf"), "bad.csv:9: ");
   expect_recording_refused(with(good, "0.007,-0.001,7", "0.007,-0.001"), "bad.csv:9: ");
   expect_recording_refused(with(good, "0.007,", "0.005,"), "bad.csv:9: ");
   expect_recording_refused("", "bad.csv");

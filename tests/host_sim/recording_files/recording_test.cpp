@@ -251,7 +251,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"z_r,F\n0,1\n1,2\n", "REC.csv:1: there is no column t, expected a first column t, in seconds"},
         BadFile{"t,force\n0,1\n1,2\n",
                 "REC.csv:1: no column is a known channel, expected one or more of z_r, z_w, z_b, zdd_r, zdd_w, zdd_b, "
-                "dz_w, dz_b, F_w, x_cmd, x_act, F, F_act, duct_1 … duct_6"},
+                "dz_w, dz_b, F_w, x_cmd, x_act, F, F_act, z_cmd, duct_1 … duct_6"},
         BadFile{"t,F,F\n0,1,2\n1,2,3\n", "REC.csv:1: two columns are called 'F', expected one"},
         BadFile{"t,F,F [N]\n0,1,2\n1,2,3\n", "REC.csv:1: two columns are called 'F', expected one"},
         BadFile{"t,F,duct_1\n0,1,0.5\n1,2,1\n", "REC.csv:2: duct_1 is 0.5, expected 1 (open) or 0 (closed)"},
