@@ -768,7 +768,8 @@ TEST(RigController, ReplaysLevelAndHold) {
   ASSERT_TRUE(rig.comes_to("holding"));
   EXPECT_EQ(rig.ask("resume").status, 0);
   EXPECT_EQ(rig.ask("level 1.2").status, 0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(1000));  // the reference is under way again after a second
+  std::this_thread::sleep_for(
+      std::chrono::milliseconds(1500));  // it begins when the reference is under way, after a second
   EXPECT_EQ(rig.ask("stop").status, 0);
   ASSERT_TRUE(rig.comes_to("safe"));
   ::kill(rig.running.program.id(), SIGTERM);
