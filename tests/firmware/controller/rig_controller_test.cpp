@@ -766,6 +766,7 @@ TEST(RigController, ReplaysLevelAndHold) {
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   EXPECT_EQ(rig.ask("hold").status, 0);
   ASSERT_TRUE(rig.comes_to("holding"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   EXPECT_EQ(rig.ask("resume").status, 0);
   EXPECT_EQ(rig.ask("level 1.2").status, 0);
   std::this_thread::sleep_for(
