@@ -75,12 +75,12 @@ RunRecord read_run(const firmware::RigDescription& description, const Target& ta
   const auto last = static_cast<std::ptrdiff_t>(recording.size()) - *place;
   run.samples = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(last, 0, static_cast<std::ptrdiff_t>(size)));
   const Part first = target.events.front();
-  if (run.samples < first.from + (first.to - first.from) / 2) {
+  const std::size_t half = first.from + (first.to - first.from) / 2;
+  if (run.samples < half) {
     throw firmware::InputError(
         recording.source, 0,
         formatted("the run was cut short after %.3g s", static_cast<double>(run.samples) * target.period),
-        formatted("half of the first event of the target at least, %.3g s",
-                  static_cast<double>(first.from + (first.to - first.from) / 2) * target.period));
+        formatted("half of the first event of the target at least, %.3g s", static_cast<double>(half) * target.period));
   }
   if (run.samples < target.events.back().to) {
     run.remarks.push_back(formatted("the run was cut short after %.4g of %.4g s: only that is judged and corrected",

@@ -70,11 +70,11 @@ class Iteration {
     best_cost_ = INFINITY;
     double at_stop = INFINITY;
     int waiting = 0;
-    for (int round = 0; round < most; ++round, ++rounds_) {
+    for (int round = 0; round < most; ++round, ++rounds) {
       evaluate(rig);
       if (cost_ < best_cost_) {
-        best_ = drive_;
-        best_answer_ = answer_;
+        best = drive;
+        best_answer = answer_;
         best_cost_ = cost_;
       }
       if (progress) progress(static_cast<double>(round) / most, std::sqrt(cost_));
@@ -87,17 +87,17 @@ class Iteration {
       if (std::sqrt(best_cost_) < thresholds::exact) break;
       if (round + 1 < most) step();
     }
-    drive_ = best_;
+    drive = best;
   }
 
-  std::vector<double> drive_;
-  DriveModel::Answer best_answer_;
-  std::vector<double> best_;
-  int rounds_ = 0;
+  std::vector<double> drive;
+  DriveModel::Answer best_answer;
+  std::vector<double> best;
+  int rounds = 0;
 
  private:
   void evaluate(const model::RigParameters<double>& rig) {
-    answer_ = model_.answer(rig, drive_);
+    answer_ = model_.answer(rig, drive);
     Signals error(answer_.size());
     cost_ = 0.0;
     for (std::size_t c = 0; c < answer_.size(); ++c) {
@@ -109,16 +109,16 @@ class Iteration {
     }
     if (!std::isfinite(cost_)) cost_ = INFINITY;
     if (has_last_ && std::isfinite(cost_)) {
-      Secant secant{drive_, error};
-      for (std::size_t k = 0; k < drive_.size(); ++k) secant.drive[k] -= last_drive_[k];
+      Secant secant{drive, error};
+      for (std::size_t k = 0; k < drive.size(); ++k) secant.drive[k] -= last_drive_[k];
       for (std::size_t c = 0; c < error.size(); ++c) {
-        for (std::size_t k = 0; k < drive_.size(); ++k) secant.error[c][k] -= error_[c][k];
+        for (std::size_t k = 0; k < drive.size(); ++k) secant.error[c][k] -= error_[c][k];
       }
       secants_.push_back(std::move(secant));
       if (secants_.size() > thresholds::secants) secants_.pop_front();
     }
     error_ = std::move(error);
-    last_drive_ = drive_;
+    last_drive_ = drive;
     has_last_ = true;
     judge_pieces();
   }
@@ -142,8 +142,8 @@ class Iteration {
       state.damping = better ? std::min(1.0, 1.5 * state.damping) : state.damping;
       state.failures = 0;
       state.cost = cost;
-      state.drive.assign(drive_.begin() + static_cast<std::ptrdiff_t>(part.from),
-                         drive_.begin() + static_cast<std::ptrdiff_t>(part.to));
+      state.drive.assign(drive.begin() + static_cast<std::ptrdiff_t>(part.from),
+                         drive.begin() + static_cast<std::ptrdiff_t>(part.to));
       state.error.resize(error_.size());
       for (std::size_t c = 0; c < error_.size(); ++c) {
         state.error[c].assign(error_[c].begin() + static_cast<std::ptrdiff_t>(part.from),
@@ -153,8 +153,8 @@ class Iteration {
   }
 
   void step() {
-    Signals left(error_.size(), std::vector<double>(drive_.size(), 0.0));
-    std::vector<double> next(drive_.size(), 0.0);
+    Signals left(error_.size(), std::vector<double>(drive.size(), 0.0));
+    std::vector<double> next(drive.size(), 0.0);
     const auto m = static_cast<Eigen::Index>(secants_.size());
     for (std::size_t j = 0; j < pieces_.count(); ++j) {
       const Part part = pieces_.part(j);
@@ -180,8 +180,8 @@ class Iteration {
       }
     }
     const std::vector<double> correction = inverse_.drive(left);
-    for (std::size_t k = 0; k < drive_.size(); ++k) drive_[k] = next[k] + correction[k];
-    if (limits_ != nullptr) drive_ = (*limits_)(std::move(drive_));
+    for (std::size_t k = 0; k < drive.size(); ++k) drive[k] = next[k] + correction[k];
+    if (limits_ != nullptr) drive = (*limits_)(std::move(drive));
   }
 
   /// γ of (2). Secants differ in size by orders of magnitude: each is scaled to one, the ridge is relative to that.
@@ -246,16 +246,16 @@ Solution solve(const DriveModel& model, const Target& target, const BandInverse&
   std::vector<double> start = input.start.empty() ? inverse.drive(wanted) : input.start;
   LimitProjection projection(inverse, limits, target.period);
   Iteration iteration(model, target, inverse, &projection, input.offset);
-  iteration.drive_ = projection(start);
+  iteration.drive = projection(start);
   if (input.start.empty() && has_corners(model.rig())) {
     for (const double share : thresholds::corner_shares)
       iteration.run(share, thresholds::rounds_of_share, thresholds::patience, progress);
   }
   iteration.run(1.0, thresholds::most_rounds, thresholds::patience, progress);
   Solution solution;
-  solution.drive = iteration.best_;
-  solution.answer = iteration.best_answer_;
-  solution.rounds = iteration.rounds_;
+  solution.drive = iteration.best;
+  solution.answer = iteration.best_answer;
+  solution.rounds = iteration.rounds;
   solution.error = errors_of(target, inverse, solution.answer, input.offset);
   solution.used = limits_used(solution.drive, target.period, limits);
   const model::Channel force =
@@ -265,9 +265,9 @@ Solution solve(const DriveModel& model, const Target& target, const BandInverse&
     solution.used.force = std::max(solution.used.force, std::abs(f) / limits.force);
   if (projection.acted()) {
     Iteration free(model, target, inverse, nullptr, input.offset);
-    free.drive_ = std::move(start);
+    free.drive = std::move(start);
     free.run(1.0, thresholds::most_rounds, thresholds::patience, {});
-    solution.error_unlimited = errors_of(target, inverse, free.best_answer_, input.offset);
+    solution.error_unlimited = errors_of(target, inverse, free.best_answer, input.offset);
   }
   return solution;
 }
