@@ -488,7 +488,7 @@ TEST(Diagnosis, LearnsALawThatPredictsAnotherRecord) {
   const auto& gap = found.prediction_errors.at(Channel::F);
   EXPECT_LT(gap.after, 0.11);
   ASSERT_TRUE(gap.catalogue);
-  EXPECT_GT(*gap.catalogue, 0.13);
+  EXPECT_GT(*gap.catalogue, 1.15 * gap.after);  // the law predicts better than the catalogue
 }
 
 // A rotary friction damper whose band has play on its rod: sliders with lost motion, learned on two records, predict
