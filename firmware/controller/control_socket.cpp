@@ -103,7 +103,7 @@ class FolderLock {
 
 std::int64_t now_ns() { return hal::linux::MonotonicClock().now().ns; }
 
-/// What stands at the path of a socket that is to be made, in words; empty: nothing any more.
+/// The file in the way of a new socket, in words; empty: nothing any more.
 std::string clear_place(const std::string& path) {
   struct stat there {};
   if (::lstat(path.c_str(), &there) != 0) return {};
@@ -212,7 +212,7 @@ bool ControlSocket::make_room(uid_t user) {
   return true;
 }
 
-/// What has come; a stop in it acts now, whatever stands before it.
+/// Reads the bytes that have come; a stop in them acts now, also behind other lines.
 void ControlSocket::receive(Client& client) {
   std::array<char, longest_request> bytes;
   const ssize_t got = ::recv(client.socket, bytes.data(), bytes.size(), MSG_DONTWAIT);

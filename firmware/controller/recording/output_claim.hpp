@@ -12,7 +12,7 @@ namespace firmware::controller {
 /// Every file that a run reads: description, its tables, road, programme with its roads, recording to replay.
 [[nodiscard]] std::vector<std::string> files_read(const Options& options, const RigDescription& rig);
 
-/// Whether a name leads to one of these files, by device and inode. A name that leads nowhere does not.
+/// True: the name leads to one of these files, by device and inode. A name that leads nowhere does not.
 [[nodiscard]] bool leads_to_one_of(const std::string& file, const std::vector<std::string>& others);
 
 /// An output that is to be replaced at the end of a run (--histogram). What is wrong, in one line; empty: nothing. A
@@ -31,7 +31,7 @@ struct ClaimedFile {
 /// are not followed, except below /dev and /proc, and to what is no file (a pipe, /dev/null); that is not locked.
 [[nodiscard]] ClaimedFile claim_file(const std::string& file, bool overwrite, const std::vector<std::string>& inputs);
 
-/// What is wrong with an output, in words, for such an errno.
+/// The fault of an output in words, by its errno.
 [[nodiscard]] std::string claim_trouble(const std::string& file, int error);
 
 /// Parts of an earlier recording of that name which exist: run-0002.csv for run.csv.
