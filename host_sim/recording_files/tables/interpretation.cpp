@@ -11,6 +11,7 @@
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/units.hpp"
 #include "firmware/recording/column_targets.hpp"
+#include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/tables/channel_guess.hpp"
 
 namespace host_sim {
