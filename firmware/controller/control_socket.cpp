@@ -339,6 +339,10 @@ std::string ControlSocket::answer(const Client& client) const {
   if (trouble.empty() && client.request == "acknowledge" && mode == Mode::safe) {
     trouble = "acknowledge is not taken: what is wrong lasts, the rig is safe";
   }
+  const std::string refused = parts_.refusals ? parts_.refusals() : std::string();
+  if (trouble.empty() && client.request == "arm" && mode == Mode::safe && !refused.empty()) {
+    trouble = "not armed, failed checks: " + refused;
+  }
   std::array<char, 64> position{};
   std::snprintf(position.data(), position.size(), "%.9g", progress.position.load());
   std::string json = std::string("{\"ok\": ") + truth(trouble.empty()) + ", \"command\": " + json_text(client.request);
@@ -348,6 +352,7 @@ std::string ControlSocket::answer(const Client& client) const {
           ", \"enabled\": " + truth(progress.enabled.load()) + ", \"at_rest\": " + truth(progress.at_rest.load()) +
           ", \"held\": " + truth(progress.held.load()) + ", \"command_m\": " + position.data() +
           ", \"periods\": " + std::to_string(progress.periods.load()) + ", \"instance\": " + json_text(parts_.instance);
+  if (!refused.empty()) json += ", \"failed_checks\": " + json_text(refused);
   if (parts_.publisher != nullptr) {
     json += ", \"published\": " + std::to_string(parts_.publisher->sent()) +
             ", \"publish_lost\": " + std::to_string(parts_.publisher->lost());

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,7 @@ class ControlSocket {
     double highest_level;        ///< of the command `level`, so that the run stays within the limits
     const Publisher* publisher;  ///< none: nothing is published
     std::string instance;
+    std::function<std::string()> refusals;  ///< all checks that the last arming has failed, in words
   };
   explicit ControlSocket(const Parts& parts) : parts_(parts) {}
   ControlSocket(const ControlSocket&) = delete;

@@ -113,10 +113,12 @@ Status Session::run() {
   }
   if (!open_recording()) return Status::cannot_write;
   if (!open_publisher(others)) return Status::refused;
-  recording_ = std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_,
-                                                 rig_.hardware.schedule.allowed_delay, tap_.get());
+  recording_ =
+      std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay,
+                                        tap_.get(), [this] { return refusals_text(loop_.refusals(), rig_); });
   socket_ = std::make_unique<ControlSocket>(
-      ControlSocket::Parts{loop_, *recording_, progress_, road_.highest_level(), publisher_.get(), instance_});
+      ControlSocket::Parts{loop_, *recording_, progress_, road_.highest_level(), publisher_.get(), instance_,
+                           [this] { return refusals_text(loop_.refusals(), rig_); }});
   if (!open_socket()) {
     static_cast<void>(recording_->finish(disk_patience));
     return Status::refused;
@@ -218,6 +220,7 @@ bool Session::open_publisher(const cpu_set_t& cpus) {
                                              instance_);
   writer_->describe_run(std::filesystem::path(options_.out).filename().string(),
                         options_.duration * static_cast<double>(options_.cycles));
+  writer_->describe_refusals([this] { return refusals_text(loop_.refusals(), rig_); });
   publisher_ = std::make_unique<Publisher>(cpus, *tap_, *writer_, *datagrams_, rig_.sample_rate);
   std::printf("publishing to %s, one period of %llu, as %s\n", options_.publish.c_str(),
               static_cast<unsigned long long>(tap_->every()), instance_.c_str());

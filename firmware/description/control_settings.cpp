@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "firmware/description/probe_response.hpp"
 #include "firmware/description/text/input_error.hpp"
 
 namespace firmware {
@@ -45,6 +46,9 @@ Arming arming_settings(const RigDescription& description) {
   if (arming.sway <= 0.0) arming.sway = 0.01 * control_settings(description).limits.force;
   if (arming.wander <= 0.0) arming.wander = 0.1 * arming.position_tolerance;
   if (description.rig.kind != model::RigKind::hil) arming.force_ramp = 0.0;
+  arming.allowed_gain = description.hardware.schedule.allowed_gain;
+  if (arming.allowed_gain > 0.0) arming.probe_stiffness = probe_stiffness(description, arming.probe_amplitude);
+  if (arming.probe_stiffness < 0.0) arming.probe_stiffness = 0.0;  // the sign is judged without it
   return arming;
 }
 

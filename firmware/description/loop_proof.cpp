@@ -100,6 +100,8 @@ std::string loop_text(const RigDescription& description) {
   // What `rigtwin stability` found, so that a number written by hand is none.
   const double allowed = copy.hardware.schedule.allowed_delay;
   if (allowed > 0.0) line("controller.allowed_delay", shortest(allowed));
+  const double gain = copy.hardware.schedule.allowed_gain;
+  if (gain > 0.0) line("controller.allowed_gain", shortest(gain));
   if (copy.compensation) {
     for (const auto& [key, value] : compensation_lines(*copy.compensation)) line("compensation." + key, value);
   }
@@ -110,7 +112,7 @@ std::string loop_text(const RigDescription& description) {
 
 std::string loop_fingerprint(const RigDescription& description) { return "sha256:" + sha256(loop_text(description)); }
 
-std::string with_loop_proof(std::string_view text, std::string_view source, double allowed_delay,
+std::string with_loop_proof(std::string_view text, std::string_view source, const LoopLimits& limits,
                             std::string_view fingerprint) {
   RigDescription wanted = parse_rig(text, source);
   std::vector<std::string> lines = split_lines(text);
@@ -125,11 +127,13 @@ std::string with_loop_proof(std::string_view text, std::string_view source, doub
   }
   if (lines[header].back() != '\n') lines[header] += line_end;
   set_key(lines, header, "proven", "\"" + std::string(fingerprint) + "\"", line_end);
-  set_key(lines, header, "allowed_delay", shortest(allowed_delay), line_end);
+  set_key(lines, header, "allowed_gain", shortest(limits.gain), line_end);
+  set_key(lines, header, "allowed_delay", shortest(limits.delay), line_end);
   std::string result;
   for (const std::string& line : lines) result += line;
 
-  wanted.hardware.schedule.allowed_delay = allowed_delay;
+  wanted.hardware.schedule.allowed_delay = limits.delay;
+  wanted.hardware.schedule.allowed_gain = limits.gain;
   wanted.hardware.schedule.proven = fingerprint;
   const std::string expected = "a table [controller] of its own, with one key a line";
   try {
@@ -154,6 +158,7 @@ MotionObjection stability_objection(const RigDescription& description) {
     return {"the loop has changed since it was found stable ([controller] proven): " + how, "controller.proven"};
   }
   if (schedule.allowed_delay == 0.0) return {"[controller] has no allowed_delay: " + how, "controller.allowed_delay"};
+  if (schedule.allowed_gain == 0.0) return {"[controller] has no allowed_gain: " + how, "controller.allowed_gain"};
   return {};
 }
 

@@ -9,16 +9,22 @@
 namespace firmware {
 
 /// Every number that enters the loop analysis, one "key = value" a line in a fixed order: rate, car, component,
-/// effects, laws, delay budget, compensation, valve plan; and the allowed delay that it found. Devices, limits, noise,
+/// effects, laws, delay budget, compensation, valve plan; and the allowed delay and gain that it found. Devices, limits, noise,
 /// ranges, tolerances and comments do not enter.
 [[nodiscard]] std::string loop_text(const RigDescription& description);
 
 /// "sha256:" and the SHA-256 of loop_text().
 [[nodiscard]] std::string loop_fingerprint(const RigDescription& description);
 
-/// The text of a description with [controller] allowed_delay and proven set; every other byte stays. Throws InputError
+/// What the analysis found the loop to bear beyond what is described.
+struct LoopLimits {
+  double delay = 0.0;  ///< of samples and computation [s]
+  double gain = 0.0;   ///< factor on the force
+};
+
+/// The text of a description with [controller] allowed_delay, allowed_gain and proven set; every other byte stays. Throws InputError
 /// where the text is not that of a description, or says [controller] in another form than a table of its own.
-[[nodiscard]] std::string with_loop_proof(std::string_view text, std::string_view source, double allowed_delay,
+[[nodiscard]] std::string with_loop_proof(std::string_view text, std::string_view source, const LoopLimits& limits,
                                           std::string_view fingerprint);
 
 /// Why the loop of a hil rig must not be closed on devices, nor with [compensation] on a simulated rig: no proof, or

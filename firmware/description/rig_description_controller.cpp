@@ -333,6 +333,8 @@ void read_hardware(DescriptionTable& top, const model::RigParameters<double>& ri
     if (controller->has("wake_early")) schedule.wake_early = controller->not_negative("wake_early");
     controller->number_in("allowed_delay", schedule.allowed_delay, 1e-6, 0.5,
                           "the longest sample age and computation in s, as rigtwin stability --write-limits writes it");
+    controller->number_in("allowed_gain", schedule.allowed_gain, 1.001, 100.0,
+                          "a factor on the force, as rigtwin stability --write-limits writes it");
     if (controller->has("proven")) schedule.proven = controller->text("proven");
     if (controller->has("socket")) schedule.socket = read_socket(*controller);
     controller->finish();

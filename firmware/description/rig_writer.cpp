@@ -214,6 +214,7 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   }
   if (schedule.wake_early != usual.wake_early) out.line("wake_early", real(schedule.wake_early));
   if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
+  if (schedule.allowed_gain > 0.0) out.line("allowed_gain", real(schedule.allowed_gain));
   if (!schedule.socket.empty()) out.line("socket", basic_string_of(schedule.socket));
   if (!schedule.proven.empty()) out.line("proven", basic_string_of(schedule.proven));
   if (hardware.gpio) {

@@ -13,10 +13,6 @@ std::uint64_t periods_of(double time, double period) {
 
 double size_of(double x) { return x < 0.0 ? -x : x; }
 
-Trip refusal(Reason reason, std::optional<model::Channel> channel, double value, double limit, hal::Time now) {
-  return {reason, channel, value, limit, now};
-}
-
 }  // namespace
 
 void ArmingChecks::Average::add(double value) {
@@ -51,7 +47,8 @@ void ArmingChecks::begin(double home, hal::Time now, bool known) {
   known_ = known || settings_.off_centre || settings_.probe_amplitude <= 0.0;
   since_ = now;
   tare_ = 0.0;
-  uu_ = ux_ = xx_ = xf_ = vf_ = 0.0;
+  uu_ = ux_ = xx_ = xf_ = uf_ = vf_ = wf_ = 0.0;
+  failures_ = 0;
   enter(Step::compare);
 }
 
@@ -63,85 +60,106 @@ void ArmingChecks::enter(Step step) {
 }
 
 std::optional<Trip> ArmingChecks::look(const Seen& seen) {
+  failures_ = 0;
   switch (step_) {
     case Step::compare:
-      return compare(seen);
+      compare(seen);
+      break;
     case Step::rest:
     case Step::tare:
-      return rest(seen);
+      rest(seen);
+      break;
     case Step::probe:
-      return probe(seen);
+      probe(seen);
+      break;
     case Step::back:
       if (back_.arrived()) {
         home_ = ramps_.rest;
         enter(Step::tare);
       }
-      return away(seen, settings_.position_tolerance);
+      judge_distance(seen, settings_.position_tolerance);
+      break;
     case Step::done:
       break;
   }
-  return std::nullopt;
+  if (failures_ == 0) return std::nullopt;
+  return failed_[0];
 }
 
-std::optional<Trip> ArmingChecks::away(const Seen& seen, double tolerance) const {
-  if (settings_.position_tolerance <= 0.0 || !seen.position) return std::nullopt;
+void ArmingChecks::list(const Seen& seen) {
+  failures_ = 0;
+  if (step_ == Step::compare) judge_place(seen);
+}
+
+void ArmingChecks::refuse(Reason reason, std::optional<model::Channel> channel, double value, double limit,
+                          hal::Time now) {
+  if (failures_ < failed_.size()) failed_[failures_++] = {reason, channel, value, limit, now};
+}
+
+void ArmingChecks::judge_distance(const Seen& seen, double tolerance) {
+  if (settings_.position_tolerance <= 0.0 || !seen.position) return;
   const double error = *seen.position - seen.command;
-  if (size_of(error) <= tolerance) return std::nullopt;
-  return refusal(Reason::arming_position, expected_.position, error, tolerance, seen.now);
+  if (size_of(error) > tolerance) refuse(Reason::arming_position, expected_.position, error, tolerance, seen.now);
 }
 
-std::optional<Trip> ArmingChecks::compare(const Seen& seen) {
-  if (settings_.position_tolerance > 0.0) {
-    if (seen.read_back && size_of(*seen.read_back - seen.command) > settings_.position_tolerance) {
-      if ((seen.now - since_).seconds() < patience) return std::nullopt;
-      return refusal(Reason::arming_read_back, std::nullopt, *seen.read_back - seen.command,
-                     settings_.position_tolerance, seen.now);
-    }
-    if (const auto hazard = away(seen, settings_.position_tolerance)) return hazard;
-    if (!known_ && seen.position && size_of(*seen.position) > settings_.position_tolerance) {
-      return refusal(Reason::arming_off_centre, expected_.position, *seen.position, settings_.position_tolerance,
-                     seen.now);
-    }
+void ArmingChecks::judge_place(const Seen& seen) {
+  const double tolerance = settings_.position_tolerance;
+  if (tolerance <= 0.0) return;
+  judge_distance(seen, tolerance);
+  if (!known_ && seen.position && size_of(*seen.position) > tolerance) {
+    refuse(Reason::arming_off_centre, expected_.position, *seen.position, tolerance, seen.now);
   }
-  enter(rest_periods_ > 0 ? Step::rest : Step::done);
-  return std::nullopt;
 }
 
-std::optional<Trip> ArmingChecks::rest(const Seen& seen) {
-  if (const auto hazard = away(seen, settings_.position_tolerance)) return hazard;
+void ArmingChecks::compare(const Seen& seen) {
+  const double tolerance = settings_.position_tolerance;
+  const bool differs = tolerance > 0.0 && seen.read_back && size_of(*seen.read_back - seen.command) > tolerance;
+  if (differs && (seen.now - since_).seconds() < patience) return;
+  if (differs) {
+    refuse(Reason::arming_read_back, std::nullopt, *seen.read_back - seen.command, tolerance, seen.now);
+  }
+  judge_place(seen);
+  if (failures_ == 0) enter(rest_periods_ > 0 ? Step::rest : Step::done);
+}
+
+void ArmingChecks::rest(const Seen& seen) {
+  judge_distance(seen, settings_.position_tolerance);
+  if (failures_ > 0) return;
   if (seen.force) force_.add(*seen.force);
   if (seen.position) position_.add(*seen.position);
-  if (++count_ < rest_periods_) return std::nullopt;
+  if (++count_ < rest_periods_) return;
 
-  const double sway = force_.highest - force_.lowest;
-  if (settings_.sway > 0.0 && sway > settings_.sway) {
-    return refusal(Reason::arming_not_at_rest, expected_.force, sway, settings_.sway, seen.now);
-  }
-  const double wander = position_.highest - position_.lowest;
-  if (settings_.wander > 0.0 && wander > settings_.wander) {
-    return refusal(Reason::arming_not_at_rest, expected_.position, wander, settings_.wander, seen.now);
-  }
   const bool probes = step_ == Step::rest && settings_.probe_amplitude > 0.0 && seen.position.has_value();
+  const bool goes_back = step_ == Step::rest && expected_.returns && home_ != ramps_.rest;
+  judge_rest(seen.now, !probes && !goes_back);
+  if (failures_ > 0) return;
   if (probes) {
-    last_position_ = 0.0;
+    last_position_ = last_command_ = 0.0;
     enter(Step::probe);
-    return std::nullopt;
+  } else {
+    enter(goes_back ? Step::back : Step::done);
   }
-  if (step_ == Step::rest && expected_.returns && home_ != ramps_.rest) {
-    enter(Step::back);
-    return std::nullopt;
-  }
-  tare_ = force_.mean();
-  if (size_of(tare_) > settings_.preload) {
-    return refusal(Reason::arming_preload, expected_.force, tare_, settings_.preload, seen.now);
-  }
-  enter(Step::done);
-  return std::nullopt;
 }
 
-std::optional<Trip> ArmingChecks::probe(const Seen& seen) {
+void ArmingChecks::judge_rest(hal::Time now, bool last) {
+  const double sway = force_.highest - force_.lowest, wander = position_.highest - position_.lowest;
+  if (settings_.sway > 0.0 && sway > settings_.sway) {
+    refuse(Reason::arming_not_at_rest, expected_.force, sway, settings_.sway, now);
+  }
+  if (settings_.wander > 0.0 && wander > settings_.wander) {
+    refuse(Reason::arming_not_at_rest, expected_.position, wander, settings_.wander, now);
+  }
+  if (!last) return;
+  tare_ = force_.mean();
+  if (size_of(tare_) > settings_.preload) {
+    refuse(Reason::arming_preload, expected_.force, tare_, settings_.preload, now);
+  }
+}
+
+void ArmingChecks::probe(const Seen& seen) {
   // Beyond twice the probe and the tolerance something else moves the drive.
-  if (const auto hazard = away(seen, settings_.position_tolerance + 2.0 * settings_.probe_amplitude)) return hazard;
+  judge_distance(seen, settings_.position_tolerance + 2.0 * settings_.probe_amplitude);
+  if (failures_ > 0) return;
   const double u = seen.command - home_;
   const double x = seen.position ? *seen.position - position_.mean() : 0.0;
   const double f = seen.force ? *seen.force - force_.mean() : 0.0;
@@ -149,48 +167,63 @@ std::optional<Trip> ArmingChecks::probe(const Seen& seen) {
   ux_ += u * x;
   xx_ += x * x;
   xf_ += x * f;
+  uf_ += u * f;
   vf_ += (x - last_position_) * f;
+  wf_ += (u - last_command_) * f;
   last_position_ = x;
-  if (++count_ <= probe_periods_) return std::nullopt;
-  if (const auto hazard = judge_probe(seen.now)) return hazard;
-  enter(expected_.returns ? Step::back : Step::tare);
-  return std::nullopt;
+  last_command_ = u;
+  if (++count_ <= probe_periods_) return;
+  judge_probe(seen.now);
+  if (failures_ == 0) enter(expected_.returns ? Step::back : Step::tare);
 }
 
-std::optional<Trip> ArmingChecks::judge_probe(hal::Time now) const {
-  using model::Channel;
+void ArmingChecks::judge_probe(hal::Time now) {
   const double gain = ux_ / uu_;  // (1)
   const bool correlated = ux_ * ux_ >= lowest_correlation * lowest_correlation * uu_ * xx_;
   if (!(gain >= lowest_gain && gain <= highest_gain)) {
-    return refusal(Reason::arming_polarity_x_act, expected_.position, gain, gain < 1.0 ? lowest_gain : highest_gain,
-                   now);
+    refuse(Reason::arming_polarity_x_act, expected_.position, gain, gain < 1.0 ? lowest_gain : highest_gain, now);
+  } else if (!correlated) {
+    refuse(Reason::arming_noise, expected_.position, ux_ / std::sqrt(uu_ * xx_), lowest_correlation, now);
   }
-  if (!correlated) {
-    return refusal(Reason::arming_noise, expected_.position, ux_ / std::sqrt(uu_ * xx_), lowest_correlation, now);
-  }
-  if (!expected_.force_answers) return std::nullopt;
+  if (expected_.force_answers) judge_force(now, failures_ > 0);
+}
+
+void ArmingChecks::judge_force(hal::Time now, bool by_command) {
+  using model::Channel;
   if (expected_.lowest_stiffness <= 0.0) {
-    if (vf_ > 0.0) return std::nullopt;
-    return refusal(Reason::arming_polarity_F, Channel::F, vf_, 0.0, now);
+    const double work = by_command ? wf_ : vf_;
+    if (!(work > 0.0)) refuse(Reason::arming_polarity_F, Channel::F, work, 0.0, now);
+    return;
   }
+  const double squares = by_command ? uu_ : xx_;
   const double lowest = expected_.lowest_stiffness / stiffness_factor;
   const double highest = expected_.highest_stiffness * stiffness_factor;
-  const double uncertainty = 3.0 * std::sqrt(force_.variance() / xx_);  // (3)
-  if (uncertainty > lowest) return refusal(Reason::arming_noise, Channel::F, uncertainty, lowest, now);
-  const double stiffness = xf_ / xx_;  // (2)
+  const double uncertainty = 3.0 * std::sqrt(force_.variance() / squares);  // (3)
+  if (uncertainty > lowest) return refuse(Reason::arming_noise, Channel::F, uncertainty, lowest, now);
+  const double stiffness = (by_command ? uf_ : xf_) / squares;  // (2)
   if (!(stiffness >= lowest && stiffness <= highest)) {
-    return refusal(Reason::arming_polarity_F, Channel::F, stiffness, stiffness > highest ? highest : lowest, now);
+    refuse(Reason::arming_polarity_F, Channel::F, stiffness, stiffness > highest ? highest : lowest, now);
   }
-  return std::nullopt;
+  if (settings_.probe_stiffness <= 0.0 || settings_.allowed_gain <= 0.0) return;
+  const double gain = stiffness / settings_.probe_stiffness;
+  if (gain > settings_.allowed_gain) {  // (4)
+    refuse(Reason::arming_gain_F, Channel::F, gain, settings_.allowed_gain, now);
+  }
 }
 
 hal::Command ArmingChecks::next() {
   if (step_ == Step::back) return back_.next();
   if (step_ != Step::probe || count_ >= probe_periods_) return {home_, 0.0, 0.0};
-  const double time = static_cast<double>(probe_periods_) * period_;
-  const double s = static_cast<double>(count_ + 1) / static_cast<double>(probe_periods_), r = 1.0 - s;
-  const double a = (home_ > 0.0 ? -16.0 : 16.0) * settings_.probe_amplitude;  // towards the middle
-  return {home_ + a * (s * s * r * r), a * (2.0 * s * r * (r - s)) / time, a * (2.0 - 12.0 * s * r) / (time * time)};
+  const double s = static_cast<double>(count_ + 1) / static_cast<double>(probe_periods_);
+  const double amplitude = home_ > 0.0 ? -settings_.probe_amplitude : settings_.probe_amplitude;  // towards the middle
+  const hal::Command probe = probe_at(s, amplitude);
+  return {home_ + probe.position, probe.velocity, probe.acceleration};
+}
+
+hal::Command ArmingChecks::probe_at(double s, double amplitude) {
+  const double r = 1.0 - s, a = 16.0 * amplitude;
+  constexpr double time = probe_time;
+  return {a * (s * s * r * r), a * (2.0 * s * r * (r - s)) / time, a * (2.0 - 12.0 * s * r) / (time * time)};
 }
 
 }  // namespace firmware

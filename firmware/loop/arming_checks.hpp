@@ -1,8 +1,11 @@
 // What is looked at before a drive may be led.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "firmware/loop/ramp.hpp"
 #include "firmware/loop/settings.hpp"
@@ -16,8 +19,7 @@ namespace firmware {
 /// What an engineer does before a run, one step after the other, one period a call:
 ///
 ///   compare    converter against last command, measured position against command, while the drive has no power. A
-///   first
-///              arming begins in the middle: off it a wrong sign of x_act would throw the drive to the other side
+///              first arming begins in the middle: off it a wrong sign of x_act would throw the drive to the other side
 ///   rest       power on; force and position averaged for tare_time: nothing may move
 ///   probe      a small move, 16 a s²(1 − s)² over 1 s: its answer shows signs and sizes
 ///   return     hil, component_bench: slowly to rest, where the component carries nothing
@@ -28,9 +30,14 @@ namespace firmware {
 ///   (1)  gain = Σ u x / Σ u²,   ρ² = (Σ u x)² / (Σ u² Σ x²)     expected: gain 0.5 … 1.5, ρ ≥ 0.8
 ///   (2)  k = Σ x f / Σ x²                                       expected: k_low/3 … 3 k_high
 ///   (3)  σ_k = σ_f / √(Σ x²)                                     refused where 3 σ_k > k_low/3: the noise hides the
-///   sign
+///                                                                sign
+///   (4)  k > allowed_gain · k_probe                              refused: the loop has been proven for less
 ///
-/// k_low … k_high is the stiffness of the described component, with its absorber free and blocked. Without a spring (2)
+/// Where (1) has failed, the force is judged against the command: u in place of x in (2) and (3). All checks of a step
+/// are made, also behind one that has failed.
+///
+/// k_probe is (2) of the described component under the same probe, allowed_gain what `rigtwin stability --write-limits`
+/// has found the loop to bear. Both are unknown on a simulated rig. k_low … k_high is the stiffness of the described component, with its absorber free and blocked. Without a spring (2)
 /// is Σ ẋ f > 0, the sign of its damping. Thresholds: ρ = 0.8 is noise of 0.75 of the answer's rms, at which the gain
 /// of a thousand samples is still known to 3 %. The band of the gain admits any drive that can be used, and no wrong
 /// sign, factor of two, or unit. The factor 3 on k admits friction and tolerances, and finds a wrong sign and a wrong
@@ -66,13 +73,21 @@ class ArmingChecks {
     std::optional<double> position{};   ///< [m]
     std::optional<double> force{};      ///< as read [N]
   };
-  /// A hazard, or nothing. Afterwards done(), powered() and next() are those of this period.
+  /// The first failed check, or nothing; all of them are failed(). Afterwards done(), powered() and next() are those of
+  /// this period.
   [[nodiscard]] std::optional<Trip> look(const Seen& seen);
+  /// What the comparison would refuse now, into failed(): for an arming that something else ends. A converter that may
+  /// still be on its way to the command is left out.
+  void list(const Seen& seen);
+  [[nodiscard]] std::span<const Trip> failed() const { return {failed_.data(), failures_}; }
 
   [[nodiscard]] bool done() const { return step_ == Step::done; }
   [[nodiscard]] bool powered() const { return step_ != Step::compare; }  ///< the drive needs its enable
   [[nodiscard]] hal::Command next();                                     ///< the command one period on
   [[nodiscard]] double tare() const { return tare_; }                    ///< mean force at rest [N]; 0: not tared
+
+  /// The probe of this amplitude [m] at the share s of its time, about 0.
+  [[nodiscard]] static hal::Command probe_at(double s, double amplitude);
 
  private:
   enum class Step : unsigned char { compare, rest, probe, back, tare, done };
@@ -86,11 +101,15 @@ class ArmingChecks {
   };
 
   void enter(Step step);
-  [[nodiscard]] std::optional<Trip> compare(const Seen& seen);
-  [[nodiscard]] std::optional<Trip> rest(const Seen& seen);
-  [[nodiscard]] std::optional<Trip> probe(const Seen& seen);
-  [[nodiscard]] std::optional<Trip> judge_probe(hal::Time now) const;
-  [[nodiscard]] std::optional<Trip> away(const Seen& seen, double tolerance) const;
+  void refuse(Reason reason, std::optional<model::Channel> channel, double value, double limit, hal::Time now);
+  void compare(const Seen& seen);
+  void judge_place(const Seen& seen);
+  void rest(const Seen& seen);
+  void judge_rest(hal::Time now, bool last);
+  void probe(const Seen& seen);
+  void judge_probe(hal::Time now);
+  void judge_force(hal::Time now, bool by_command);
+  void judge_distance(const Seen& seen, double tolerance);
 
   Arming settings_;
   Ramps ramps_;
@@ -109,7 +128,11 @@ class ArmingChecks {
   double tare_ = 0.0;
   SmoothMove back_{};
   double last_position_ = 0.0;
-  double uu_ = 0.0, ux_ = 0.0, xx_ = 0.0, xf_ = 0.0, vf_ = 0.0;  ///< sums of the probe
+  double last_command_ = 0.0;
+  /// Sums of the probe; v and w are the differences of x and u.
+  double uu_ = 0.0, ux_ = 0.0, xx_ = 0.0, xf_ = 0.0, uf_ = 0.0, vf_ = 0.0, wf_ = 0.0;
+  std::array<Trip, 4> failed_{};
+  std::size_t failures_ = 0;
 };
 
 }  // namespace firmware

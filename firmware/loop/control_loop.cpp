@@ -87,7 +87,7 @@ void ControlLoop::step() {
   constexpr std::array before_arming{Request::stop, Request::acknowledge, Request::rest, Request::arm};
   constexpr std::array after_arming{Request::disarm, Request::start, Request::hold, Request::resume};
   for (const Request request : before_arming) take_up(request, requests, hazard.has_value(), now);
-  if (mode_ == Mode::arming && !hazard) hazard = look_at_arming(now);
+  if (mode_ == Mode::arming) hazard = look_at_arming(now, hazard);
   for (const Request request : after_arming) take_up(request, requests, hazard.has_value(), now);
   if (mode_ == Mode::ready && !hazard && reference_begins_ && move_.arrived() && settling_left_ == 0) {
     follow(Event::in_position);
@@ -182,8 +182,10 @@ bool ControlLoop::level(double wanted) {
 
 std::optional<Trip> ControlLoop::find_hazard(hal::Time now) {
   // The first that matters; one that lasts from the trip must not hide another.
-  const std::array<std::optional<Trip>, 8> all{find_stop(now),    find_open_interlock(now), power_hazard_,
-                                               samples_.hazard(), samples_.limit_hazard(),  lateness_guard_.hazard(now),
+  stop_hazard_ = find_stop(now);
+  interlock_hazard_ = find_open_interlock(now);
+  const std::array<std::optional<Trip>, 8> all{stop_hazard_,      interlock_hazard_,       power_hazard_,
+                                               samples_.hazard(), samples_.limit_hazard(), lateness_guard_.hazard(now),
                                                motion_hazard_,    samples_.lasting()};
   const std::optional<Trip>* first = nullptr;
   for (const std::optional<Trip>& hazard : all) {
@@ -206,6 +208,7 @@ std::optional<Trip> ControlLoop::find_stop(hal::Time now) {
 
 std::optional<Trip> ControlLoop::find_open_interlock(hal::Time now) {
   const hal::Result<std::uint32_t> open = rig_.interlocks.open();
+  open_interlocks_ = open ? *open : 0;
   if (!open) return Trip{.reason = Reason::interlocks_lost, .time = now};
   if (*open == 0) return std::nullopt;
   std::int8_t first = 0;
@@ -303,6 +306,7 @@ void ControlLoop::begin_arming(hal::Time now) {
   expects_trip_ = false;
   samples_.bear_nothing();
   samples_.tare(force_channel(), 0.0);
+  refusals_.clear();
   double home = place().value_or(command_guard_.last().position);
   if (settings_.arming.position_tolerance > 0.0 && power_.always()) {
     const hal::Result<double> shown = rig_.command.read_back();  // the drive has power: there it is told to be
@@ -312,24 +316,54 @@ void ControlLoop::begin_arming(hal::Time now) {
   arming_.begin(home, now, sign_shown_ || power_.always());
 }
 
-std::optional<Trip> ControlLoop::look_at_arming(hal::Time now) {
+/// The checks of arming, unless a hazard ends it already; what ends it.
+std::optional<Trip> ControlLoop::look_at_arming(hal::Time now, std::optional<Trip> hazard) {
   ArmingChecks::Seen seen{.now = now, .command = command_guard_.last().position};
   if (settings_.arming.position_tolerance > 0.0) {
     const hal::Result<double> shown = rig_.command.read_back();
     if (shown) seen.read_back = *shown;
-    if (!shown && shown.fault() == hal::Fault::disconnected) return Trip{.reason = Reason::command_failed, .time = now};
+    if (!hazard && !shown && shown.fault() == hal::Fault::disconnected) {
+      hazard = Trip{.reason = Reason::command_failed, .time = now};
+    }
     if (samples_.fitted(position_channel())) seen.position = samples_.value(position_channel());
   }
   if (samples_.fitted(force_channel())) seen.force = samples_.value(force_channel());
-  const std::optional<Trip> hazard = arming_.look(seen);
-  if (hazard && hazard->reason == Reason::arming_polarity_x_act) sign_shown_ = false;
-  if (!hazard && arming_.powered() && !power_.wanted()) follow(Event::compared);
-  if (!hazard && arming_.done()) {
+  if (hazard) {
+    arming_.list(seen);
+  } else {
+    hazard = arming_.look(seen);
+  }
+  if (hazard) {
+    if (hazard->reason == Reason::arming_polarity_x_act) sign_shown_ = false;
+    if (is_fault(hazard->reason)) list_refusals(*hazard, now);
+    return hazard;
+  }
+  if (arming_.powered() && !power_.wanted()) follow(Event::compared);
+  if (arming_.done()) {
     samples_.tare(force_channel(), arming_.tare());
     sign_shown_ = sign_shown_ || settings_.arming.probe_amplitude > 0.0;
     follow(Event::checked);
   }
-  return hazard;
+  return std::nullopt;
+}
+
+/// Everything that is wrong in the period in which an arming is refused, so that it can be put right at once.
+void ControlLoop::list_refusals(const Trip& first, hal::Time now) {
+  refusals_.clear();
+  refusals_.add(first);
+  const auto add = [this](const std::optional<Trip>& hazard) {
+    if (hazard) refusals_.add(*hazard);
+  };
+  add(stop_hazard_);
+  add(interlock_hazard_);
+  for (std::int8_t i = 0; i < static_cast<std::int8_t>(hal::Interlocks::capacity); ++i) {
+    if ((open_interlocks_ >> static_cast<unsigned>(i) & 1U) == 0) continue;
+    refusals_.add({.reason = Reason::interlock, .time = now, .interlock = i});
+  }
+  add(power_hazard_);
+  samples_.each_hazard(now, add);
+  add(motion_hazard_);
+  for (const Trip& failed : arming_.failed()) refusals_.add(failed);
 }
 
 void ControlLoop::get_ready() {

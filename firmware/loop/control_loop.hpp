@@ -21,6 +21,7 @@
 #include "firmware/loop/ramp.hpp"
 #include "firmware/loop/reference.hpp"
 #include "firmware/loop/reference_player.hpp"
+#include "firmware/loop/refusals.hpp"
 #include "firmware/loop/sample_guard.hpp"
 #include "firmware/loop/settings.hpp"
 #include "firmware/loop/state_estimator.hpp"
@@ -106,6 +107,9 @@ class ControlLoop {
   /// When the next period begins.
   [[nodiscard]] hal::Time due() { return due_ == hal::never ? rig_.clock.now() : due_; }
 
+  /// All checks that the last arming has failed; empty where none was refused since the last one began. Any thread.
+  [[nodiscard]] const Refusals& refusals() const { return refusals_; }
+
   // For the thread that steps the loop; others read the journal.
   [[nodiscard]] Mode mode() const { return mode_; }
   [[nodiscard]] const Trip& trip() const { return trip_; }      ///< why the rig is or was in safe
@@ -155,7 +159,8 @@ class ControlLoop {
   void follow(Event event);
   void begin_at_rest(double position);
   void return_to_rest(double velocity);
-  [[nodiscard]] std::optional<Trip> look_at_arming(hal::Time now);
+  [[nodiscard]] std::optional<Trip> look_at_arming(hal::Time now, std::optional<Trip> hazard);
+  void list_refusals(const Trip& first, hal::Time now);
   void begin_arming(hal::Time now);
   void get_ready();
   void trip(const Trip& trip);
@@ -187,10 +192,13 @@ class ControlLoop {
   MotionGuard motion_guard_;
   FrozenGuard frozen_guard_;
   LatenessGuard lateness_guard_;
-  std::optional<Trip> motion_hazard_{};  ///< of this period, by motion and frozen guard
-  std::optional<Trip> power_hazard_{};   ///< of this period
+  std::optional<Trip> stop_hazard_{}, interlock_hazard_{};  ///< of this period
+  std::uint32_t open_interlocks_ = 0;                       ///< of this period, bit i: interlock i
+  std::optional<Trip> motion_hazard_{};                     ///< of this period, by motion and frozen guard
+  std::optional<Trip> power_hazard_{};                      ///< of this period
   [[no_unique_address]] AreaControl<has_area> area_control_;
   ArmingChecks arming_;
+  Refusals refusals_;
   ReferencePlayer player_;
   SmoothMove move_{};
   ReturnToRest return_{};

@@ -39,8 +39,7 @@ void SampleGuard::take(const hal::Result<hal::Frame>& frame, hal::Time now) {
     if (in_a_row_[i] < most_in_a_row_) ++in_a_row_[i];
     if (in_a_row_[i] >= most_in_a_row_ || !seen_[i]) {
       bad_ = static_cast<std::uint16_t>(bad_ | (1U << i));
-      report({reason, model::channel_at(i), reading.value, static_cast<double>(most_in_a_row_), now},
-             (borne_ >> i & 1U) != 0);
+      report(bad_sample(i, now), (borne_ >> i & 1U) != 0);
     }
   }
 
@@ -60,14 +59,26 @@ void SampleGuard::judge_forces(hal::Time now) {
     if (!fitted(channel)) continue;
     const double force = value(channel), size = force < 0.0 ? -force : force;
     if (growing_ && size < least_force_[i]) least_force_[i] = size;
-    if (size <= force_limit_) continue;
-    const Trip beyond{Reason::force, channel, force, force_limit_, now};
+    const std::optional<Trip> beyond = beyond_limit(channel, now);
+    if (!beyond) continue;
     if (growing_ && size <= least_force_[i] + growth * force_limit_) {  // (1)
       if (!lasting_) lasting_ = beyond;
     } else if (!limit_hazard_) {
       limit_hazard_ = beyond;
     }
   }
+}
+
+std::optional<Trip> SampleGuard::beyond_limit(Channel channel, hal::Time now) const {
+  if (!fitted(channel)) return std::nullopt;
+  const double force = value(channel), size = force < 0.0 ? -force : force;
+  if (size <= force_limit_) return std::nullopt;
+  return Trip{Reason::force, channel, force, force_limit_, now};
+}
+
+Trip SampleGuard::bad_sample(std::size_t channel, hal::Time now) const {
+  const hal::Reading& reading = frame_.channels[channel];
+  return {judge(reading, now), model::channel_at(channel), reading.value, static_cast<double>(most_in_a_row_), now};
 }
 
 Reason SampleGuard::judge(const hal::Reading& reading, hal::Time now) const {

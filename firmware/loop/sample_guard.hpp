@@ -52,6 +52,17 @@ class SampleGuard {
   [[nodiscard]] const std::optional<Trip>& hazard() const { return hazard_ ? hazard_ : limit_hazard_; }
   /// Of these the first of a limit on good samples.
   [[nodiscard]] const std::optional<Trip>& limit_hazard() const { return limit_hazard_; }
+  /// Every hazard of the last frame, one call each.
+  template <class Use>
+  void each_hazard(hal::Time now, Use&& use) const {
+    if (hazard_) use(*hazard_);
+    for (std::size_t i = 0; i < model::channel_count; ++i) {
+      if ((bad_ >> i & 1U) != 0) use(bad_sample(i, now));
+    }
+    for (const model::Channel channel : {model::Channel::F, model::Channel::F_w}) {
+      if (const auto hazard = beyond_limit(channel, now)) use(*hazard);
+    }
+  }
   /// What is still as it was when it was borne.
   [[nodiscard]] const std::optional<Trip>& lasting() const { return lasting_; }
 
@@ -72,6 +83,8 @@ class SampleGuard {
 
  private:
   [[nodiscard]] Reason judge(const hal::Reading& reading, hal::Time now) const;
+  [[nodiscard]] Trip bad_sample(std::size_t channel, hal::Time now) const;
+  [[nodiscard]] std::optional<Trip> beyond_limit(model::Channel channel, hal::Time now) const;
   void report(const Trip& hazard, bool borne);
   static constexpr std::uint16_t all_channels = 0xffff;
   void judge_forces(hal::Time now);

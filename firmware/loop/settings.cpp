@@ -79,6 +79,9 @@ std::string_view Settings::check() const {
     return "arming.probe_amplitude: expected 0 m to an eighth of the stroke";
   if (arming.probe_amplitude > 0.0 && !(arming.tare_time > 0.0 && arming.position_tolerance > 0.0))
     return "arming.probe_amplitude: expected a tare_time and a position_tolerance above 0 beside a probe";
+  if (!not_negative(arming.probe_stiffness)) return "arming.probe_stiffness: expected at least 0 N/m";
+  if (arming.allowed_gain != 0.0 && !(arming.allowed_gain > 1.0 && positive(arming.allowed_gain)))
+    return "arming.allowed_gain: expected a factor above 1";
   if (!not_negative(arming.force_ramp)) return "arming.force_ramp: expected a time of at least 0 s";
   if (!positive(observers.cross_over)) return "observers.cross_over: expected a frequency above 0 Hz";
   if (!positive(observers.differentiation)) return "observers.differentiation: expected a frequency above 0 Hz";

@@ -87,9 +87,10 @@ struct Arming {
   double position_tolerance = 0.0;  ///< between command and measured position [m]; 0: not compared
   double probe_amplitude = 0.0;     ///< of the small move that shows the signs [m]; 0: none
   double probe_stiffness =
-      0.0;                  ///< hil: force over deflection of the described component in the probe [N/m]; 0: unknown
-  bool off_centre = false;  ///< the first arming may give power to a drive that stands off the middle
-  double force_ramp = 0.0;  ///< hil: F enters the car over so long from the start of a run [s]
+      0.0;                    ///< hil: force over deflection of the described component in the probe [N/m]; 0: unknown
+  double allowed_gain = 0.0;  ///< hil: factor on the force that the proven loop bears; 0: unknown
+  bool off_centre = false;    ///< the first arming may give power to a drive that stands off the middle
+  double force_ramp = 0.0;    ///< hil: F enters the car over so long from the start of a run [s]
 };
 
 /// How velocities are estimated: VelocityObserver says what the numbers do and where the defaults come from.

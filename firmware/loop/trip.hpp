@@ -57,9 +57,10 @@ enum class Reason : unsigned char {
   motion_without_power,   ///< the measured position moves although the drive has no power
   innovation,             ///< a channel has not agreed with the estimator for long
   arming_off_centre,      ///< the drive stands off the middle and the sign of its position has not been shown
+  arming_gain_F,          ///< the force answers the deflection by more than the proven loop bears
 };
 
-inline constexpr Reason last_reason = Reason::arming_off_centre;
+inline constexpr Reason last_reason = Reason::arming_gain_F;
 
 /// What a reason does to a drive with power.
 enum class Reaction : unsigned char {
@@ -120,6 +121,7 @@ inline constexpr auto reason_rules = std::to_array<ReasonRule>({
     {"motion_without_power", Reaction::starves},
     {"innovation", Reaction::returns},
     {"arming_off_centre", Reaction::rearms},
+    {"arming_gain_F", Reaction::rearms},
 });
 static_assert(reason_rules.size() == static_cast<std::size_t>(last_reason) + 1, "a line for each reason");
 

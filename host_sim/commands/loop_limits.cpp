@@ -95,4 +95,27 @@ double allowed_delay(const firmware::RigDescription& description) {
   return allowed;
 }
 
+double allowed_gain(const firmware::RigDescription& description) {
+  constexpr double most = 100.0, allowed_gain_step = 1e-3;  // rounded down to
+  double border = most;
+  for (const int open : compensation::duct_counts(description)) {
+    firmware::RigDescription with = description;
+    with.rig.fdva.open_ducts = open;
+    std::optional<double> gain;
+    if (with.compensation) {
+      gain = compensation::compensated_stability(with, with.delay_budget.sum()).upper_gain;
+    } else {
+      const stability::StabilityAnalysis a = stability::analyse(with);
+      const auto& margin = a.sampled_margins ? a.sampled_margins->upper_gain : a.margins.upper_gain;
+      if (margin) gain = margin->factor;
+    }
+    if (gain) border = std::min(border, 1.0 + share_of_border * (*gain - 1.0));
+  }
+  border = std::floor(border / allowed_gain_step + 1e-9) * allowed_gain_step;
+  if (!(border > 1.0)) {
+    refuse_limits(description, "the loop bears no more force than described", "less delay or more damping");
+  }
+  return std::round(border * 1e3) / 1e3;
+}
+
 }  // namespace host_sim

@@ -1,9 +1,13 @@
-// The delay that a controller may allow its loop: what `rigtwin stability --write-limits` writes.
+// The delay and the gain that a controller may allow its loop: what `rigtwin stability --write-limits` writes.
 #pragma once
 
 #include "firmware/description/rig_description.hpp"
 
 namespace host_sim {
+
+/// Factor on the force that the loop may have: four fifths of the way from 1 to the border, for every number of ducts
+/// that the run opens, at the described delays. 100: no border below.
+[[nodiscard]] double allowed_gain(const firmware::RigDescription& description);
 
 /// Sample age and computation that the loop may have on top of the delays that the description states [s]: four fifths
 /// of the way to the border of the sampled loop, for every number of ducts that the run opens. Where the delay of the

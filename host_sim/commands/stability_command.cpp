@@ -252,15 +252,21 @@ void print_compensated(const compensation::CompensatedStability& s) {
 }
 
 void write_limits(const firmware::RigDescription& description, const std::string& json) {
-  const double allowed = allowed_delay(description);
+  const firmware::LoopLimits limits{.delay = allowed_delay(description), .gain = allowed_gain(description)};
   firmware::RigDescription proven = description;
-  proven.hardware.schedule.allowed_delay = allowed;
+  proven.hardware.schedule.allowed_delay = limits.delay;
+  proven.hardware.schedule.allowed_gain = limits.gain;
   const std::string fingerprint = firmware::loop_fingerprint(proven);
   firmware::write_file(description.source,
-                       firmware::with_loop_proof(description.text, description.source, allowed, fingerprint));
-  if (write_json(json, {{"rig", description.source}, {"allowed_delay", allowed}, {"proven", fingerprint}})) return;
-  std::printf("%s: stable; [controller] allowed_delay = %.6g s, proven = %.20s…\n", description.source.c_str(), allowed,
-              fingerprint.c_str());
+                       firmware::with_loop_proof(description.text, description.source, limits, fingerprint));
+  if (write_json(json, {{"rig", description.source},
+                        {"allowed_delay", limits.delay},
+                        {"allowed_gain", limits.gain},
+                        {"proven", fingerprint}})) {
+    return;
+  }
+  std::printf("%s: stable; [controller] allowed_delay = %.6g s, allowed_gain = %.4g, proven = %.20s…\n",
+              description.source.c_str(), limits.delay, limits.gain, fingerprint.c_str());
 }
 
 /// The rig that the options ask about. UsageError, InputError where they or the rig do not allow it.

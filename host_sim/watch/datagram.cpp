@@ -19,10 +19,10 @@ struct TextField {
   std::string_view key;
   std::string Datagram::*field;
 };
-constexpr std::array text_fields{TextField{"instance", &Datagram::instance}, TextField{"state", &Datagram::state},
-                                 TextField{"reason_name", &Datagram::reason},
-                                 TextField{"second_reason", &Datagram::second_reason},
-                                 TextField{"trip", &Datagram::trip}};
+constexpr std::array text_fields{
+    TextField{"instance", &Datagram::instance},  TextField{"state", &Datagram::state},
+    TextField{"reason_name", &Datagram::reason}, TextField{"second_reason", &Datagram::second_reason},
+    TextField{"trip", &Datagram::trip},          TextField{"failed_checks", &Datagram::failed_checks}};
 
 /// One word of printable ASCII: it goes into requests.
 bool is_instance(std::string_view text) {

@@ -18,6 +18,7 @@ struct Datagram {
   std::uint64_t lost = 0;  ///< periods that the controller could not publish, so far
   std::string instance;    ///< which program sends it; empty: an older one
   std::string state, reason, second_reason, trip;
+  std::string failed_checks;                           ///< of an arming that was refused; empty: none
   std::vector<std::pair<std::string, double>> values;  ///< every other number, by key [SI]
   nlohmann::json setup;                                ///< object, or null: none in this datagram
   std::optional<std::string> ended;                    ///< why the session has ended

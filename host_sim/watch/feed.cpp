@@ -185,6 +185,7 @@ json Feed::frame(Cursor& cursor, double now) const {
     frame["reason"] = last_->reason;
     frame["second_reason"] = last_->second_reason;
     frame["trip"] = last_->trip;
+    frame["failed_checks"] = last_->failed_checks;
     if (last_->ended) frame["ended"] = *last_->ended;
     for (const auto& [name, value] : last_->values) frame["values"][name] = rounded(value);
   }

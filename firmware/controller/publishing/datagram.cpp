@@ -48,6 +48,15 @@ class Object {
   std::string text_;
 };
 
+/// To what a reader of datagrams takes: whole entries of a list.
+std::string shortened(const std::string& list) {
+  constexpr std::size_t longest = 300;
+  if (list.size() <= longest) return list;
+  const std::string_view more = "; …";
+  const std::size_t end = list.rfind("; ", longest - more.size());
+  return list.substr(0, end == std::string::npos ? 0 : end) + std::string(more);
+}
+
 double microseconds(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
 
 /// [[longest µs, spans], …] in quarters of an octave.
@@ -106,6 +115,10 @@ std::string DatagramWriter::period(const Record& record, const Numbers& numbers,
   object.words("reason_name", name(record.trip.reason));
   object.words("second_reason", name(record.second));
   if (record.trip.reason != Reason::none) object.words("trip", trip_text(record.trip, rig_));
+  if (const std::string refused = record.mode == Mode::safe && refusals_ ? refusals_() : std::string();
+      !refused.empty()) {
+    object.words("failed_checks", shortened(refused));
+  }
   if (rig_.rig.kind == model::RigKind::hil) {
     object.number("energy_fed", record.energy_fed);
     object.number("energy_taken", record.energy_taken);

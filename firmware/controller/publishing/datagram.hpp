@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -24,6 +25,7 @@ namespace firmware::controller {
 ///                  out, because JSON has none
 ///   state, reason_name, second_reason   names of `mode` and `reason`, and of what happened after that
 ///   trip           once the rig is in safe: why, in words
+///   failed_checks  in safe after an arming that was refused: everything that was wrong, at most 300 bytes
 ///   energy_fed, energy_taken            hil: W and D of the EnergyGuard [J]
 ///   command, tare, bridged, late_periods, limited_commands
 ///   setup          with the first datagram and every second: rig, recording, duration, limits, units, spans
@@ -46,6 +48,9 @@ class DatagramWriter {
     duration_ = duration;
   }
 
+  /// All checks that the last arming has failed, in words, or nothing.
+  void describe_refusals(std::function<std::string()> refusals) { refusals_ = std::move(refusals); }
+
   [[nodiscard]] std::string period(const Record& record, const Numbers& numbers, bool with_setup) const;
   [[nodiscard]] std::string end(hal::Time time, const Numbers& numbers, const std::string& why) const;
 
@@ -60,6 +65,7 @@ class DatagramWriter {
   std::string instance_;
   std::string recording_;
   double duration_ = 0.0;  ///< [s]
+  std::function<std::string()> refusals_;
 };
 
 }  // namespace firmware::controller

@@ -41,6 +41,21 @@ bool RecordingThread::finish(hal::Time patience) {
   return true;
 }
 
+/// At once, before the disk: a console shows it, and systemd's journal keeps it.
+void RecordingThread::say_news() {
+  const std::string news = recorder_.news();
+  if (news.empty()) return;
+  std::FILE* const stream = news.starts_with("SAFE STOP") ? stderr : stdout;
+  std::fprintf(stream, "rig_controller: %s\n", news.c_str());
+  const std::string refused = refusals_ ? refusals_() : std::string();
+  if (!refused.empty() && refused != refused_) {
+    std::fprintf(stream, "rig_controller: not armed, failed checks: %s\n", refused.c_str());
+    recorder_.mark("not armed, failed checks: " + refused);
+  }
+  refused_ = refused;
+  std::fflush(stream);
+}
+
 void RecordingThread::write() {
   hal::linux::MonotonicClock clock;
   hal::Time synced = clock.now();
@@ -55,12 +70,7 @@ void RecordingThread::write() {
       if (tap_ != nullptr) tap_->offer(*record);
       recorder_.take(*record);
     }
-    // At once, before the disk: a console shows it, and systemd's journal keeps it.
-    if (const std::string news = recorder_.news(); !news.empty()) {
-      std::FILE* const stream = news.starts_with("SAFE STOP") ? stderr : stdout;
-      std::fprintf(stream, "rig_controller: %s\n", news.c_str());
-      std::fflush(stream);
-    }
+    say_news();
     {
       const std::lock_guard<std::mutex> lock(marks_mutex_);
       for (const std::string& text : marks_) recorder_.mark(text);

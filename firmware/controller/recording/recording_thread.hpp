@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware/controller/real_time/auxiliary_thread.hpp"
@@ -24,14 +26,16 @@ void print(const Spans& spans, double allowed_delay);
 /// Takes the records of the journal to the recorder, and twice a second the recording to the disk.
 class RecordingThread {
  public:
-  /// `tap`: those who watch get the records too; none: nobody watches.
+  /// `tap`: those who watch get the records too; none: nobody watches. `refusals`: all checks that the last arming has
+  /// failed, in words, or nothing.
   RecordingThread(const cpu_set_t& cpus, Journal& journal, Recorder& recorder, Spans& spans, double allowed_delay,
-                  LiveTap* tap)
+                  LiveTap* tap, std::function<std::string()> refusals)
       : journal_(journal),
         recorder_(recorder),
         spans_(spans),
         allowed_delay_(allowed_delay),
         tap_(tap),
+        refusals_(std::move(refusals)),
         thread_(cpus, [this] { write(); }) {}
 
   /// Asks for the rest of the journal to be written, and waits for that at most for this long. False: the disk still
@@ -48,12 +52,15 @@ class RecordingThread {
 
  private:
   void write();
+  void say_news();
 
   Journal& journal_;
   Recorder& recorder_;
   Spans& spans_;
   double allowed_delay_;  ///< [s]; 0: unknown
   LiveTap* tap_;
+  std::function<std::string()> refusals_;
+  std::string refused_;  ///< said last
   std::atomic<bool> end_{false};
   std::atomic<bool> print_{false};
   std::mutex marks_mutex_;

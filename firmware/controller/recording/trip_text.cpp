@@ -23,7 +23,13 @@ std::string unit_of(const Trip& trip) {
       return " m";
     case Reason::acceleration:
       return " m/s²";
+    case Reason::arming_read_back:
+    case Reason::arming_position:
+    case Reason::arming_off_centre:
+    case Reason::motion_without_power:
+      return " m";
     case Reason::force:
+    case Reason::arming_preload:
       return " N";
     default:
       return "";
@@ -44,6 +50,12 @@ std::string trip_text(const Trip& trip, const RigDescription& rig) {
   char numbers[96];
   std::snprintf(numbers, sizeof numbers, " (%.4g%s, limit %.4g)", trip.value, unit_of(trip).c_str(), trip.limit);
   return text + numbers;
+}
+
+std::string refusals_text(const Refusals& refusals, const RigDescription& rig) {
+  std::string text;
+  for (std::size_t i = 0; i < refusals.size(); ++i) text += (i > 0 ? "; " : "") + trip_text(refusals.at(i), rig);
+  return text;
 }
 
 }  // namespace firmware::controller

@@ -20,7 +20,8 @@ struct ScheduleDescription {
   double wake_early = 200e-6;  ///< before a period, to rehearse it, at most so long [s] and a quarter of it; 0: not
   double allowed_delay =
       0.0;  ///< of sample age and computation together [s]: what `rigtwin stability` says is left; 0: unknown
-  std::string socket;  ///< path of the operator's socket; empty: the usual one
+  double allowed_gain = 0.0;  ///< factor on the force that it says the loop bears; 0: unknown
+  std::string socket;         ///< path of the operator's socket; empty: the usual one
   std::string proven;  ///< "sha256:…": loop_fingerprint() of the description that `rigtwin stability` found stable
 };
 

@@ -174,6 +174,9 @@
   const reason_of = function (frame) {
     if (link === "ended") return "The controller has ended: " + frame.ended + ".";
     if (frame.reason === "none") return frame.state === "idle" ? "No power. Nothing has ended a run yet." : "";
+    if (frame.failed_checks && frame.failed_checks.includes(";")) {
+      return "Not armed. All failed checks: " + frame.failed_checks.replace(/_/g, " ") + ".";
+    }
     const words = frame.trip.replace(/_/g, " ");
     const then = frame.second_reason !== "none" ? ", then " + frame.second_reason.replace(/_/g, " ") : "";
     return (frame.state === "safe" ? "Ended by " : "The last run ended by ") + words + then + ".";

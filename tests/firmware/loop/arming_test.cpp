@@ -215,6 +215,94 @@ TEST(Arming, RefusesAConverterThatDoesNotShowTheCommand) {
   for (const Record& row : run.records) EXPECT_FALSE(row.enabled);
 }
 
+std::vector<Reason> refused(const Journey& run) {
+  std::vector<Reason> reasons;
+  for (std::size_t i = 0; i < run.loop.refusals().size(); ++i) reasons.push_back(run.loop.refusals().at(i).reason);
+  return reasons;
+}
+
+// Point. Somebody who stands before a rig that is not armed learns all that is wrong at once: button pressed, both
+// interlocks open, the drive off the middle. Nothing has moved or had power for it.
+TEST(Arming, ListsAllThatIsWrongBeforePower) {
+  const hal::simulated::Press press{{ms * 40, ms * 5000}};
+  const std::array<hal::simulated::OpenInterlock, 2> open{{{0, {ms * 40, ms * 5000}}, {1, {ms * 40, ms * 5000}}}};
+  Scene scene = checked(RigKind::component_bench);
+  scene.drive_at = 0.06;
+  scene.faults.presses = {&press, 1};
+  scene.faults.open_interlocks = open;
+  Journey run{scene};
+  arm(run);
+  EXPECT_EQ(refused(run),
+            (std::vector{Reason::stop_button, Reason::interlock, Reason::interlock, Reason::arming_off_centre}));
+  EXPECT_EQ(run.loop.refusals().at(1).interlock, 0);
+  EXPECT_EQ(run.loop.refusals().at(2).interlock, 1);
+  EXPECT_NEAR(run.loop.refusals().at(3).value, 0.06, 1e-9);
+  EXPECT_EQ(run.loop.trip().reason, Reason::stop_button) << "the first one is the reason";
+  EXPECT_EQ(run.rig.drive().position, 0.06);
+  for (const Record& row : run.records) EXPECT_FALSE(row.enabled);
+}
+
+// The list of a probe: position and force each in their own words, the force against the command where the position
+// is not to be believed. A sensor of x_act in the wrong unit alone says nothing about F.
+TEST(Arming, ListsAllThatAProbeShows) {
+  Scene scene = checked(RigKind::hil);
+  scene.deviations.position_sign = 2.0;
+  Journey one{scene};
+  arm(one);
+  EXPECT_EQ(refused(one), (std::vector{Reason::arming_polarity_x_act}));
+  scene.deviations.force_sign = -1.0;
+  Journey both{scene};
+  arm(both);
+  EXPECT_EQ(refused(both), (std::vector{Reason::arming_polarity_x_act, Reason::arming_polarity_F}));
+  EXPECT_LT(both.loop.refusals().at(1).value, 0.0);
+}
+
+// A stop that is asked for is no failed check, and the next arming begins an empty list.
+TEST(Arming, ListsNothingWhereNothingIsWrong) {
+  const hal::simulated::Press press{{ms * 60, ms * 70}};
+  Scene scene = checked(RigKind::hil);
+  scene.faults.presses = {&press, 1};
+  Journey run{scene};
+  arm(run);
+  EXPECT_EQ(refused(run), (std::vector{Reason::stop_button}));
+  run.loop.acknowledge();
+  run.periods(2);
+  run.loop.arm();
+  run.periods(10);
+  EXPECT_EQ(run.loop.mode(), Mode::arming);
+  EXPECT_TRUE(refused(run).empty());
+  run.loop.stop();
+  run.periods(10);
+  EXPECT_EQ(run.loop.trip().reason, Reason::stop_requested);
+  EXPECT_TRUE(refused(run).empty());
+}
+
+// Fault. A force that is read 2.9 times too large passes for a component of the described size, and the loop bears a
+// factor of 1.21. What the component should answer is what it answered before. Without a proof (allowed_gain 0) nobody
+// knows better.
+TEST(Arming, RefusesAForceThatTheLoopDoesNotBear) {
+  Journey before{checked(RigKind::hil)};
+  arm(before);
+  double products = 0.0, squares = 0.0;
+  for (const Record& row : before.rows(Mode::arming)) {
+    products += value(row, Channel::x_act) * value(row, Channel::F);
+    squares += value(row, Channel::x_act) * value(row, Channel::x_act);
+  }
+  for (const double allowed : {1.21, 0.0}) {
+    for (const double factor : {1.0, 2.9}) {
+      Scene scene = checked(RigKind::hil);
+      scene.settings.arming.probe_stiffness = products / squares;
+      scene.settings.arming.allowed_gain = allowed;
+      scene.deviations.force_sign = factor;
+      Journey run{scene};
+      arm(run);
+      const bool passes = factor == 1.0 || allowed == 0.0;
+      EXPECT_EQ(run.loop.mode(), passes ? Mode::armed : Mode::safe) << factor << ": " << name(run.loop.trip().reason);
+      EXPECT_EQ(run.loop.trip().reason, passes ? Reason::none : Reason::arming_gain_F);
+    }
+  }
+}
+
 // A stop during arming acts as in any other state.
 TEST(Arming, EndsAtAPress) {
   for (const int period : {60, 400, 800, 1200, 2500}) {

@@ -66,6 +66,7 @@ TEST(Json, SaysTheLimitsOfALoop) {
   const auto rig = folder.write("rig.toml", TemporaryFolder::read(rig_file("paper_hil_fdva")));
   const json limits = json_of({"stability", "--write-limits", rig});
   EXPECT_GT(limits["allowed_delay"], 0.0);
+  EXPECT_GT(limits["allowed_gain"], 1.0);
   EXPECT_NE(TemporaryFolder::read(rig).find(limits["proven"]), std::string::npos);
 }
 

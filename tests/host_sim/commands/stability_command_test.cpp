@@ -109,6 +109,11 @@ TEST(StabilityCommand, WritesForWhichLoopItHolds) {
   ASSERT_TRUE(analysis.sampled && analysis.sampled->critical_delay);
   EXPECT_NEAR(rig.hardware.schedule.allowed_delay, 0.8 * (*analysis.sampled->critical_delay - 0.010), 1e-6);
 
+  ASSERT_TRUE(analysis.sampled_margins && analysis.sampled_margins->upper_gain);
+  const double border = analysis.sampled_margins->upper_gain->factor;
+  EXPECT_NEAR(rig.hardware.schedule.allowed_gain, 1.0 + 0.8 * (border - 1.0), 1e-3);
+  EXPECT_LE(rig.hardware.schedule.allowed_gain, border);
+
   ASSERT_EQ(rigtwin({"stability", "--write-limits", file}).status, 0);
   EXPECT_EQ(support::TemporaryFolder::read(file), written) << "a second time there is nothing to change";
 }

@@ -17,7 +17,8 @@ using host_sim::watch::parse_datagram;
 TEST(WatchDatagram, IsReadAsTheControllerWritesIt) {
   const firmware::RigDescription rig = support::rig("paper_hil_fdva");
   const auto spans = std::make_unique<firmware::controller::Spans>();
-  const firmware::controller::DatagramWriter writer(rig, {}, false, 1, *spans, "a.1@here");
+  firmware::controller::DatagramWriter writer(rig, {}, false, 1, *spans, "a.1@here");
+  writer.describe_refusals([] { return std::string("stop_button; interlock door"); });
   firmware::Record record;
   record.time = hal::milliseconds(2500);
   record.mode = firmware::Mode::safe;
@@ -31,6 +32,7 @@ TEST(WatchDatagram, IsReadAsTheControllerWritesIt) {
   EXPECT_EQ(read->state, "safe");
   EXPECT_EQ(read->reason, "energy");
   EXPECT_EQ(read->second_reason, "none");
+  EXPECT_EQ(read->failed_checks, "stop_button; interlock door");
   EXPECT_EQ(read->trip, "energy (0.31, limit 0.3)");
   EXPECT_EQ(read->value("z_w"), 0.0125);
   EXPECT_TRUE(std::isnan(read->value("F_w_c")));

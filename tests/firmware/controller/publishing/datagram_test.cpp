@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "firmware/controller/recording/trip_text.hpp"
 #include "tests/support/rig_texts.hpp"
 
 namespace {
@@ -89,6 +90,31 @@ TEST_F(Written, SaysStateAndReasonInWordsToo) {
   EXPECT_EQ(object["second_reason"], "stop_button");
   EXPECT_EQ(object["energy_fed"], 1.5);
   EXPECT_EQ(object["energy_taken"], 6.0);
+}
+
+// Point. The page shows everything that is wrong with a rig that was not armed; what a reader of datagrams does not take
+// (300 bytes) is left out entry by entry.
+TEST_F(Written, ListsWhatArmingFound) {
+  firmware::Refusals refusals;
+  refusals.add({.reason = Reason::stop_button});
+  refusals.add({.reason = Reason::interlock, .interlock = 1});
+  refusals.add({.reason = Reason::interlock, .interlock = 1});
+  refusals.add({.reason = Reason::arming_position, .channel = Channel::x_act, .value = 0.02, .limit = 0.005});
+  DatagramWriter described = writer();
+  const auto written = [&] { return json::parse(described.period(record, {17, 3}, false)); };
+  described.describe_refusals([&] { return firmware::controller::refusals_text(refusals, rig); });
+  EXPECT_FALSE(written().contains("failed_checks")) << "not in safe: an earlier arming's";
+  record.mode = Mode::safe;
+  EXPECT_EQ(written()["failed_checks"],
+            "stop_button (0, limit 0); interlock 2; arming_position of x_act (0.02 m, limit 0.005)");
+  for (std::size_t i = 0; i < 12; ++i) {
+    refusals.add({.reason = Reason::sample_missing, .channel = model::channel_at(i), .value = 0.0, .limit = 3.0});
+  }
+  const std::string all = written()["failed_checks"];
+  EXPECT_LE(all.size(), 300U);
+  EXPECT_TRUE(all.ends_with("limit 3); …")) << all;
+  refusals.clear();
+  EXPECT_FALSE(written().contains("failed_checks"));
 }
 
 // What is recorded, and how long the run takes, once the session knows it.
