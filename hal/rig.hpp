@@ -23,7 +23,8 @@ struct Rig {
   Heartbeat& heartbeat;
   DriveEnable& drive_enable;
   Interlocks& interlocks;
-  AreaOutput* area = nullptr;  ///< of an active air spring, where there is one
+  AreaOutput* area = nullptr;            ///< of an active air spring, where there is one
+  DriveEnable* high_pressure = nullptr;  ///< second stage of the power unit, where there is one
 };
 
 }  // namespace hal

@@ -35,8 +35,8 @@ constexpr hal::Time disk_patience = hal::milliseconds(5000);
 
 /// The roles with a command output that remembers.
 hal::Rig remembering(const hal::Rig& opened, RememberedCommand& command) {
-  return {opened.clock,     opened.sensors,      opened.valves,     command,    opened.stop_button,
-          opened.heartbeat, opened.drive_enable, opened.interlocks, opened.area};
+  return {opened.clock,     opened.sensors,      opened.valves,     command,     opened.stop_button,
+          opened.heartbeat, opened.drive_enable, opened.interlocks, opened.area, opened.high_pressure};
 }
 
 Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles, bool devices) {

@@ -46,6 +46,11 @@ Arming arming_settings(const RigDescription& description) {
   if (arming.sway <= 0.0) arming.sway = 0.01 * control_settings(description).limits.force;
   if (arming.wander <= 0.0) arming.wander = 0.1 * arming.position_tolerance;
   if (description.rig.kind != model::RigKind::hil) arming.force_ramp = 0.0;
+  if (const auto& gpio = description.hardware.gpio) {
+    for (std::size_t i = 0; i < gpio->interlocks.size(); ++i) {
+      if (gpio->interlocks[i].name == gpio->hold_to_run) arming.hold_to_run |= 1U << i;
+    }
+  }
   arming.allowed_gain = description.hardware.schedule.allowed_gain;
   if (arming.allowed_gain > 0.0) arming.probe_stiffness = probe_stiffness(description, arming.probe_amplitude);
   if (arming.probe_stiffness < 0.0) arming.probe_stiffness = 0.0;  // the sign is judged without it

@@ -113,7 +113,21 @@ void read_gpio(DescriptionTable& table, const model::RigParameters<double>& rig,
   if (table.has("valves_active_low")) gpio.valves_active_low = table.truth("valves_active_low");
   read_stop(table, waivers, gpio);
   read_enable(table, waivers, gpio);
+  if (table.has("high_pressure")) gpio.high_pressure = table.text("high_pressure");
+  if (!gpio.high_pressure.empty() && (gpio.enable.empty() || gpio.high_pressure == gpio.enable)) {
+    table.fail("high_pressure", "gpio.high_pressure is a second stage without a first one",
+               "an output beside gpio.enable");
+  }
   read_interlocks(table, gpio);
+  if (table.has("hold_to_run")) {
+    gpio.hold_to_run = table.text("hold_to_run");
+    const bool known = std::any_of(gpio.interlocks.begin(), gpio.interlocks.end(),
+                                   [&](const auto& interlock) { return interlock.name == gpio.hold_to_run; });
+    if (!known) {
+      table.fail("hold_to_run", "gpio.hold_to_run = " + in_quotes(gpio.hold_to_run) + " is no interlock",
+                 "a NAME of [gpio.interlocks], whose contact somebody holds closed");
+    }
+  }
   if (table.has("heartbeat")) gpio.heartbeat = table.text("heartbeat");
   table.finish();
 }
@@ -315,6 +329,9 @@ void read_arming(DescriptionTable& top, const Waivers& waivers, ControllerDescri
          "a length in m, up to a tenth of limits.stroke,");
   within("probe_amplitude", arming.probe_amplitude, 0.0, 0.1 * controller.stroke,
          "a length in m, up to a tenth of limits.stroke,");
+  double hours = 0.0;
+  within("stop_test", hours, 0.01, 8760.0, "a time in hours");
+  arming.stop_test = 3600.0 * hours;
   within("force_ramp", arming.force_ramp, 0.0, 10.0, "a time in s");
   if (arming.probe_amplitude == 0.0 && !waivers.contains("no_probe")) {
     table->fail("probe_amplitude", "arming without a probe does not find a wrong sign",

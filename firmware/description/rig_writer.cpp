@@ -186,6 +186,7 @@ void write_controller(Text& out, const RigDescription& description) {
   if (arming.wander > 0.0) out.line("wander", real(arming.wander));
   out.line("position_tolerance", real(arming.position_tolerance));
   out.line("probe_amplitude", real(arming.probe_amplitude));
+  if (arming.stop_test > 0.0) out.line("stop_test", real(arming.stop_test / 3600.0));
   out.line("force_ramp", real(arming.force_ramp));
   out.table("waivers");
   for (const auto& [key, sentence] : description.waivers) out.line(key, basic_string_of(sentence));
@@ -238,6 +239,8 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
     if (gpio.enable_feedback_bias != ordinary.enable_feedback_bias) {
       out.line("enable_feedback_bias", basic_string_of(gpio.enable_feedback_bias));
     }
+    if (!gpio.high_pressure.empty()) out.line("high_pressure", basic_string_of(gpio.high_pressure));
+    if (!gpio.hold_to_run.empty()) out.line("hold_to_run", basic_string_of(gpio.hold_to_run));
     if (!gpio.heartbeat.empty()) out.line("heartbeat", basic_string_of(gpio.heartbeat));
     if (gpio.interlock_bias != ordinary.interlock_bias) {
       out.line("interlock_bias", basic_string_of(gpio.interlock_bias));

@@ -40,6 +40,8 @@ constexpr std::array usual_settings{
     Usual{"supervision", "energy_cycles", 1.0, 12.0},
     Usual{"supervision", "enable_time", 0.0, 0.5},  // ISO 13849: contactors need less than 0.1 s
     Usual{"supervision", "unpowered_way", 0.0, 0.01},
+    Usual{"supervision", "force_share", 0.01, 0.5},  // 0: a force is never implausible
+    Usual{"supervision", "force_way", 0.0, 0.01},
     Usual{"supervision", "growth_time", 0.0, 0.4},
 };
 
@@ -65,14 +67,18 @@ MotionObjection wide_objection(const RigDescription& description) {
     }
   }
   const Arming arming = arming_settings(description);
-  const double force = control_settings(description).limits.force;
+  const Settings settings = control_settings(description);
+  const double force = settings.limits.force, low_force = settings.limits.highest_low_force();
+  const double low_speed = settings.highest_low_speed();
   struct Value {
     std::string_view table, key;
     double value, lowest, highest;
   };
   for (const Value& v : {
            Value{"limits", "speed", controller.speed, 0.0, 2.0},  // faster than the cylinders of such rigs
-           Value{"limits", "ramp", controller.ramp, 0.0, 0.25},   // reduced speed of ISO 10218-1, beside people
+           Value{"limits", "ramp", controller.ramp, 0.0, 0.2},    // four fifths of the reduced speed below
+           Value{"limits", "low_speed", low_speed, 0.0, 0.25},    // reduced speed of ISO 10218-1, beside people
+           Value{"limits", "low_force", low_force, 0.0, 0.5 * force},
            Value{"limits", "energy_gain", controller.energy_gain, 0.0, 1.5},
            Value{"controller", "late_in_a_row", static_cast<double>(description.hardware.schedule.late_in_a_row), 1.0,
                  50.0},

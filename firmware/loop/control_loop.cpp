@@ -57,9 +57,10 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
       command_guard_(settings.limits, period_, settings.ramps.rest),
       hil_(settings, parameters, period_),
       power_(rig.drive_enable, settings.supervision, period_,
-             kind_ == model::RigKind::quarter_car ? Channel::z_r : Channel::x_act),
-      motion_guard_(settings.limits, settings.supervision, parameters, period_),
+             kind_ == model::RigKind::quarter_car ? Channel::z_r : Channel::x_act, rig.high_pressure),
+      motion_guard_(settings.limits, settings.supervision, parameters, period_, settings.highest_low_speed()),
       frozen_guard_(settings.supervision, parameters),
+      force_guard_(settings.supervision, parameters, period_),
       lateness_guard_(settings.limits, settings.supervision, settings.period),
       area_control_(parameters),
       arming_(settings, expected_of(parameters)),
@@ -70,7 +71,7 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
 void ControlLoop::step() {
   const hal::Time now = rig_.clock.now();
   keep_time(now);
-  set_force_limit();
+  set_low_limits();
   samples_.take(rig_.sensors.read(), now);
   estimator_.step(samples_);
   if (Companion* companion = companion_.get()) companion->follow(samples_, now);
@@ -80,6 +81,7 @@ void ControlLoop::step() {
   if ((requests & level_request) != 0) player_.level(static_cast<double>(wanted_level_.load()) / 1e6);
   const bool stands = mode_ == Mode::safe && at_rest();
   if (stands && (requests & (bit(Request::acknowledge) | bit(Request::rest))) != 0) rig_.stop_button.release();
+  hand_wanted_ = wants_hold_to_run(requests);
   std::optional<Trip> hazard = find_hazard(now);
   if (!hazard && (requests & (bit(Request::stop) | bit(Request::end))) != 0 && mode_ != Mode::safe) {
     hazard = Trip{.reason = Reason::stop_requested, .time = now};
@@ -140,11 +142,12 @@ void ControlLoop::keep_time(hal::Time now) {
   due_ += settings_.period;
 }
 
-/// A slow motion meets less force than a run; one that leads back from a force may have it for as long as it falls.
-void ControlLoop::set_force_limit() {
+/// A slow motion is slow, and meets less force than a run; one that leads back from a force may have it for as long as it falls.
+void ControlLoop::set_low_limits() {
   const bool returns = moves_in_safe();
   const bool slow = returns || (leads_drive(mode_) && !in_run(mode_));
   samples_.judge_force(slow ? settings_.limits.highest_low_force() : settings_.limits.force, returns);
+  motion_guard_.move_slowly(slow && !(returns && return_.braking()));
   if (returns && return_.braking()) samples_.begin_growth();  // until it stands nothing can be done but brake
 }
 
@@ -159,6 +162,7 @@ void ControlLoop::watch_motion(hal::Time now) {
   if (!power_.on()) {
     motion_guard_.start(command_guard_.last().position);
     frozen_guard_.start();
+    force_guard_.start();
     return;
   }
   motion_hazard_ = motion_guard_.follow(command_guard_.last(), samples_, now, mode_ == Mode::arming);
@@ -171,6 +175,12 @@ void ControlLoop::watch_motion(hal::Time now) {
   const std::optional<Trip> frozen =
       frozen_guard_.follow(samples_, motion_guard_.expected(), command_guard_.last(), now, known);
   if (!motion_hazard_) motion_hazard_ = frozen;
+  if (!in_run(mode_)) {
+    force_guard_.start();
+    return;
+  }
+  const std::optional<Trip> implausible = force_guard_.follow(samples_, now);
+  if (!motion_hazard_) motion_hazard_ = implausible;
 }
 
 bool ControlLoop::level(double wanted) {
@@ -203,17 +213,33 @@ std::optional<Trip> ControlLoop::find_stop(hal::Time now) {
     return Trip{.reason = contradiction ? Reason::stop_channels : Reason::stop_button_lost, .time = now};
   }
   if (!*pressed) return std::nullopt;
+  stop_tested_ = now;
   return Trip{.reason = Reason::stop_button, .value = (now - rig_.stop_button.pressed_at()).seconds(), .time = now};
 }
 
 std::optional<Trip> ControlLoop::find_open_interlock(hal::Time now) {
   const hal::Result<std::uint32_t> open = rig_.interlocks.open();
-  open_interlocks_ = open ? *open : 0;
+  open_interlocks_ = open ? *open & (hand_wanted_ ? ~0U : ~settings_.arming.hold_to_run) : 0;
   if (!open) return Trip{.reason = Reason::interlocks_lost, .time = now};
-  if (*open == 0) return std::nullopt;
+  if (open_interlocks_ == 0) return std::nullopt;
   std::int8_t first = 0;
-  while ((*open >> static_cast<unsigned>(first) & 1U) == 0) ++first;
+  while ((open_interlocks_ >> static_cast<unsigned>(first) & 1U) == 0) ++first;
   return Trip{.reason = Reason::interlock, .time = now, .interlock = first};
+}
+
+/// Somebody holds a contact closed for as long as the rig arms, and is led back to rest.
+bool ControlLoop::wants_hold_to_run(unsigned requests) const {
+  const bool arms = mode_ == Mode::arming || (mode_ == Mode::idle && (requests & bit(Request::arm)) != 0);
+  const bool led = mode_ == Mode::safe && (led_back_ || (requests & bit(Request::rest)) != 0);
+  return arms || led;
+}
+
+std::optional<Trip> ControlLoop::find_untested_stop(hal::Time now) const {
+  const double allowed = settings_.arming.stop_test;
+  if (allowed <= 0.0 || arming_.powered()) return std::nullopt;
+  const double since = stop_tested_ == hal::never ? never_reached : (now - stop_tested_).seconds();
+  if (since <= allowed) return std::nullopt;
+  return Trip{.reason = Reason::arming_stop_untested, .value = since, .limit = allowed, .time = now};
 }
 
 /// Without power only a stop acts, and what shows that there is power or motion. On the way to rest the hazard that led
@@ -260,6 +286,7 @@ void ControlLoop::take_up(Request request, unsigned requests, bool hazard, hal::
       follow(rule->event);
       return_to_rest(0.0);
       held_ = false;
+      led_back_ = true;
       expects_trip_ = false;
       samples_.bear_nothing();
       return;
@@ -307,6 +334,7 @@ void ControlLoop::begin_arming(hal::Time now) {
   samples_.bear_nothing();
   samples_.tare(force_channel(), 0.0);
   refusals_.clear();
+  place_shown_ = false;
   double home = place().value_or(command_guard_.last().position);
   if (settings_.arming.position_tolerance > 0.0 && power_.always()) {
     const hal::Result<double> shown = rig_.command.read_back();  // the drive has power: there it is told to be
@@ -328,6 +356,8 @@ std::optional<Trip> ControlLoop::look_at_arming(hal::Time now, std::optional<Tri
     if (samples_.fitted(position_channel())) seen.position = samples_.value(position_channel());
   }
   if (samples_.fitted(force_channel())) seen.force = samples_.value(force_channel());
+  const std::optional<Trip> untested = find_untested_stop(now);
+  if (!hazard) hazard = untested;
   if (hazard) {
     arming_.list(seen);
   } else {
@@ -338,6 +368,7 @@ std::optional<Trip> ControlLoop::look_at_arming(hal::Time now, std::optional<Tri
     if (is_fault(hazard->reason)) list_refusals(*hazard, now);
     return hazard;
   }
+  place_shown_ = place_shown_ || arming_.powered();
   if (arming_.powered() && !power_.wanted()) follow(Event::compared);
   if (arming_.done()) {
     samples_.tare(force_channel(), arming_.tare());
@@ -363,6 +394,7 @@ void ControlLoop::list_refusals(const Trip& first, hal::Time now) {
   add(power_hazard_);
   samples_.each_hazard(now, add);
   add(motion_hazard_);
+  add(find_untested_stop(now));
   for (const Trip& failed : arming_.failed()) refusals_.add(failed);
 }
 
@@ -384,6 +416,7 @@ void ControlLoop::trip(const Trip& trip) {
   const double velocity = stays ? 0.0 : command_guard_.velocity();
   if (takes_heartbeat(trip.reason)) starved_ = true;
   if (loses_power(trip.reason)) proven_ = false;
+  led_back_ = false;
   if (mode_ == Mode::safe) {
     if (second_.reason == Reason::none) second_ = trip;
     if (moves_in_safe() && !held_) brake_and_hold(velocity);
@@ -439,7 +472,10 @@ void ControlLoop::compute(hal::Time now) {
     }
   }
   // In safe the enable goes one period after the last command of the way to rest, so that the drive gets there.
-  if (mode_ == Mode::safe && (held_ || standing())) follow(Event::arrived);
+  if (mode_ == Mode::safe && (held_ || standing())) {
+    follow(Event::arrived);
+    led_back_ = false;
+  }
   if (mode_ == Mode::safe) command_ = return_.next();
   if (mode_ == Mode::idle) command_ = {command_guard_.last().position, 0.0, 0.0};
   if (mode_ != Mode::ready && !in_run(mode_)) openings_ = rig_.valves.safe_position();
@@ -470,6 +506,7 @@ std::optional<hal::Command> ControlLoop::follow_reference(hal::Time now) {
 }
 
 void ControlLoop::act(hal::Time now) {
+  if (!has_high_pressure(mode_)) write_high_pressure(now);
   if (!power_.wanted()) write_enable(now);  // off first, on last
   bool valves_stand = write_valves();
   if (!valves_stand && (leads_drive(mode_) || power_.wanted())) {
@@ -478,8 +515,9 @@ void ControlLoop::act(hal::Time now) {
     write_enable(now);
     valves_stand = write_valves();
   }
-  if (mode_ != Mode::idle) write_command(now, valves_stand);
+  if (writes_command()) write_command(now, valves_stand);
   write_enable(now);
+  write_high_pressure(now);
 
   // Without beats the watchdog makes the valves safe and takes the power.
   if (!valves_stand || !power_.written() || starved_) return;
@@ -490,6 +528,10 @@ void ControlLoop::act(hal::Time now) {
   (void)write_valves();
   write_enable(now);
 }
+
+/// A drive that has power at all times is told nothing before a comparison has shown where it stands: the converter that
+/// says so may lie, and the command would be a jump.
+bool ControlLoop::writes_command() const { return mode_ != Mode::idle && (place_shown_ || !power_.always()); }
 
 void ControlLoop::write_command(hal::Time now, bool& valves_stand) {
   const hal::Result<void> written = rig_.command.write(command_);
@@ -527,6 +569,15 @@ void ControlLoop::write_enable(hal::Time now) {
   lose_power({.reason = Reason::enable_failed, .time = now});
   (void)write_valves();
   (void)power_.write(now);
+}
+
+/// The second stage of the power unit: not before a probe has passed, and gone first.
+void ControlLoop::write_high_pressure(hal::Time now) {
+  if (power_.write_high_pressure(has_high_pressure(mode_))) return;
+  if (!leads_drive(mode_) && !power_.wanted()) return;
+  lose_power({.reason = Reason::enable_failed, .time = now});
+  (void)power_.write_high_pressure(false);
+  write_enable(now);
 }
 
 bool ControlLoop::write_valves() {

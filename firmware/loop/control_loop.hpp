@@ -12,6 +12,7 @@
 #include "firmware/loop/companion.hpp"
 #include "firmware/loop/compensation/compensation.hpp"
 #include "firmware/loop/drive_power.hpp"
+#include "firmware/loop/force_guard.hpp"
 #include "firmware/loop/frozen_guard.hpp"
 #include "firmware/loop/hil_interface.hpp"
 #include "firmware/loop/journal.hpp"
@@ -126,6 +127,7 @@ class ControlLoop {
   [[nodiscard]] double tare() const { return samples_.tare(force_channel()); }         ///< taken from F, or F_w [N]
   [[nodiscard]] const hal::Command& command() const { return command_guard_.last(); }  ///< for this instant
   [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] const ForceGuard& force_guard() const { return force_guard_; }
   [[nodiscard]] const StateEstimator& estimator() const { return estimator_; }
 
  private:
@@ -147,11 +149,13 @@ class ControlLoop {
   [[nodiscard]] std::optional<double> place() const;
 
   void keep_time(hal::Time now);
-  void set_force_limit();
+  void set_low_limits();
   void watch_motion(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_hazard(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_stop(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_open_interlock(hal::Time now);
+  [[nodiscard]] bool wants_hold_to_run(unsigned requests) const;
+  [[nodiscard]] std::optional<Trip> find_untested_stop(hal::Time now) const;
   [[nodiscard]] bool matters(const Trip& hazard) const;
   [[nodiscard]] bool is_lasting(const Trip& hazard) const;
   void take_up(Request request, unsigned requests, bool hazard, hal::Time now);
@@ -171,9 +175,11 @@ class ControlLoop {
   [[nodiscard]] std::optional<hal::Command> wanted_command(hal::Time now);
   [[nodiscard]] std::optional<hal::Command> follow_reference(hal::Time now);
   void act(hal::Time now);
+  [[nodiscard]] bool writes_command() const;
   void write_command(hal::Time now, bool& valves_stand);
   [[nodiscard]] bool write_valves();
   void write_enable(hal::Time now);
+  void write_high_pressure(hal::Time now);
   void note_values(Record& record) const;
 
   Settings settings_;
@@ -191,10 +197,11 @@ class ControlLoop {
   DrivePower power_;
   MotionGuard motion_guard_;
   FrozenGuard frozen_guard_;
+  ForceGuard force_guard_;
   LatenessGuard lateness_guard_;
   std::optional<Trip> stop_hazard_{}, interlock_hazard_{};  ///< of this period
   std::uint32_t open_interlocks_ = 0;                       ///< of this period, bit i: interlock i
-  std::optional<Trip> motion_hazard_{};                     ///< of this period, by motion and frozen guard
+  std::optional<Trip> motion_hazard_{};                     ///< of this period, by motion, frozen and force guard
   std::optional<Trip> power_hazard_{};                      ///< of this period
   [[no_unique_address]] AreaControl<has_area> area_control_;
   ArmingChecks arming_;
@@ -208,11 +215,15 @@ class ControlLoop {
   Mode mode_ = Mode::idle;
   Trip trip_{};
   Trip second_{};
-  bool held_ = false;          ///< in safe: stays where it stopped
-  bool expects_trip_ = false;  ///< in safe: the hazard of trip_ may last while the command returns to rest
-  bool proven_ = false;        ///< arming has passed, and nothing has happened since that takes an arming
-  bool sign_shown_ = false;    ///< of the measured position, by a probe of this program
-  bool starved_ = false;       ///< no heartbeat until somebody has acknowledged why
+  bool held_ = false;                   ///< in safe: stays where it stopped
+  bool expects_trip_ = false;           ///< in safe: the hazard of trip_ may last while the command returns to rest
+  bool proven_ = false;                 ///< arming has passed, and nothing has happened since that takes an arming
+  bool place_shown_ = false;            ///< the last arming has found the drive where its command is
+  bool sign_shown_ = false;             ///< of the measured position, by a probe of this program
+  bool led_back_ = false;               ///< in safe: somebody's `rest` leads the way to rest
+  bool hand_wanted_ = false;            ///< contacts that are held by hand matter in this period
+  hal::Time stop_tested_ = hal::never;  ///< the stop button was pressed, last
+  bool starved_ = false;                ///< no heartbeat until somebody has acknowledged why
   Counters counters_{};
   hal::Time due_ = hal::never;
   hal::Time lateness_{};  ///< of this period

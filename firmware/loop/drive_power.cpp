@@ -7,8 +7,10 @@ double share_of(double period, double time) { return period < time ? period / ti
 
 }  // namespace
 
-DrivePower::DrivePower(hal::DriveEnable& enable, const Supervision& supervision, double period, model::Channel position)
+DrivePower::DrivePower(hal::DriveEnable& enable, const Supervision& supervision, double period, model::Channel position,
+                       hal::DriveEnable* high_pressure)
     : enable_(enable),
+      high_pressure_(high_pressure),
       enable_time_(hal::seconds(supervision.enable_time)),
       way_(supervision.unpowered_way),
       mean_share_(share_of(period, mean_time)),
@@ -27,6 +29,18 @@ bool DrivePower::write(hal::Time now) {
     if (on_) taken_ = now;
   }
   on_ = wanted_;
+  return true;
+}
+
+bool DrivePower::write_high_pressure(bool wanted) {
+  const bool high = wanted && wanted_ && (on_ || always());
+  if (high_pressure_ == nullptr || high_ == high) return true;
+  high_.reset();
+  if (!high_pressure_->write(high)) {
+    ++failures_;
+    return false;
+  }
+  high_ = high;
   return true;
 }
 

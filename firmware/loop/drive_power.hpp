@@ -23,9 +23,11 @@ namespace firmware {
 /// (1) where a contact is fitted that moves with the power; (3) where the rig has an enable and the position is
 /// measured. A step of unpowered_way trips, and so does a lasting speed of unpowered_way/T; what sinks more slowly does
 /// not. Within enable_time a contactor drops out and the drive coasts to a stop; x̄ is x until then.
+/// The second stage of a power unit, where there is one, follows power that has been proven and goes before it.
 class DrivePower {
  public:
-  DrivePower(hal::DriveEnable& enable, const Supervision& supervision, double period, model::Channel position);
+  DrivePower(hal::DriveEnable& enable, const Supervision& supervision, double period, model::Channel position,
+             hal::DriveEnable* high_pressure = nullptr);
 
   void give() { wanted_ = true; }
   void take() { wanted_ = false; }
@@ -41,6 +43,9 @@ class DrivePower {
   /// Writes at a change, and again after a fault. False: not taken, whether the drive has power is unknown.
   [[nodiscard]] bool write(hal::Time now);
 
+  /// The same for the second stage: on where `wanted`, and the drive has power. Off before the power is taken, on after.
+  [[nodiscard]] bool write_high_pressure(bool wanted);
+
   /// Once a period; `position` where it is measured by a good sample. (1), then (3).
   [[nodiscard]] std::optional<Trip> watch(std::optional<double> position, hal::Time now);
 
@@ -55,6 +60,7 @@ class DrivePower {
   [[nodiscard]] std::optional<Trip> watch_motion(std::optional<double> position, hal::Time now);
 
   hal::DriveEnable& enable_;
+  hal::DriveEnable* high_pressure_;
   hal::Time enable_time_;
   double way_;         ///< unpowered_way [m]
   double mean_share_;  ///< h/T
@@ -64,6 +70,7 @@ class DrivePower {
   bool on_ = false;
   bool written_ = true;
   bool moves_ = false;
+  std::optional<bool> high_{};  ///< the second stage as last written with success
   std::uint64_t failures_ = 0;
   hal::Time agreed_ = hal::never;  ///< feedback and wanted, last
   hal::Time taken_ = hal::never;   ///< the power went, or the program began

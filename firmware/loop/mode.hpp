@@ -143,6 +143,9 @@ inline constexpr auto request_rules = std::to_array<RequestRule>({
 /// True where the loop leads the drive: every limit holds.
 [[nodiscard]] constexpr bool leads_drive(Mode mode) { return mode != Mode::idle && mode != Mode::safe; }
 
+/// True where the second stage of a power unit is on: behind all checks of an arming, and not in safe.
+[[nodiscard]] constexpr bool has_high_pressure(Mode mode) { return leads_drive(mode) && mode != Mode::arming; }
+
 /// True where a run is under way: its rows are those of a recording.
 [[nodiscard]] constexpr bool in_run(Mode mode) { return mode == Mode::running || mode == Mode::holding; }
 

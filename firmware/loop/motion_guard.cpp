@@ -19,7 +19,7 @@ int periods_a_step(double duration, double period, std::size_t samples) {
 }  // namespace
 
 MotionGuard::MotionGuard(const Limits& limits, const Supervision& supervision, const model::RigParameters<double>& rig,
-                         double period)
+                         double period, double low_speed)
     : channel_(rig.kind == model::RigKind::quarter_car ? model::Channel::z_r : model::Channel::x_act),
       following_(limits.following),
       following_least_(limits.following < never_reached ? limits.following_least : 0.0),
@@ -28,6 +28,7 @@ MotionGuard::MotionGuard(const Limits& limits, const Supervision& supervision, c
       memory_(supervision.following_memory),
       half_stroke_(0.5 * limits.highest_measured_stroke()),
       highest_speed_(limits.highest_measured_speed()),
+      low_speed_(low_speed < highest_speed_ ? low_speed : highest_speed_),
       confirmations_(limits.bridged_in_a_row),
       period_(period) {
   model::MachinePath<double> path{};
@@ -61,7 +62,7 @@ void MotionGuard::start(double position) {
   until_step_ = 0;
   error_ = speed_ = mean_error_ = 0.0;
   mean_allowed_ = following_least_ * following_least_;
-  away_ = far_ = fast_ = 0;
+  away_ = far_ = fast_ = calm_ = 0;
 }
 
 std::optional<Trip> MotionGuard::follow(const hal::Command& command, const SampleGuard& samples, hal::Time now,
@@ -97,9 +98,13 @@ std::optional<Trip> MotionGuard::judge(double position, hal::Time now) {
 
   away_ = absolute(error_) > following_ ? away_ + 1 : 0;
   far_ = absolute(position) > half_stroke_ ? far_ + 1 : 0;
-  fast_ = absolute(speed_) > highest_speed_ ? fast_ + 1 : 0;
+  const int settled = following_steps_ + static_cast<int>(window_);
+  if (absolute(reached_.velocity) > low_speed_) calm_ = 0;
+  if (calm_ <= settled) ++calm_;
+  const double highest = slow_ && calm_ > settled ? low_speed_ : highest_speed_;
+  fast_ = absolute(speed_) > highest ? fast_ + 1 : 0;
   if (far_ >= confirmations_) return Trip{Reason::measured_stroke, channel_, position, half_stroke_, now};
-  if (fast_ >= confirmations_) return Trip{Reason::measured_speed, channel_, speed_, highest_speed_, now};
+  if (fast_ >= confirmations_) return Trip{Reason::measured_speed, channel_, speed_, highest, now};
   if (away_ > following_steps_) return Trip{Reason::following_error, channel_, error_, following_, now};
   if (following_least_ <= 0.0) return std::nullopt;
   const double allowed = following_least_ + following_delay_ * absolute(reached_.velocity) +

@@ -23,7 +23,7 @@ namespace firmware {
 ///
 /// x is the reading without the gain and offset that the description gives its sensor; delay, lag and half of the hold
 /// of that sensor belong to τ. Hazards: |e| > following for longer than following_time; |x| > half of measured_stroke,
-/// or |v| > measured_speed, in bridged_in_a_row steps in a row (a single wrong sample is no motion). A small motion
+/// or |v| > measured_speed (in a slow motion low_speed), in bridged_in_a_row steps in a row (a single wrong sample is no motion). A small motion
 /// allows a small error only:
 ///
 ///   (4)  a = following_least + (following/speed) |v̂| + following_share |x̂|      v̂ the expected speed
@@ -40,8 +40,12 @@ namespace firmware {
 /// 15: then once every so many periods that both fit. Static memory, 0.8 KiB.
 class MotionGuard {
  public:
+  /// `low_speed`: limit of (3) in a slow motion [m/s].
   MotionGuard(const Limits& limits, const Supervision& supervision, const model::RigParameters<double>& rig,
-              double period);
+              double period, double low_speed = never_reached);
+
+  /// From here on the rig moves slowly, or not. A drive that was faster has following_time to become slow after x̂ is.
+  void move_slowly(bool slow) { slow_ = slow; }
 
   /// The drive rests at `position`, and did so for long.
   void start(double position);
@@ -76,6 +80,9 @@ class MotionGuard {
   double offset_at_rest_ = 0.0;                   ///< e₀ [m]
   double half_stroke_;
   double highest_speed_;
+  double low_speed_;
+  bool slow_ = false;
+  int calm_ = 0;  ///< steps in a row with an expected speed below low_speed
   int confirmations_;
 
   double period_;            ///< of the guard's own step [s]

@@ -35,6 +35,10 @@ std::string_view check_motion(const Limits& limits, const Supervision& supervisi
   if (!positive_or_never(supervision.gap)) return "supervision.gap: expected a time above 0 s";
   if (!positive_or_never(supervision.enable_time)) return "supervision.enable_time: expected a time above 0 s";
   if (!positive_or_never(supervision.unpowered_way)) return "supervision.unpowered_way: expected a distance above 0 m";
+  if (!(supervision.force_share >= 0.0 && supervision.force_share <= 0.5)) {
+    return "supervision.force_share: expected a share of 0 to 0.5";
+  }
+  if (!positive_or_never(supervision.force_way)) return "supervision.force_way: expected a distance above 0 m";
   if (!positive_or_never(supervision.growth_time)) return "supervision.growth_time: expected a time above 0 s";
   return {};
 }
@@ -66,6 +70,8 @@ std::string_view Settings::check() const {
   const double half_stroke = 0.5 * limits.stroke;
   if (!(ramps.rest >= -half_stroke && ramps.rest <= half_stroke))
     return "ramps.rest: expected a place within the stroke";
+  if (limits.low_speed != 0.0 && !(limits.low_speed >= 1.25 * ramps.rate && positive(limits.low_speed)))
+    return "limits.low_speed: expected at least 1.25 times limits.ramp";
   if (!(ramps.rate > 0.0 && ramps.rate <= limits.speed)) return "ramps.rate: expected above 0, at most limits.speed";
   if (!positive(ramps.braking)) return "ramps.braking: expected a deceleration above 0 m/s²";
   if (!not_negative(ramps.settling)) return "ramps.settling: expected a time of at least 0 s";
@@ -79,6 +85,7 @@ std::string_view Settings::check() const {
     return "arming.probe_amplitude: expected 0 m to an eighth of the stroke";
   if (arming.probe_amplitude > 0.0 && !(arming.tare_time > 0.0 && arming.position_tolerance > 0.0))
     return "arming.probe_amplitude: expected a tare_time and a position_tolerance above 0 beside a probe";
+  if (!not_negative(arming.stop_test)) return "arming.stop_test: expected a time of at least 0 s";
   if (!not_negative(arming.probe_stiffness)) return "arming.probe_stiffness: expected at least 0 N/m";
   if (arming.allowed_gain != 0.0 && !(arming.allowed_gain > 1.0 && positive(arming.allowed_gain)))
     return "arming.allowed_gain: expected a factor above 1";

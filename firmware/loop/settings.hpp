@@ -1,6 +1,7 @@
 // What can be set about the control program.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <string_view>
 
@@ -16,6 +17,7 @@ struct Limits {
   double speed_time = 0.050;  ///< limited for longer than this without a break: trips [s]
   double force = 25e3;        ///< |measured force| [N]. Beyond: trips at once
   double low_force = 0.0;     ///< the same while the drive arms, approaches, returns [N]; 0: highest_low_force()
+  double low_speed = 0.0;     ///< of the measured position meanwhile [m/s]; 0: Settings::highest_low_speed()
   int bridged_in_a_row = 3;   ///< a bad sample is bridged by the last good one; so many in a row trip (1: at once)
   double stale_after = 5.0;   ///< a sample older (or from further in the future) than so many periods is bad
   double late_after = 0.25;   ///< a period that begins so many periods after it was due is late
@@ -66,6 +68,8 @@ struct Supervision {
   double gap = 0.010;                ///< one period that begins so late trips at once [s]
   double enable_time = 0.2;          ///< the contact that shows the power may differ, and a drive coast, so long [s]
   double unpowered_way = 2e-3;       ///< a drive without power that moves so far, or by so much a second, trips [m]
+  double force_share = 0.1;          ///< F is implausible below so much of the spring's force; 0: not judged
+  double force_way = 2e-3;           ///< … while the machine moves by more than this, rms [m]
   double growth_time = 0.1;          ///< a hil interface that pushes outwards for so long trips [s]
 };
 
@@ -90,7 +94,9 @@ struct Arming {
       0.0;                    ///< hil: force over deflection of the described component in the probe [N/m]; 0: unknown
   double allowed_gain = 0.0;  ///< hil: factor on the force that the proven loop bears; 0: unknown
   bool off_centre = false;    ///< the first arming may give power to a drive that stands off the middle
-  double force_ramp = 0.0;    ///< hil: F enters the car over so long from the start of a run [s]
+  double stop_test = 0.0;     ///< the stop button must have been pressed within so long before [s]; 0: not asked for
+  std::uint32_t hold_to_run = 0;  ///< bit i: interlock i is held by hand: it matters while arming and when led to rest
+  double force_ramp = 0.0;        ///< hil: F enters the car over so long from the start of a run [s]
 };
 
 /// How velocities are estimated: VelocityObserver says what the numbers do and where the defaults come from.
@@ -106,6 +112,15 @@ struct Settings {
   Ramps ramps{};
   Arming arming{};
   Observers observers{};
+
+  /// [m/s] Of the measured position in a slow motion: the reduced speed of ISO 10218-1, beside which people may stand. A
+  /// quarter above a faster ramp.
+  [[nodiscard]] double highest_low_speed() const {
+    constexpr double reduced_speed = 0.25;
+    if (limits.low_speed > 0.0) return limits.low_speed;
+    const double slow = 1.25 * ramps.rate > reduced_speed ? 1.25 * ramps.rate : reduced_speed;
+    return slow < limits.highest_measured_speed() ? slow : limits.highest_measured_speed();
+  }
 
   /// What is wrong with the settings (key and what is expected), or an empty text.
   [[nodiscard]] std::string_view check() const;

@@ -55,12 +55,13 @@ enum class Reason : unsigned char {
   compensation,           ///< the compensation of the machine's delay adds more than it may
   enable_feedback,        ///< the contact that shows the drive's power differs from what is commanded
   motion_without_power,   ///< the measured position moves although the drive has no power
-  innovation,             ///< a channel has not agreed with the estimator for long
+  innovation,             ///< a channel has not answered as the described rig does for long
   arming_off_centre,      ///< the drive stands off the middle and the sign of its position has not been shown
   arming_gain_F,          ///< the force answers the deflection by more than the proven loop bears
+  arming_stop_untested,   ///< nobody has pressed the stop button for so long that it must be tried
 };
 
-inline constexpr Reason last_reason = Reason::arming_gain_F;
+inline constexpr Reason last_reason = Reason::arming_stop_untested;
 
 /// What a reason does to a drive with power.
 enum class Reaction : unsigned char {
@@ -122,6 +123,7 @@ inline constexpr auto reason_rules = std::to_array<ReasonRule>({
     {"innovation", Reaction::returns},
     {"arming_off_centre", Reaction::rearms},
     {"arming_gain_F", Reaction::rearms},
+    {"arming_stop_untested", Reaction::rearms},
 });
 static_assert(reason_rules.size() == static_cast<std::size_t>(last_reason) + 1, "a line for each reason");
 

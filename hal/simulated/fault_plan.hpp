@@ -54,7 +54,8 @@ struct DeviceFault {
     drive_enable,
     interlocks,
     area,
-    enable_feedback
+    enable_feedback,
+    high_pressure
   };
 
   Device device = Device::sensors;

@@ -26,8 +26,11 @@ Rig::Rig(Plant& plant, const Construction& construction, const FaultPlan& plan)
 }
 
 hal::Rig Rig::roles() {
-  return {clock_role_,     sensor_role_, valve_role_,     command_role_, button_role_,
-          heartbeat_role_, enable_role_, interlock_role_, &area_role_};
+  return {clock_role_,  sensor_role_,
+          valve_role_,  command_role_,
+          button_role_, heartbeat_role_,
+          enable_role_, interlock_role_,
+          &area_role_,  construction_.high_pressure ? &pressure_role_ : nullptr};
 }
 
 bool Rig::watchdog_has_acted() const {
@@ -141,6 +144,12 @@ Result<double> Rig::CommandRole::do_read_back() {
 Result<void> Rig::EnableRole::do_write(bool on) {
   if (const auto fault = rig.fault_of(DeviceFault::Device::drive_enable)) return *fault;
   if (rig.construction_.drive_enable) rig.enabled_ = on;
+  return {};
+}
+
+Result<void> Rig::PressureRole::do_write(bool on) {
+  if (const auto fault = rig.fault_of(DeviceFault::Device::high_pressure)) return *fault;
+  rig.high_pressure_ = on;
   return {};
 }
 

@@ -25,6 +25,7 @@ struct Construction {
   double coasting = 20.0;     ///< deceleration of a drive that loses its enable [m/s², > 0]
   std::size_t interlocks = 0;
   bool enable_feedback = false;  ///< a contact shows whether the drive has power
+  bool high_pressure = false;    ///< the power unit has a second stage
 };
 
 /// All roles of a rig around a plant, in virtual time.
@@ -50,9 +51,10 @@ class Rig {
   [[nodiscard]] Openings openings() const;                                ///< where the valves stand now
   [[nodiscard]] bool watchdog_has_acted() const;                          ///< beats have ceased for too long
   [[nodiscard]] std::uint64_t beats() const { return beats_; }
-  [[nodiscard]] bool enabled() const { return enabled_; }        ///< as the enable was last written
-  [[nodiscard]] bool powered() const;                            ///< the drive has power: it follows the command
-  [[nodiscard]] const Command& drive() const { return drive_; }  ///< what the drive did last
+  [[nodiscard]] bool enabled() const { return enabled_; }              ///< as the enable was last written
+  [[nodiscard]] bool high_pressure() const { return high_pressure_; }  ///< the second stage, as last written
+  [[nodiscard]] bool powered() const;                                  ///< the drive has power: it follows the command
+  [[nodiscard]] const Command& drive() const { return drive_; }        ///< what the drive did last
 
  private:
   struct ClockRole final : Clock {
@@ -104,6 +106,11 @@ class Rig {
     Result<bool> do_feedback() override;
     Rig& rig;
   };
+  struct PressureRole final : DriveEnable {
+    explicit PressureRole(Rig& r) : rig(r) {}
+    Result<void> do_write(bool on) override;
+    Rig& rig;
+  };
   struct InterlockRole final : Interlocks {
     InterlockRole(Rig& r, std::size_t count) : Interlocks(count), rig(r) {}
     Result<std::uint32_t> do_read() override;
@@ -127,6 +134,7 @@ class Rig {
   Frame frame_{};          ///< what the sensors delivered at instant_
   Command held_command_;
   bool enabled_;
+  bool high_pressure_ = false;
   Command drive_;  ///< where it is at instant_: it follows the command, or coasts to a stop
   Openings held_openings_;
   Time last_beat_;
@@ -139,6 +147,7 @@ class Rig {
   ButtonRole button_role_{*this};
   HeartbeatRole heartbeat_role_{*this};
   EnableRole enable_role_{*this};
+  PressureRole pressure_role_{*this};
   InterlockRole interlock_role_;
   AreaRole area_role_{*this};
 };

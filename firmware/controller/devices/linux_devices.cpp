@@ -47,7 +47,8 @@ IioOutput::Wanted wanted_output(const ConverterDescription::Output& described) {
 class LinuxDevices final : public Devices {
  public:
   [[nodiscard]] hal::Rig roles() override {
-    return {clock_, *sensors_, *valves_, *command_, *stop_, *heartbeat_, *enable_, *interlocks_, area_.get()};
+    return {clock_,      *sensors_, *valves_,     *command_,   *stop_,
+            *heartbeat_, *enable_,  *interlocks_, area_.get(), high_pressure_.get()};
   }
 
   [[nodiscard]] std::vector<StopContact> stop_contacts() const override {
@@ -136,6 +137,15 @@ class LinuxDevices final : public Devices {
                "\n";
     }
     enable_ = std::make_unique<GpioDriveEnable>(std::move(line.device), std::move(feedback.device));
+    return open_high_pressure(gpio);
+  }
+
+  std::string open_high_pressure(const GpioDescription& gpio) {
+    if (gpio.high_pressure.empty()) return {};
+    auto line = OutputLines::open({gpio.chip, {gpio.high_pressure}, false, 0, consumer});
+    if (!line) return line.trouble;
+    text_ += "high pressure: line '" + gpio.high_pressure + "', off\n";
+    high_pressure_ = std::make_unique<GpioDriveEnable>(std::move(line.device), nullptr);
     return {};
   }
 
@@ -282,6 +292,7 @@ class LinuxDevices final : public Devices {
   const GpioStopButton* gpio_stop_ = nullptr;
   std::string stop_line_, stop_2_line_;
   std::unique_ptr<hal::DriveEnable> enable_;
+  std::unique_ptr<hal::DriveEnable> high_pressure_;  ///< none: one stage
   std::unique_ptr<hal::Interlocks> interlocks_;
   std::unique_ptr<hal::Heartbeat> heartbeat_;
   std::unique_ptr<Sensors> sensors_;

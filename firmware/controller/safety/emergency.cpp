@@ -31,7 +31,10 @@ EmergencyReturn::EmergencyReturn(const hal::Rig& rig, RememberedCommand& command
                                  double half_stroke, double period)
     : rig_(rig), command_(command), clock_(clock), ramps_(ramps), half_stroke_(half_stroke), period_(period) {}
 
-void EmergencyReturn::make_valves_safe() { static_cast<void>(!rig_.valves.write(rig_.valves.safe_position())); }
+void EmergencyReturn::make_valves_safe() {
+  if (rig_.high_pressure != nullptr) static_cast<void>(!rig_.high_pressure->write(false));
+  static_cast<void>(!rig_.valves.write(rig_.valves.safe_position()));
+}
 
 void EmergencyReturn::take_power() { static_cast<void>(!rig_.drive_enable.write(false)); }
 

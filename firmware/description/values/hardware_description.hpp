@@ -38,6 +38,8 @@ struct GpioDescription {
   bool enable_active_low = false;       ///< on is the low level
   std::string enable_feedback;          ///< contact that is closed while the drive has no power; empty: none
   std::string enable_feedback_bias = "pull-down";  ///< as stop_bias; power is the level of the pull
+  std::string high_pressure;                       ///< output of the power unit's second stage; empty: none
+  std::string hold_to_run;                         ///< interlock that somebody holds closed while the rig arms
   struct Interlock {
     std::string name, line;
   };

@@ -32,6 +32,7 @@ constexpr auto in_ramps = &Settings::ramps;
 constexpr std::array loop_setting_list{
     loop_setting<in_limits, &Limits::acceleration>("limits", "acceleration", 0.1, 100000.0, "an acceleration in m/s²"),
     loop_setting<in_limits, &Limits::low_force>("limits", "low_force", 1.0, 1000000.0, "a force in N (not kN)"),
+    loop_setting<in_limits, &Limits::low_speed>("limits", "low_speed", 0.001, 100.0, "a speed in m/s"),
     loop_setting<in_limits, &Limits::following>("limits", "following", 1e-05, 0.5, "the longest following error in m"),
     loop_setting<in_limits, &Limits::following_least>("limits", "following_least", 1e-05, 0.05,
                                                       "a following error at standstill in m"),
@@ -67,6 +68,9 @@ constexpr std::array loop_setting_list{
     loop_setting<in_supervision, &Supervision::enable_time>("supervision", "enable_time", 0.01, 1.0, "a time in s"),
     loop_setting<in_supervision, &Supervision::unpowered_way>("supervision", "unpowered_way", 1e-05, 0.05,
                                                               "a distance in m"),
+    loop_setting<in_supervision, &Supervision::force_share>("supervision", "force_share", 0.0, 0.5,
+                                                            "a share of a force"),
+    loop_setting<in_supervision, &Supervision::force_way>("supervision", "force_way", 1e-05, 0.1, "a distance in m"),
     loop_setting<in_supervision, &Supervision::growth_time>("supervision", "growth_time", 0.001, 2.0, "a time in s"),
     loop_setting<in_ramps, &Ramps::braking>("motion", "braking", 0.1, 1000.0, "a deceleration in m/s²"),
     loop_setting<in_ramps, &Ramps::settling>("motion", "settling", 0.0, 600.0, "a time in s"),

@@ -488,6 +488,11 @@ TEST(RigDescription, RefusesAControllerThatCannotWork) {
     const std::string entry = std::string(key) + " = 0";
     expect_refused(text("[limits]\n" + entry), entry, "limits." + entry + " does not fit");
   }
+  const std::string gpio = "[gpio]\nchip = \"c\"\nvalves = [\"1\", \"2\", \"3\", \"4\", \"5\", \"6\"]\n";
+  expect_refused(text(gpio + "high_pressure = \"h\""), "high_pressure", "a second stage without a first one");
+  expect_refused(text(gpio + "hold_to_run = \"door\""), "hold_to_run", "is no interlock");
+  expect_refused(text("[arming]\nstop_test = 1e5"), "stop_test", "does not fit");
+  expect_refused(text("[controller]\nallowed_gain = 0.9"), "allowed_gain", "allowed_gain");
   expect_refused(text("[limits]\nramp = 0.8"), "ramp", "limits.ramp is faster than limits.speed");
   expect_refused(text("[limits]\nspeed = 0.01"), "speed = 0.01", "limits.ramp is faster than limits.speed");
   expect_refused(text("[estimator]\ncross_over = -1"), "cross_over", "estimator.cross_over = -1 does not fit");

@@ -16,6 +16,9 @@ TEST(WideLimits, NeedWords) {
   EXPECT_TRUE(objection("").empty()) << objection("").text;
   for (const auto& [table, entry, key] :
        {std::tuple("limits", "speed = 100.0", "limits.speed"), std::tuple("limits", "ramp = 0.6", "limits.ramp"),
+        std::tuple("limits", "ramp = 0.21", "limits.ramp"), std::tuple("limits", "low_speed = 0.3", "limits.low_speed"),
+        std::tuple("limits", "low_force = 20e3", "limits.low_force"),
+        std::tuple("supervision", "force_share = 0.0", "supervision.force_share"),
         std::tuple("limits", "acceleration = 1e5", "limits.acceleration"),
         std::tuple("limits", "following = 0.1", "limits.following"),
         std::tuple("limits", "energy_gain = 50.0", "limits.energy_gain"),

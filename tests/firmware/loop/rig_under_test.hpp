@@ -57,8 +57,9 @@ struct Deviations {
   double position_sign = 1.0;
   double position_offset = 0.0;  ///< [m]
   double force_sign = 1.0;
-  double force_offset = 0.0;  ///< [N]
-  double force_noise = 0.0;   ///< rectangular, peak [N]
+  double force_offset = 0.0;                           ///< [N]
+  double force_noise = 0.0;                            ///< rectangular, peak [N]
+  std::uint64_t force_torn_after = ~std::uint64_t{0};  ///< so many samples: nothing but noise [samples]
 };
 
 /// The model as the plant of the simulated back-end.
@@ -87,7 +88,8 @@ class ModelPlant final : public hal::simulated::Plant {
         values[model::index(model_.parameters().kind == model::RigKind::quarter_car ? Channel::F_w : Channel::F)];
     drawn_ = drawn_ * 6364136223846793005U + 1442695040888963407U;
     const double noise = 2.0 * static_cast<double>(drawn_ >> 11U) / 9007199254740992.0 - 1.0;
-    force = deviations_.force_sign * force + deviations_.force_offset + deviations_.force_noise * noise;
+    const bool torn = measured_++ >= deviations_.force_torn_after;
+    force = (torn ? 0.0 : deviations_.force_sign * force + deviations_.force_offset) + deviations_.force_noise * noise;
   }
   void do_advance(const hal::Command& command, hal::Openings openings) override {
     Model::Input in;
@@ -99,6 +101,7 @@ class ModelPlant final : public hal::simulated::Plant {
 
   Deviations deviations_;
   std::uint64_t drawn_ = 1;
+  std::uint64_t measured_ = 0;
   Model model_;
   Model::State state_;
 };
@@ -153,6 +156,7 @@ struct Scene {
   std::size_t journal = 64;
   bool drive_enable = true;          ///< the drive stands still without it
   bool enable_feedback = false;      ///< a contact shows its power
+  bool high_pressure = false;        ///< its power unit has a second stage
   std::optional<double> drive_at{};  ///< where the drive stands at first; nothing: at rest
   Deviations deviations{};
 };
@@ -212,6 +216,7 @@ class Journey {
     c.rest = {scene.drive_at.value_or(scene.settings.ramps.rest), 0.0, 0.0};
     c.drive_enable = scene.drive_enable;
     c.enable_feedback = scene.enable_feedback;
+    c.high_pressure = scene.high_pressure;
     c.interlocks = 2;
     return c;
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "firmware/description/control_settings.hpp"
 #include "firmware/description/rig_writer.hpp"
 #include "host_sim/comparison/simulation.hpp"
 #include "tests/support/rig_texts.hpp"
@@ -147,6 +148,7 @@ cpu = 3
 late_in_a_row = 7
 wake_early = 2e-05
 allowed_delay = 0.004
+allowed_gain = 1.25
 [gpio]
 chip = "bank \"A\""
 valves = ["d1", "d2", "d3", "d4", "d5", "d6"]
@@ -158,6 +160,8 @@ stop_bias = "pull-up"
 enable = "enable"
 enable_active_low = true
 heartbeat = "beat"
+high_pressure = "stage-2"
+hold_to_run = "oil pressure"
 interlock_bias = "external-pull-down"
 [gpio.interlocks]
 door = "door"
@@ -168,6 +172,7 @@ preload = 900.0
 position_tolerance = 0.004
 probe_amplitude = 0.0
 force_ramp = 0.25
+stop_test = 12.0
 [waivers]
 no_probe = "the component is never moved"
 stop_fails_dangerous = "the button is a toy"
@@ -241,6 +246,11 @@ offset = 0.125
   ASSERT_EQ(hardware.gpio->interlocks.size(), 2U);
   EXPECT_EQ(hardware.gpio->interlocks[1].name, "oil pressure");
   EXPECT_EQ(hardware.gpio->interlocks[1].line, "pressure");
+  EXPECT_EQ(hardware.schedule.allowed_gain, 1.25);
+  EXPECT_EQ(hardware.gpio->high_pressure, "stage-2");
+  EXPECT_EQ(hardware.gpio->hold_to_run, "oil pressure");
+  EXPECT_EQ(firmware::arming_settings(e).hold_to_run, 2U);
+  EXPECT_DOUBLE_EQ(e.controller.arming.stop_test, 12.0 * 3600.0);
   EXPECT_EQ(e.controller.arming.tare_time, 0.75);
   EXPECT_EQ(e.controller.arming.preload, 900.0);
   EXPECT_EQ(e.controller.arming.position_tolerance, 0.004);
