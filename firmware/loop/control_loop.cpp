@@ -410,7 +410,8 @@ void ControlLoop::get_ready() {
   settling_left_ = (hal::seconds(settings_.ramps.settling).ns + settings_.period.ns - 1) / settings_.period.ns;
 }
 
-/// The first reason counts; what follows it in safe is kept beside it.
+/// The first reason counts; what follows it in safe is kept beside it: the first, or the first that shows power which
+/// nobody gave.
 void ControlLoop::trip(const Trip& trip) {
   const bool stays = trip.reason == Reason::command_failed || !power_.on();
   const double velocity = stays ? 0.0 : command_guard_.velocity();
@@ -418,7 +419,8 @@ void ControlLoop::trip(const Trip& trip) {
   if (loses_power(trip.reason)) proven_ = false;
   led_back_ = false;
   if (mode_ == Mode::safe) {
-    if (second_.reason == Reason::none) second_ = trip;
+    const bool power_unknown = takes_heartbeat(trip_.reason) || takes_heartbeat(second_.reason);
+    if (second_.reason == Reason::none || (takes_heartbeat(trip.reason) && !power_unknown)) second_ = trip;
     if (moves_in_safe() && !held_) brake_and_hold(velocity);
     follow(Event::halt);
     return;

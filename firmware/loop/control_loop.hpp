@@ -113,8 +113,10 @@ class ControlLoop {
 
   // For the thread that steps the loop; others read the journal.
   [[nodiscard]] Mode mode() const { return mode_; }
-  [[nodiscard]] const Trip& trip() const { return trip_; }      ///< why the rig is or was in safe
-  [[nodiscard]] const Trip& second() const { return second_; }  ///< what happened after that, first
+  [[nodiscard]] const Trip& trip() const { return trip_; }  ///< why the rig is or was in safe
+  [[nodiscard]] const Trip& second() const {
+    return second_;
+  }  ///< what happened after that, first, or with power nobody gave
   /// Nothing is commanded to move any more, the drive has no power, and nothing is seen to move.
   [[nodiscard]] bool at_rest() const {
     return (mode_ == Mode::idle || (mode_ == Mode::safe && standing())) && power_.still();

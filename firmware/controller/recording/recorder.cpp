@@ -176,6 +176,7 @@ void Recorder::note_reason(const Record& record) {
   if (then) {
     ended_by_ += ", then " + std::string(name(record.second));
     news_ += (news_.empty() ? "then " : ", then ") + std::string(name(record.second));
+    if (takes_heartbeat(record.second)) news_ += ": the drive has power that nobody gave";
   }
 }
 

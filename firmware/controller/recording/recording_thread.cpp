@@ -45,7 +45,8 @@ bool RecordingThread::finish(hal::Time patience) {
 void RecordingThread::say_news() {
   const std::string news = recorder_.news();
   if (news.empty()) return;
-  std::FILE* const stream = news.starts_with("SAFE STOP") ? stderr : stdout;
+  const bool bad = news.starts_with("SAFE STOP") || news.find("then ") != std::string::npos;
+  std::FILE* const stream = bad ? stderr : stdout;
   std::fprintf(stream, "rig_controller: %s\n", news.c_str());
   const std::string refused = refusals_ ? refusals_() : std::string();
   if (!refused.empty() && refused != refused_) {

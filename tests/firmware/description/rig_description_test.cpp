@@ -625,6 +625,7 @@ TEST(RigDescription, SetsTheControlLoop) {
     double value = setting.whole ? 7.0 : setting.get(firmware::Settings{}) * 1.125;
     if (setting.key == "acceleration") value = 55.5;
     if (setting.key == "low_force") value = 9000.0;
+    if (setting.key == "low_speed") value = 0.2;
     if (setting.key == "measured_stroke") value = 0.3125;
     if (setting.key == "measured_speed") value = 1.5;
     if (setting.key == "settling") value = 2.5;

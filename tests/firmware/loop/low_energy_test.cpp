@@ -200,6 +200,27 @@ TEST(LowEnergy, ASlowMotionIsSlow) {
   EXPECT_NE(settings.check(), "") << "a ramp that trips itself";
 }
 
+// Point. A drive that moves without power is said, whatever happened before: as the second reason, where another one
+// already is.
+TEST(LowEnergy, MotionWithoutPowerIsSaidInAnyCase) {
+  Scene scene = looked_at(RigKind::component_bench);
+  const std::array<Press, 2> presses{{{ms * 20, ms * 30}, {ms * 40, ms * 50}}};
+  const std::array<OpenInterlock, 1> open{{{0, {ms * 20}}}};
+  const hal::simulated::Push push{0.05, {ms * 1000}};
+  scene.faults.presses = presses;
+  scene.faults.open_interlocks = open;
+  scene.faults.pushes = {&push, 1};
+  Journey run{scene};
+  run.periods(10);
+  run.loop.arm();
+  run.periods(900);
+  EXPECT_EQ(run.loop.trip().reason, Reason::stop_button);
+  run.periods(600);
+  EXPECT_EQ(run.loop.trip().reason, Reason::stop_button) << "the first one stays";
+  EXPECT_EQ(run.loop.second().reason, Reason::motion_without_power);
+  EXPECT_EQ(run.records.back().second, Reason::motion_without_power);
+}
+
 // Fault. A drive without an enable, whose converter shows 30 mm and stands at 0: arming begins where the converter says,
 // and the first command would have been a jump of 30 mm. Nothing is written before the comparison, nor after it failed.
 TEST(LowEnergy, ALyingConverterMovesNoDriveThatHasPower) {
