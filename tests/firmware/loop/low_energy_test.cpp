@@ -204,7 +204,7 @@ TEST(LowEnergy, ASlowMotionIsSlow) {
 // already is.
 TEST(LowEnergy, MotionWithoutPowerIsSaidInAnyCase) {
   Scene scene = looked_at(RigKind::component_bench);
-  const std::array<Press, 2> presses{{{ms * 20, ms * 30}, {ms * 40, ms * 50}}};
+  const std::array<Press, 2> presses{Press{{ms * 20, ms * 30}}, Press{{ms * 40, ms * 50}}};
   const std::array<OpenInterlock, 1> open{{{0, {ms * 20}}}};
   const hal::simulated::Push push{0.05, {ms * 1000}};
   scene.faults.presses = presses;
