@@ -18,7 +18,7 @@ void list_channels(const ChannelsOptions& options) {
     throw firmware::UsageError("--kind: is " + firmware::in_quotes(options.kind) +
                                ", expected quarter_car, hil or component_bench");
   }
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  nlohmann::ordered_json channels = nlohmann::ordered_json::array();
   std::string lines;
   for (const report::ChannelMeaning& meaning : report::channel_glossary()) {
     std::string rigs;
@@ -32,18 +32,18 @@ void list_channels(const ChannelsOptions& options) {
       continue;
     }
     const std::string name(model::name(meaning.channel)), unit(model::unit(meaning.channel));
-    json.push_back({{"name", name},
-                    {"unit", unit},
-                    {"meaning", meaning.meaning},
-                    {"positive", meaning.positive},
-                    {"rigs", std::move(list)}});
+    channels.push_back({{"name", name},
+                        {"unit", unit},
+                        {"meaning", meaning.meaning},
+                        {"positive", meaning.positive},
+                        {"rigs", std::move(list)}});
     char line[200];
     const int wide = unit == "m/s²" ? 6 : 5;  // ² has two bytes
     std::snprintf(line, sizeof line, "%-6s %-*s %-56s %-15s %s\n", name.c_str(), wide, unit.c_str(),
                   std::string(meaning.meaning).c_str(), std::string(meaning.positive).c_str(), rigs.c_str());
     lines += line;
   }
-  if (write_json(options.json, json)) return;
+  if (write_json(options.json, {{"channels", std::move(channels)}})) return;
   std::printf("%-6s %-5s %-56s %-15s %s\n%s\n%s", "name", "unit", "meaning", "positive", "rigs", lines.c_str(),
               std::string(report::channel_picture()).c_str());
 }

@@ -36,6 +36,7 @@
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
 #include "host_sim/commands/transfer_command.hpp"
+#include "host_sim/commands/verbosity.hpp"
 #include "host_sim/commands/watch_command.hpp"
 
 namespace host_sim {
@@ -125,6 +126,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_transfer(app, transfer_options);
   WatchOptions watch_options;
   add_watch(app, watch_options);
+  add_verbosity(app, argc, argv);
   try {
     if (argc < 2 || std::string_view(argv[1]) == "help") {
       print_help(app, argc > 2 ? argv[2] : "");

@@ -12,6 +12,7 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/comparison/refit.hpp"
 #include "host_sim/identification/predict/recording_faults.hpp"
@@ -223,12 +224,7 @@ void compare(const CompareOptions& options) {
                                     {"missing_samples", r.missing},
                                     {"channels", channels_json(r.channels)}});
     }
-    const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (*options.json == "-") {
-      std::fputs(text.c_str(), stdout);
-      return;
-    }
-    firmware::write_file(*options.json, text);
+    if (write_json(options.json, json)) return;
   }
   std::fputs(summary.c_str(), stdout);
   for (const RecordingComparison& result : results) print(result);

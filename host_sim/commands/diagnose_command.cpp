@@ -184,7 +184,8 @@ void keep_laws(const std::string& name, identification::Diagnosis& diagnosis) {
 
 /// The card of an effect.
 nlohmann::ordered_json card_json(const firmware::CatalogueEntry& entry) {
-  nlohmann::ordered_json json{{"name", entry.name},
+  nlohmann::ordered_json json{{"schema", "rigtwin/effect_card/1"},
+                              {"name", entry.name},
                               {"subsystem", model::name(entry.subsystem)},
                               {"equation", entry.equation},
                               {"shows", entry.shows},
@@ -249,7 +250,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
   // All three files or none: each is written under a temporary name first.
   firmware::OutputFile verdict(options.out / "verdict.json"), report(options.out / "report.html"),
       rig(options.out / "rig.toml");
-  verdict.write(identification::to_json(diagnosis).dump(2) + "\n");
+  verdict.write(how_made.json(identification::to_json(diagnosis)));
   report.write(how_made.in(identification::report_html(diagnosis, description)));
   rig.write(identification::result_rig(diagnosis.rig, description, options.rig.filename().string()));
   verdict.commit();

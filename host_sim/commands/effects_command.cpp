@@ -10,7 +10,7 @@
 namespace host_sim {
 
 void list_effects(const EffectsOptions& options) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::string lines;
   for (const firmware::CatalogueEntry& entry : firmware::catalogue()) {
     nlohmann::ordered_json one{{"name", entry.name},
@@ -25,13 +25,13 @@ void list_effects(const EffectsOptions& options) {
       parameters +=
           (parameters.empty() ? "" : ", ") + std::string(p.name) + (has_unit ? " [" + std::string(p.unit) + "]" : "");
     }
-    json.push_back(std::move(one));
+    list.push_back(std::move(one));
     char head[96];
     std::snprintf(head, sizeof head, "%-24s %-13s ", std::string(entry.name).c_str(),
                   std::string(model::name(entry.subsystem)).c_str());
     lines += head + parameters + "\n" + std::string(26, ' ') + std::string(entry.equation) + "\n";
   }
-  if (write_json(options.json, json)) return;
+  if (write_json(options.json, {{"effects", std::move(list)}})) return;
   std::printf("%s%s", lines.c_str(), "One of them in full: rigtwin diagnose --explain NAME\n");
 }
 

@@ -7,7 +7,7 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/sha256.hpp"
-#include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/compensation/compensated_stability.hpp"
 #include "host_sim/fmu/archive.hpp"
 #include "host_sim/fmu/model_description.hpp"
@@ -41,14 +41,11 @@ void make_fmu(const FmuOptions& options) {
                                       {"guid", guid},
                                       {"platforms", platforms},
                                       {"step_size", rig.period()},
-                                      {"parameters", count(fmu::Causality::parameter)},
-                                      {"inputs", count(fmu::Causality::input)},
-                                      {"outputs", count(fmu::Causality::output)}};
-    if (options.json == "-") {
-      std::printf("%s\n", json.dump(1).c_str());
-      return;
-    }
-    firmware::write_file(options.json, json.dump(1) + "\n");
+                                      {"variables",
+                                       {{"parameters", count(fmu::Causality::parameter)},
+                                        {"inputs", count(fmu::Causality::input)},
+                                        {"outputs", count(fmu::Causality::output)}}}};
+    if (write_json(options.json, json)) return;
   }
   std::printf("%s: FMI %s co-simulation, %s, step %.6g s, for %s\n", options.out.c_str(), standard.c_str(),
               std::string(model::name(rig.rig.kind)).c_str(), rig.period(), machines.c_str());

@@ -15,6 +15,8 @@
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
 #include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/verbosity.hpp"
 #include "host_sim/frf/response_estimate.hpp"
 #include "host_sim/frf/response_page.hpp"
 #include "host_sim/frf/result_json.hpp"
@@ -223,7 +225,8 @@ void measure_responses(const FrfOptions& options) {
     }
   }
   for (const firmware::Recording& recording : recordings) {
-    if (!recording.remark.empty()) std::fprintf(stderr, "%s\n", recording.remark.c_str());
+    if (!recording.remark.empty() && verbosity() != Verbosity::quiet)
+      std::fprintf(stderr, "%s\n", recording.remark.c_str());
   }
   demand("--block", options.block, static_cast<double>(frf::shortest_block) * recordings.front().sample_period, 1e6);
   const std::string note = choose_estimator(options, rig ? &*rig : nullptr, recordings, request);
@@ -234,17 +237,9 @@ void measure_responses(const FrfOptions& options) {
                                firmware::shortest(0.5 * result.sample_rate) + " Hz");
   }
 
-  const bool only_json = options.json && *options.json == "-";
   if (options.uff) firmware::write_file(*options.uff, frf::to_universal_file(result));
   if (options.report) firmware::write_file(*options.report, with_how_made(frf::response_page(result)));
-  if (options.json) {
-    const std::string text = frf::to_json(result);
-    if (only_json) {
-      std::fwrite(text.data(), 1, text.size(), stdout);
-      return;
-    }
-    firmware::write_file(*options.json, text);
-  }
+  if (write_json(options.json, frf::to_json(result))) return;
   std::string files;
   for (const std::string& file : result.recordings) files += (files.empty() ? "" : ", ") + firmware::one_line(file);
   std::printf("%s: %.6g s at %.6g Hz\n%s", files.c_str(), result.duration, result.sample_rate, note.c_str());

@@ -12,6 +12,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/sha256.hpp"
+#include "firmware/description/version.hpp"
 
 namespace host_sim {
 namespace {
@@ -22,6 +23,13 @@ constexpr std::array<std::string_view, 4> output_options{"--out", "--json", "--r
 std::vector<std::string>& words_of_command() {
   static std::vector<std::string> words;
   return words;
+}
+
+/// The first word that is no option.
+std::string name_of_command() {
+  const auto& words = words_of_command();
+  const auto name = std::find_if(words.begin(), words.end(), [](const std::string& w) { return !w.starts_with('-'); });
+  return name == words.end() ? std::string("rigtwin") : *name;
 }
 
 bool is_output(std::string_view option) {
@@ -94,10 +102,26 @@ void remember_command_line(int argc, const char* const* argv) {
   words_of_command().assign(argv + std::min(argc, 1), argv + argc);
 }
 
-HowMade::HowMade() : origin_(std::async(std::launch::async, origin)) {}
+HowMade::HowMade() : origin_(std::async(std::launch::async, origin).share()) {}
 
-std::string HowMade::in(std::string page) { return report::with_origin(std::move(page), origin_.get()); }
+std::string HowMade::in(std::string page) const { return report::with_origin(std::move(page), origin_.get()); }
+
+std::string HowMade::json(const nlohmann::ordered_json& result) const {
+  const report::Origin& origin = origin_.get();
+  nlohmann::ordered_json inputs = nlohmann::ordered_json::array();
+  for (const report::Origin::Input& input : origin.inputs) {
+    inputs.push_back({{"name", input.file}, {"sha256", input.sha256}});
+  }
+  nlohmann::ordered_json text{{"schema", "rigtwin/" + name_of_command() + "/1"},
+                              {"version", firmware::version},
+                              {"command", origin.command},
+                              {"inputs", std::move(inputs)}};
+  text.update(result);
+  return text.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
 
 std::string with_how_made(std::string page) { return HowMade().in(std::move(page)); }
+
+std::string json_text(const nlohmann::ordered_json& result) { return HowMade().json(result); }
 
 }  // namespace host_sim

@@ -1,7 +1,8 @@
-// How the page of a command was made: the command line and the files it names.
+// The origin of a page or a JSON result: the command line and the files it names.
 #pragma once
 
 #include <future>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "host_sim/report/report.hpp"
@@ -18,14 +19,20 @@ class HowMade {
  public:
   HowMade();
 
-  /// `page`, the text of a report, with them; once.
-  [[nodiscard]] std::string in(std::string page);
+  /// `page`, the text of a report, with them.
+  [[nodiscard]] std::string in(std::string page) const;
+
+  /// The JSON text of `result`, an object, behind its head: {"schema": "rigtwin/COMMAND/1", "version": "…",
+  /// "command": "…", "inputs": [{"name": "…", "sha256": "…"}], …}. The number in "schema" rises when a key is renamed
+  /// or gets another meaning (host_sim/schemas). Text that is no UTF-8 becomes U+FFFD.
+  [[nodiscard]] std::string json(const nlohmann::ordered_json& result) const;
 
  private:
-  std::future<report::Origin> origin_;
+  std::shared_future<report::Origin> origin_;
 };
 
 /// The same, read when it is called.
 [[nodiscard]] std::string with_how_made(std::string page);
+[[nodiscard]] std::string json_text(const nlohmann::ordered_json& result);
 
 }  // namespace host_sim

@@ -104,7 +104,7 @@ void print_listing(const FileListing& listing, const ImportOptions& options) {
 }
 
 nlohmann::ordered_json listing_json(const FileListing& listing, const ImportOptions& options) {
-  nlohmann::ordered_json json;
+  nlohmann::ordered_json json{{"schema", "rigtwin/import_listing/1"}};
   json["file"] = options.file.string();
   json["format"] = listing.format;
   json["columns"] = nlohmann::ordered_json::array();

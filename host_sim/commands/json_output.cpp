@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "firmware/recording/output_file.hpp"
+#include "host_sim/commands/how_made.hpp"
 
 namespace host_sim {
 
@@ -13,7 +14,7 @@ void add_json_option(CLI::App& command, std::string& target, const std::string& 
 
 bool write_json(const std::optional<std::filesystem::path>& target, const nlohmann::ordered_json& json) {
   if (!target) return false;
-  const std::string text = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string text = json_text(json);
   if (*target == "-") {
     std::fwrite(text.data(), 1, text.size(), stdout);
     return true;

@@ -47,10 +47,10 @@ void reproduce_paper(const PaperOptions& options) {
     experiments = paper::experiment([&progress](double share) { progress.show(share); });
   }
   const std::vector<paper::Statement> statements = paper::statements(experiments);
-  const std::string json = paper::paper_json(experiments, statements);
+  const nlohmann::ordered_json json = paper::paper_json(experiments, statements);
   firmware::write_file(options.out / "report.html", with_how_made(paper::paper_report(experiments, statements).html()));
-  firmware::write_file(options.out / "paper.json", json);
-  if (write_json(options.json, nlohmann::ordered_json::parse(json))) return;
+  firmware::write_file(options.out / "paper.json", json_text(json));
+  if (write_json(options.json, json)) return;
 
   for (const paper::Statement& s : statements) {
     std::printf("%-14s %s\n%14s %s\n", s.agrees ? "agrees" : "does not agree", s.paper.c_str(), "", s.finding.c_str());

@@ -112,7 +112,7 @@ void run_plan(const PlanOptions& options) {
   std::optional<firmware::OutputFile> json, report;
   if (!options.json.empty() && !only_json) {
     json.emplace(options.json);
-    json->write(plan::to_json(made).dump(1) + "\n");
+    json->write(json_text(plan::to_json(made)));
   }
   if (!options.report.empty()) {
     const std::string over = options.road + " at " + firmware::shortest(options.speed) + " m/s" +
@@ -123,7 +123,7 @@ void run_plan(const PlanOptions& options) {
   if (json) json->commit();
   if (report) report->commit();
   if (only_json) {
-    std::printf("%s\n", plan::to_json(made).dump(1).c_str());
+    std::fputs(json_text(plan::to_json(made)).c_str(), stdout);
     return;
   }
   print_plan(made);

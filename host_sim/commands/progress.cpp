@@ -2,10 +2,13 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <utility>
+
+#include "host_sim/commands/verbosity.hpp"
 
 namespace host_sim {
 
@@ -30,19 +33,26 @@ std::string time_left(double seconds, double done, double left) {
 }
 }  // namespace
 
-Progress::Progress(std::string what) : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(std::string what)
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) == 1 && verbosity() != Verbosity::quiet) {}
 
 Progress::~Progress() {
   if (shown_) std::fputs("\r\033[K", stderr);
 }
 
 void Progress::show(double share, const std::string& detail) {
-  if (!terminal_) return;
   const double now = seconds_now();
+  const bool next_tenth = std::floor(10.0 * share) > std::floor(10.0 * highest_);
+  share = highest_ = std::max(highest_, share);
+  if (verbosity() == Verbosity::verbose) {
+    if (next_tenth) std::fprintf(stderr, "%s %3.0f %% %s\n", what_.c_str(), std::floor(100.0 * share), detail.c_str());
+    return;
+  }
+  if (!terminal_) return;
   if (shown_ && now - last_ < 0.1) return;
   last_ = now;
   shown_ = true;
-  if (!(first_share_ <= share)) {  // the work begins, or begins anew
+  if (!(first_share_ <= share)) {  // the work begins
     first_share_ = share;
     first_ = now;
   }

@@ -6,7 +6,8 @@
 namespace host_sim {
 
 /// One line on standard error with the time left, updated at most ten times a second; nothing when standard error is
-/// not a terminal. The destructor removes the line, also after an exception.
+/// not a terminal, or with --quiet. With --verbose a line for each tenth of the work instead, anywhere. The share shown
+/// never goes back. The destructor removes the line, also after an exception.
 class Progress {
  public:
   explicit Progress(std::string what);
@@ -19,6 +20,7 @@ class Progress {
  private:
   std::string what_;
   bool terminal_;
+  double highest_ = 0.0;      // share shown so far
   double last_ = 0.0;         // when something was shown [s]
   double first_ = 0.0;        // when the work began [s]
   double first_share_ = 2.0;  // where it began: a resumed work does not begin at 0

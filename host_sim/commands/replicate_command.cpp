@@ -155,7 +155,7 @@ void write_drive(Replication& replication, const fs::path& folder) {
 void write_results(const Replication& replication, const fs::path& folder, const nlohmann::ordered_json& result) {
   firmware::OutputFile report(folder / "report.html"), state(folder / "replicate.json");
   report.write(with_how_made(replicate::report_page(replication)));
-  state.write(result.dump(2) + "\n");
+  state.write(json_text(result));
   report.commit();
   state.commit();
 }

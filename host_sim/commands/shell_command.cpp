@@ -150,7 +150,7 @@ std::string man_page(const CLI::App& app) {
 
 /// Every command with its options, for shells and programs that have no completion here.
 nlohmann::ordered_json commands_json(const CLI::App& app) {
-  nlohmann::ordered_json json{{"program", "rigtwin"}, {"version", firmware::version}};
+  nlohmann::ordered_json json{{"program", "rigtwin"}};
   for (const CLI::App* command : commands_of(app)) {
     nlohmann::ordered_json entry{{"name", command->get_name()}, {"description", command->get_description()}};
     entry["options"] = nlohmann::ordered_json::array();

@@ -16,6 +16,7 @@
 #include "host_sim/closed_loop/closed_loop.hpp"
 #include "host_sim/closed_loop/trace.hpp"
 #include "host_sim/commands/how_made.hpp"
+#include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/compensation/compensated_stability.hpp"
@@ -58,7 +59,7 @@ void print_channels(const firmware::Recording& recording) {
   }
 }
 
-std::string json_of(const SimulateOptions& options, const Run& run, const firmware::RigDescription& rig) {
+nlohmann::ordered_json json_of(const SimulateOptions& options, const Run& run, const firmware::RigDescription& rig) {
   nlohmann::ordered_json json{{"recording", options.out.string()},
                               {"kind", model::name(rig.rig.kind)},
                               {"samples", run.recording.size()},
@@ -80,7 +81,7 @@ std::string json_of(const SimulateOptions& options, const Run& run, const firmwa
     json["channels"][std::string(model::channel_names[i].name)] = {
         {"unit", model::channel_names[i].unit}, {"rms", rms}, {"lowest", lowest}, {"highest", highest}};
   }
-  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json;
 }
 
 }  // namespace
@@ -119,16 +120,7 @@ void simulate(const SimulateOptions& options) {
     const std::string page = show::recordings_page({{options.out.filename().string(), run.recording, {}}});
     firmware::write_file(options.report, with_how_made(page));
   }
-  const bool only_json = options.json == "-";
-  if (!options.json.empty()) {
-    const std::string json = json_of(options, run, rig);
-    if (only_json) {
-      std::fputs(json.c_str(), stdout);
-    } else {
-      firmware::write_file(options.json, json);
-    }
-  }
-  if (only_json) return;
+  if (!options.json.empty() && write_json(options.json, json_of(options, run, rig))) return;
 
   std::printf("%s: %s, %.6g s at %.6g Hz over %s at %.4g m/s, seed %llu\n", options.rig.c_str(),
               std::string(model::name(rig.rig.kind)).c_str(),

@@ -101,8 +101,11 @@ void sweep_command(const SweepOptions& options) {
     merge_folder(options.out, options.report, options.json);
     return;
   }
-  const nlohmann::ordered_json json{
-      {"shard", shard.text()}, {"cases", work.cases}, {"computed", work.now}, {"all_cases", plan.cases.count}};
+  const nlohmann::ordered_json json{{"schema", "rigtwin/sweep_shard/1"},
+                                    {"shard", shard.text()},
+                                    {"cases", work.cases},
+                                    {"computed", work.now},
+                                    {"all_cases", plan.cases.count}};
   if (!write_json(options.json, json)) {
     std::printf("when all shards are done: rigtwin sweep --merge %s\n", options.out.c_str());
   }

@@ -94,8 +94,9 @@ void run_transfer(const TransferOptions& options) {
 
   // Both files or none: each is written under a temporary name first.
   firmware::OutputFile json(options.out / "transfer.json"), report(options.out / "report.html");
-  json.write(transfer::to_json(found).dump(1) + "\n");
-  report.write(with_how_made(transfer::report_html(found, from, to)));
+  const HowMade how_made;
+  json.write(how_made.json(transfer::to_json(found)));
+  report.write(how_made.in(transfer::report_html(found, from, to)));
   json.commit();
   report.commit();
   if (write_json(options.json, transfer::to_json(found))) return;

@@ -170,7 +170,8 @@ MachineRecord machine_record(const firmware::RigDescription& description, const 
 }
 
 nlohmann::ordered_json to_json(const MachineRecord& record) {
-  nlohmann::ordered_json json{{"machine",
+  nlohmann::ordered_json json{{"schema", "rigtwin/compensation_record/1"},
+                              {"machine",
                                {{"delay", record.machine.delay},
                                 {"lag", record.machine.lag},
                                 {"frequency", record.machine.resonance_frequency},

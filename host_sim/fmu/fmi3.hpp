@@ -140,6 +140,21 @@ fmi3Status fmi3DoStep(fmi3Instance, fmi3Float64 current, fmi3Float64 step, fmi3B
                       fmi3Boolean* event_handling_needed, fmi3Boolean* terminate, fmi3Boolean* early_return,
                       fmi3Float64* last_successful_time);
 
+// Of model exchange and scheduled execution, which this FMU is not: importers look for every function of FMI 3.0 when
+// they load a library, whatever the FMU offers. Each is refused.
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance);
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance, fmi3Boolean no_earlier_state, fmi3Boolean* enter_event_mode,
+                                       fmi3Boolean* terminate);
+fmi3Status fmi3SetTime(fmi3Instance, fmi3Float64 time);
+fmi3Status fmi3SetContinuousStates(fmi3Instance, const fmi3Float64[], std::size_t);
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance, fmi3Float64[], std::size_t);
+fmi3Status fmi3GetEventIndicators(fmi3Instance, fmi3Float64[], std::size_t);
+fmi3Status fmi3GetContinuousStates(fmi3Instance, fmi3Float64[], std::size_t);
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance, fmi3Float64[], std::size_t);
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance, std::size_t* count);
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance, std::size_t* count);
+fmi3Status fmi3ActivateModelPartition(fmi3Instance, fmi3ValueReference clock, fmi3Float64 time);
+
 #pragma GCC visibility pop
 }  // extern "C"
 // NOLINTEND(readability-identifier-naming, modernize-use-using)

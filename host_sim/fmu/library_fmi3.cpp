@@ -34,6 +34,9 @@ fmi3Status no_clocks(fmi3Instance c) { return status(fmu::refuse(c, "this FMU ha
 fmi3Status no_event_mode(fmi3Instance c) {
   return status(fmu::refuse(c, "this FMU has no event mode: its samples are its events"));
 }
+fmi3Status no_model_exchange(fmi3Instance c) {
+  return status(fmu::refuse(c, "this FMU is for co-simulation, not for model exchange"));
+}
 fmi3Status no_derivatives(fmi3Instance c) { return status(fmu::refuse(c, "this FMU has no derivatives")); }
 
 }  // namespace
@@ -258,5 +261,23 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance c, const fmi3ValueReference[], std:
                                 const fmi3UInt64[]) {
   return no_clocks(c);
 }
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return no_model_exchange(c); }
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean, fmi3Boolean*, fmi3Boolean*) {
+  return no_model_exchange(c);
+}
+fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64) { return no_model_exchange(c); }
+fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64[], std::size_t) { return no_model_exchange(c); }
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64[], std::size_t) {
+  return no_model_exchange(c);
+}
+fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64[], std::size_t) { return no_model_exchange(c); }
+fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64[], std::size_t) { return no_model_exchange(c); }
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64[], std::size_t) {
+  return no_model_exchange(c);
+}
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, std::size_t*) { return no_model_exchange(c); }
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, std::size_t*) { return no_model_exchange(c); }
+fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference, fmi3Float64) { return no_clocks(c); }
 
 }  // extern "C"

@@ -40,7 +40,7 @@ ordered_json blocks_json(const Responses& r) {
 
 }  // namespace
 
-std::string to_json(const Responses& r) {
+ordered_json to_json(const Responses& r) {
   ordered_json json;
   json["input"] = model::name(r.request.input);
   json["instrument"] = nullptr;
@@ -67,7 +67,7 @@ std::string to_json(const Responses& r) {
         {"magnitude_ci95", pairs(o.magnitude_ci95)},
         {"phase_ci95", pairs(o.phase_ci95)}};
   }
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json;
 }
 
 }  // namespace host_sim::frf

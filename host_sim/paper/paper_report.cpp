@@ -5,7 +5,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "firmware/description/version.hpp"
 #include "host_sim/report/embedded_files.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/report/figures.hpp"
@@ -329,9 +328,8 @@ Report paper_report(const Experiments& e, const std::vector<Statement>& list) {
   return page;
 }
 
-std::string paper_json(const Experiments& e, const std::vector<Statement>& list) {
+nlohmann::ordered_json paper_json(const Experiments& e, const std::vector<Statement>& list) {
   nlohmann::ordered_json json;
-  json["version"] = std::string(firmware::version);
   json["agreeing"] = std::count_if(list.begin(), list.end(), [](const Statement& s) { return s.agrees; });
   json["statements"] = nlohmann::ordered_json::array();
   for (const Statement& s : list) {
@@ -351,7 +349,7 @@ std::string paper_json(const Experiments& e, const std::vector<Statement>& list)
                              {"ended", std::string(firmware::name(run.trip.reason))},
                              {"seconds", run.time.empty() ? 0.0 : run.time.back()}});
   }
-  return json.dump(1) + "\n";
+  return json;
 }
 
 }  // namespace host_sim::paper

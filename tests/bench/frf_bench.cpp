@@ -4,6 +4,7 @@
 //   most 1 s frf/ten_minutes_json  the same as the text of the JSON file
 #include <benchmark/benchmark.h>
 
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "firmware/recording/recording.hpp"
@@ -54,7 +55,7 @@ BENCHMARK(estimate)->Name("frf/ten_minutes")->Unit(benchmark::kMillisecond);
 
 void write(benchmark::State& state) {
   const auto responses = host_sim::frf::estimate_responses(ten_minutes(), request());
-  for (auto _ : state) benchmark::DoNotOptimize(host_sim::frf::to_json(responses).size());
+  for (auto _ : state) benchmark::DoNotOptimize(host_sim::frf::to_json(responses).dump().size());
 }
 BENCHMARK(write)->Name("frf/ten_minutes_json")->Unit(benchmark::kMillisecond);
 

@@ -12,40 +12,14 @@
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/simulation/road.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
+#include "tests/support/rig_descriptions.hpp"
 
 namespace {
 
 constexpr std::size_t minute = 60000;
 
 firmware::RigDescription hil_rig() {
-  return firmware::parse_rig(R"(
-kind = "hil"
-sample_rate = 1000.0
-[body]
-mass = 290.0
-[wheel]
-mass = 40.0
-[tyre]
-stiffness = 200e3
-damping = 100.0
-[suspension]
-stiffness = 31500.0
-damping = 0.0
-[machine]
-virtual_damping = 1140.0
-[fdva]
-piston_area = 30e-4
-duct_diameter = 12e-3
-duct_length = 0.6361571127
-oil_density = 860.0
-oil_viscosity = 32e-6
-minor_loss = 1.5
-coupling_stiffness = 55e3
-ducts = 6
-open_ducts = 2
-[effects.actuator_delay]
-delay = 0.010
-[noise]
+  return firmware::parse_rig(std::string(support::hil_text) + R"([noise]
 F = 10.0
 x_act = 2e-5
 [limits]

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/json_schema.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace support {
@@ -86,10 +87,19 @@ class GuardedProgram : public RunningProgram {
   }
 };
 
-/// Runs the program to its end.
+/// Runs the program to its end. What it then writes as --json agrees with its schema.
 inline Ended rigtwin(const std::vector<std::string>& arguments, const std::filesystem::path& output = {}) {
   const TemporaryFolder streams;
-  return RunningProgram(streams, arguments, output).wait();
+  Ended ended = RunningProgram(streams, arguments, output).wait();
+  const auto json = std::find(arguments.begin(), arguments.end(), "--json");
+  if (ended.status == 0 && json != arguments.end() && json + 1 != arguments.end()) {
+    if (json[1] == "-") {
+      expect_schema(ended.output);
+    } else if (std::filesystem::is_regular_file(json[1])) {
+      expect_schema(TemporaryFolder::read(json[1]));
+    }
+  }
+  return ended;
 }
 
 }  // namespace support

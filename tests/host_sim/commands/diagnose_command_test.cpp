@@ -50,6 +50,7 @@ TEST_F(DiagnoseCommand, LeavesVerdictReportAndRig) {
   const auto ended = run({"--out", out.string()});
   ASSERT_EQ(ended.status, 0) << ended.errors;
   EXPECT_NE(ended.output.find("coulomb_friction"), std::string::npos) << ended.output;
+  support::expect_schema(TemporaryFolder::read(out / "verdict.json"));
   const auto verdict = nlohmann::json::parse(TemporaryFolder::read(out / "verdict.json"));
   EXPECT_EQ(verdict["verdict"], "named");
   ASSERT_EQ(verdict["effects"].size(), 1U);

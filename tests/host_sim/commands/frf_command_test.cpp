@@ -121,9 +121,9 @@ TEST_F(Frf, SaysWhatItChose) {
         "F_w / z_r [N/m] by H1", "coherence", "z_w / z_r [m/m] by H1, delay of 50 ms compensated"}) {
     EXPECT_THAT(ended.output, HasSubstr(words));
   }
-  EXPECT_EQ(json::parse(TemporaryFolder::read(file)),
-            parsed({"--data", first, "--input", "z_r", "--output", "F_w", "--output", "z_w", "--lowest-damping", "0.1",
-                    "--lowest-frequency", "10"}));
+  EXPECT_EQ(support::without_origin(json::parse(TemporaryFolder::read(file))),
+            support::without_origin(parsed({"--data", first, "--input", "z_r", "--output", "F_w", "--output", "z_w",
+                                            "--lowest-damping", "0.1", "--lowest-frequency", "10"})));
   const Ended not_compensated = rigtwin(
       {"frf", "--data", first, "--input", "z_r", "--output", "z_w", "--block", "0.5", "--no-delay-compensation"});
   EXPECT_THAT(not_compensated.output, HasSubstr("delay of 50 ms not compensated (6.4 % too small)"));
@@ -151,7 +151,7 @@ TEST_F(Frf, TakesItsOptions) {
   EXPECT_EQ(with({"--overlap", "0.75"})["averages"], 157);
   EXPECT_EQ(with({"--data", second})["averages"], 79 + 39);
   const json h1 = with({"--estimator", "h1"}), h2 = with({"--estimator", "h2"}), hv = with({"--estimator", "hv"});
-  EXPECT_EQ(h1, plain);
+  EXPECT_EQ(support::without_origin(h1), support::without_origin(plain));
   EXPECT_EQ(h2["estimator"], "H2");
   EXPECT_EQ(hv["estimator"], "Hv");
   EXPECT_NEAR(std::sqrt(magnitude(h1, 9) * magnitude(h2, 9)), magnitude(hv, 9), 1e-12);

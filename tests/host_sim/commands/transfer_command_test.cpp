@@ -51,7 +51,11 @@ class PaperCase {
     words.insert(words.end(), more.begin(), more.end());
     return rigtwin(words);
   }
-  [[nodiscard]] json result() const { return json::parse(TemporaryFolder::read(folder / "out" / "transfer.json")); }
+  [[nodiscard]] json result() const {
+    const std::string text = TemporaryFolder::read(folder / "out" / "transfer.json");
+    support::expect_schema(text);
+    return json::parse(text);
+  }
 
   TemporaryFolder folder;
 

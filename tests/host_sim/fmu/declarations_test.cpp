@@ -129,7 +129,18 @@ TEST(FmiDeclarations, AgreeWithTheHeadersOfFmi3) {
                                      "UpdateDiscreteStates",
                                      "EnterStepMode",
                                      "GetOutputDerivatives",
-                                     "DoStep"};
+                                     "DoStep",
+                                     "EnterContinuousTimeMode",
+                                     "CompletedIntegratorStep",
+                                     "SetTime",
+                                     "SetContinuousStates",
+                                     "GetContinuousStateDerivatives",
+                                     "GetEventIndicators",
+                                     "GetContinuousStates",
+                                     "GetNominalsOfContinuousStates",
+                                     "GetNumberOfEventIndicators",
+                                     "GetNumberOfContinuousStates",
+                                     "ActivateModelPartition"};
   for (const char* type : {"Float32", "Float64", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64",
                            "UInt64", "Boolean", "String"}) {
     functions.push_back(std::string("Get") + type);
