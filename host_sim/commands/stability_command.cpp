@@ -258,9 +258,9 @@ void write_limits(const firmware::RigDescription& description, const std::string
   proven.hardware.schedule.allowed_gain = limits.gain;
   const std::string fingerprint = firmware::loop_fingerprint(proven);
   firmware::write_file(description.source,
-<<<<<<< HEAD
                        firmware::with_loop_proof(description.text, description.source, limits, fingerprint));
-  if (write_json(json, {{"rig", description.source},
+  if (write_json(json, {{"schema", "rigtwin/limits/1"},
+                        {"rig", description.source},
                         {"allowed_delay", limits.delay},
                         {"allowed_gain", limits.gain},
                         {"proven", fingerprint}})) {
@@ -268,16 +268,6 @@ void write_limits(const firmware::RigDescription& description, const std::string
   }
   std::printf("%s: stable; [controller] allowed_delay = %.6g s, allowed_gain = %.4g, proven = %.20s…\n",
               description.source.c_str(), limits.delay, limits.gain, fingerprint.c_str());
-=======
-                       firmware::with_loop_proof(description.text, description.source, allowed, fingerprint));
-  if (write_json(json, {{"schema", "rigtwin/limits/1"},
-                        {"rig", description.source},
-                        {"allowed_delay", allowed},
-                        {"proven", fingerprint}}))
-    return;
-  std::printf("%s: stable; [controller] allowed_delay = %.6g s, proven = %.20s…\n", description.source.c_str(), allowed,
-              fingerprint.c_str());
->>>>>>> f42bc59 (Every JSON result begins with schema, version, command and inputs; its keys stand in a JSON Schema)
 }
 
 /// The rig that the options ask about. UsageError, InputError where they or the rig do not allow it.
