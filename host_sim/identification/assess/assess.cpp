@@ -191,10 +191,10 @@ void add_failed_relations(Diagnosis& result) {
 }
 
 /// An effect whose size changes with its amplitude or with time is not the law that acts there.
-void add_inconstant_laws(const SearchResult& found, double temper, Diagnosis& result) {
+void add_inconstant_laws(const SearchResult& found, Diagnosis& result) {
   for (std::size_t i = 0; i < found.causes.size(); ++i) {
     const LawConstancy& constancy = found.causes[i].constancy;
-    if (!constancy.fails(temper)) continue;
+    if (!constancy.fails()) continue;
     const char* const how =
         constancy.with_time ? ": its size changes over the record" : ": its size depends on the amplitude";
     add_unexplained(words(found.best.effects[i]) + how, result);
@@ -329,7 +329,7 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
 
   const SelectionCriterion criterion;
   const Certainty certainty = certainty_of(whole, found, result.unexplained, explained);
-  add_inconstant_laws(found, certainty.temper, result);
+  add_inconstant_laws(found, result);
   const SearchSpace fitted_space = untied(space, found.freed);
   const std::vector<Interval> parameters = intervals(found.best.fit, known.half_widths);
   const std::vector<FreeParameter>& tolerated = fitted_space.tolerated;

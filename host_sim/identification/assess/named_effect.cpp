@@ -135,7 +135,7 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
     // What could imitate other laws does so where it leaves a rest.
     const bool imitation = certainty.rest && named.effect.entry->imitates;
     const bool lost_in_steps = gain < of_steps;
-    if (imitation || lost_in_steps || law_in_doubt(found, i, certainty.temper)) {
+    if (imitation || lost_in_steps || law_in_doubt(found, i)) {
       named.confidence *= thresholds::inconstant_worth;
     }
     named.other = lookalike_of(named.effect, named.parameters);

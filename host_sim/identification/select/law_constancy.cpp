@@ -9,6 +9,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"
+#include "host_sim/identification/select/model_evidence.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -120,9 +121,7 @@ std::optional<Hypothesis> moved_a_little(const IdentificationProblem& problem, c
 
 }  // namespace
 
-bool LawConstancy::fails(double temper) const {
-  return gain > thresholds::inconstant_gain * temper && share > thresholds::inconstant_share;
-}
+bool LawConstancy::fails() const { return gain > thresholds::inconstant_gain && share > thresholds::inconstant_share; }
 
 void find_constancy(const IdentificationProblem& problem, SearchResult& found) {
   const Fit& fit = found.best.fit;
@@ -130,11 +129,15 @@ void find_constancy(const IdentificationProblem& problem, SearchResult& found) {
   for (FoundCause& cause : found.causes) cause.constancy = {};
   if (found.causes.empty() || fit.jacobian.cols() == 0) return;
   const LinearRefit others(fit);
+  const Eigen::VectorXd roots = roots_of_weights(problem, fit.residual);
+  const Fit believed = weighted(fit, roots);
+  const LinearRefit beside_discrepancy(believed);
   const std::vector<Response> base = readings_of(problem, fit.hypothesis);
   const Weights time = by_time(problem);
   const Eigen::VectorXd unchanged = weighted_residuals(problem, base, base, time);
   for_all(found.causes.size(), [&](std::size_t e) {
     const double explained = found.causes[e].gain;
+    double gain_of_all = 0.0;  // were all that is left noise
     LawConstancy& constancy = found.causes[e].constancy;
     for (const FreeParameter& parameter : effect_parameters(found.best.effects[e])) {
       const std::optional<Hypothesis> other_size = moved_a_little(problem, fit.hypothesis, parameter);
@@ -146,25 +149,26 @@ void find_constancy(const IdentificationProblem& problem, SearchResult& found) {
         const Eigen::VectorXd change = weighted_residuals(problem, base, other, weights) - unchanged;
         if (!change.allFinite()) continue;
         const double gain = others.free_gain(change);
-        if (gain <= constancy.gain) continue;
-        constancy.gain = gain;
+        if (gain <= gain_of_all) continue;
+        gain_of_all = gain;
+        constancy.gain = beside_discrepancy.free_gain(roots.cwiseProduct(change));
         constancy.with_time = &weights == &gates[1];
       }
     }
-    if (explained > 0.0) constancy.share = std::sqrt(constancy.gain / explained);
+    if (explained > 0.0) constancy.share = std::sqrt(gain_of_all / explained);
   });
 }
 
-bool law_in_doubt(const SearchResult& found, std::size_t effect, double temper) {
+bool law_in_doubt(const SearchResult& found, std::size_t effect) {
   const firmware::PlacedEffect& own = found.best.effects[effect];
   for (std::size_t i = 0; i < std::min(found.causes.size(), found.best.effects.size()); ++i) {
     const firmware::PlacedEffect& other = found.best.effects[i];
     const LawConstancy& constancy = found.causes[i].constancy;
-    if (!constancy.fails(temper)) continue;
+    if (!constancy.fails()) continue;
     if (i == effect) return true;
     const bool same_place = !own.channel && !other.channel && own.entry->subsystem == other.entry->subsystem;
     const double imitated = thresholds::imitated_share * thresholds::imitated_share * found.causes[effect].gain;
-    if (same_place && constancy.gain > imitated) return true;
+    if (same_place && constancy.share * constancy.share * found.causes[i].gain > imitated) return true;
   }
   return false;
 }

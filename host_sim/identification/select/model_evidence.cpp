@@ -76,25 +76,37 @@ ModelEvidence evidence_of(const IdentificationProblem& problem, const CandidateM
   const Fit& fit = model.fit;
   const std::vector<Power> powers = power_by_band(problem, fit.residual);
   ModelEvidence evidence;
-  std::vector<double> roots;
-  for (const Power& power : powers) {
-    evidence.left += tempering.power(power);
-    roots.push_back(std::sqrt(tempering.weight(power)));
-  }
+  for (const Power& power : powers) evidence.left += tempering.power(power);
   evidence.causes -= 2.0 * thresholds::effect_log_prior * static_cast<double>(model.effects.size());
   for (const PlacedFault& fault : model.faults()) {
+    if (fault.seen) continue;  // the noises say that it is there, and of which channels
     const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
     evidence.causes -= 2.0 * thresholds::fault_log_prior;
     if (of_group) evidence.causes += thresholds::group_choice * static_cast<double>(problem.channels().size());
   }
   if (fit.jacobian.cols() == 0) return evidence;
-  Fit weighted;
-  weighted.parameters = fit.parameters;
-  weighted.jacobian = fit.jacobian;
-  for_each_pair(problem,
-                [&](Eigen::Index row, std::size_t band) { weighted.jacobian.middleRows<2>(row) *= roots[band]; });
-  evidence.parameters = occam_factor(prior_widths(model, scales), weighted.covariance());
+  const Fit believed = weighted(fit, roots_of_weights(problem, fit.residual, tempering));
+  evidence.parameters = occam_factor(prior_widths(model, scales), believed.covariance());
   return evidence;
+}
+
+Eigen::VectorXd roots_of_weights(const IdentificationProblem& problem, const Eigen::VectorXd& residual,
+                                 const Tempering& tempering) {
+  std::vector<double> roots;
+  for (const Power& power : power_by_band(problem, residual)) roots.push_back(std::sqrt(tempering.weight(power)));
+  Eigen::VectorXd of_each(residual.size());
+  for_each_pair(problem, [&](Eigen::Index row, std::size_t band) { of_each.segment<2>(row).setConstant(roots[band]); });
+  return of_each;
+}
+
+Fit weighted(const Fit& fit, const Eigen::VectorXd& roots) {
+  Fit result;
+  result.hypothesis = fit.hypothesis;
+  result.parameters = fit.parameters;
+  result.residual = roots.cwiseProduct(fit.residual);
+  result.chi_squared = result.residual.squaredNorm();
+  result.jacobian = roots.asDiagonal() * fit.jacobian;
+  return result;
 }
 
 }  // namespace host_sim::identification

@@ -39,4 +39,10 @@ struct ModelEvidence {
 [[nodiscard]] ModelEvidence evidence_of(const IdentificationProblem& problem, const CandidateModel& model,
                                         const Scales& scales, const Tempering& tempering);
 
+/// √w of each residual of a fit, and the fit in units of these: linear algebra on it counts what is left as the
+/// evidence does.
+[[nodiscard]] Eigen::VectorXd roots_of_weights(const IdentificationProblem& problem, const Eigen::VectorXd& residual,
+                                               const Tempering& tempering = {});
+[[nodiscard]] Fit weighted(const Fit& fit, const Eigen::VectorXd& roots);
+
 }  // namespace host_sim::identification

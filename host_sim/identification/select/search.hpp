@@ -33,12 +33,12 @@ struct ExternalEvent {
 
 /// How far the size of an effect depends on what it must not depend on (law_constancy.hpp).
 struct LawConstancy {
-  double gain = 0.0;       ///< [χ²] that a size which changes with the amplitude, or with time, would gain
-  double share = 0.0;      ///< [1] √ of that gain relative to the gain of the effect: relative change of its size
+  double gain = 0.0;       ///< of −2 ln evidence, by a size that changes with the amplitude, or with time
+  double share = 0.0;      ///< [1] √ of its gain of χ² relative to that of the effect: relative change of its size
   bool with_time = false;  ///< that gain belongs to time
 
-  /// Whether the law is another one than that of the effect. `temper`: χ² per residual, at least 1.
-  [[nodiscard]] bool fails(double temper) const;
+  /// Whether the law is another one than that of the effect.
+  [[nodiscard]] bool fails() const;
 };
 
 /// What is known of a cause beside its values: an effect or a fault of the recordings in a model, or a parameter.

@@ -118,9 +118,8 @@ bool parameters_explain_all(IdentificationProblem& problem, const SearchSpace& s
 
 /// Whether the size of an effect changes, so that it is another law.
 bool changes(const SearchResult& found) {
-  const double temper = temper_of(found.best.fit);
   return std::any_of(found.causes.begin(), found.causes.end(),
-                     [&](const FoundCause& cause) { return cause.constancy.fails(temper); });
+                     [](const FoundCause& cause) { return cause.constancy.fails(); });
 }
 
 /// Whether two of the effects may be one law that could imitate them: it contains one of them, at the same place.
