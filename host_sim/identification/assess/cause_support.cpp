@@ -84,10 +84,10 @@ double error_of_prediction(const IdentificationProblem& problem, Hypothesis hypo
   for (const model::Channel channel : problem.channels()) {
     const SquaredError squares = held_out_squares(problem, readings, channel);
     if (!(squares.data > 0.0)) continue;
-    sum += squares.error / squares.data;
+    sum += 0.5 * std::log(std::max(squares.error, std::numeric_limits<double>::min()) / squares.data);
     terms += 1.0;
   }
-  return terms > 0.0 ? std::sqrt(sum / terms) : 0.0;
+  return terms > 0.0 ? std::exp(sum / terms) : 0.0;
 }
 
 CauseSupport support_of_causes(const IdentificationProblem& problem, const IdentificationProblem& whole,

@@ -9,9 +9,13 @@
 
 namespace host_sim::identification {
 
-/// Error over all channels on held-out data, or on the fitted windows where nothing is held out:
+/// Error over all channels on held-out data, or the pooled error of the fitted windows where nothing is held out:
 ///
-///   (1)  e = √ mean over channels of Σ(simulated − measured)²/Σ measured²
+///   (1)  ln e = mean over channels of ½ ln(Σ(simulated − measured)²/Σ measured²)
+///
+/// A share of what is left counts alike in every channel, as in (2) of estimate/evidence.hpp far above the noise. In a
+/// mean of squares the channel that no model explains would decide about all others: about the delay of a machine the
+/// force of a component whose law is another one.
 [[nodiscard]] double error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis);
 
 /// For each effect of a model the share of the error (1) that goes when it is added, e_i: of the model without it, all

@@ -11,6 +11,8 @@
 #include "host_sim/identification/select/fault_candidates.hpp"
 #include "host_sim/identification/select/fault_rewrites.hpp"
 #include "host_sim/identification/select/held_out.hpp"
+#include "host_sim/identification/select/model_evidence.hpp"
+#include "host_sim/identification/select/neighbours.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -66,6 +68,12 @@ class Search {
   [[nodiscard]] std::optional<CandidateModel> instead_of_limit(std::size_t effect, const SearchResult& found) const;
   [[nodiscard]] std::optional<CandidateModel> in_one(const SearchResult& found) const;
   bool improve_fault(std::size_t fault, SearchResult& found);
+  [[nodiscard]] std::optional<CandidateModel> by_machine(const CandidateModel& best, std::size_t fault,
+                                                         const SearchResult& found) const;
+  /// −2 ln of it (model_evidence.hpp).
+  [[nodiscard]] double evidence(const CandidateModel& model, const SearchResult& found) const {
+    return evidence_of(fitter_.problem(), model, found.scales, {}).total();
+  }
   bool eliminate_by_held_out(SearchResult& found);
   void rate_by_held_out(SearchResult& found) const;
   [[nodiscard]] CandidateModel promoted(const CandidateModel& best, std::size_t effect, const Rival& rival) const;
@@ -533,21 +541,23 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
     best = reduced;
     return true;
   }
+  // What is of the rig is compared with what is of the recorder by the evidence: where both explain as much, the prior
+  // of a component decides, and beside a discrepancy what both leave of it is no difference.
+  const double own = evidence(best, found);
+  if (auto machine = by_machine(best, fault, found); machine && evidence(*machine, found) <= own) {
+    best = std::move(*machine);
+    return true;
+  }
+  if (auto sensors = by_sensors(fitter_, best, fault); sensors && evidence(*sensors, found) <= own) {
+    best = std::move(*sensors);
+    return true;
+  }
   if (simplify_clock(fitter_, best, fault) || improve_order(fitter_, best, fault)) return true;
   if (auto filtered = in_filter(fitter_, best, fault)) {
     best = std::move(*filtered);
     return true;
   }
   const double value = best.penalised_chi_squared(criterion_), to_beat = value - thresholds::replaces;
-  // A component of the rig explains as much as a fault: the rig's name is the answer.
-  const double as_good = value + thresholds::tie;
-  if (auto sensors = by_sensors(fitter_, best, fault)) {
-    const bool several = sensors->effects.size() > best.effects.size() + 1;
-    if (sensors->penalised_chi_squared(criterion_) < (several ? to_beat : as_good)) {
-      best = std::move(*sensors);
-      return true;
-    }
-  }
   if (auto other = by_fault(reduced, {}); other && other->penalised_chi_squared(criterion_) < to_beat) {
     best = std::move(*other);
     return true;
@@ -572,11 +582,11 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
   for (std::size_t i = 0; i < others.size(); ++i) {
     const CandidateModel& other = others[i];
     Rival rival{other.effects.back(), other.penalised_chi_squared(criterion_), other.fit.hypothesis};
-    if (i == 0 || rival.penalised_chi_squared < as_good) {
+    if (i < thresholds::near_rivals) {
       CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 6);
       rival.penalised_chi_squared = full.penalised_chi_squared(criterion_);
       rival.hypothesis = full.fit.hypothesis;
-      if (rival.penalised_chi_squared < as_good) {
+      if (evidence(full, found) <= own) {
         best = std::move(full);
         return true;
       }
@@ -584,6 +594,16 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
     support.rivals.push_back(std::move(rival));
   }
   return false;
+}
+
+/// The best of the machines that may be what a fault is taken for. nullopt: there is none.
+std::optional<CandidateModel> Search::by_machine(const CandidateModel& best, std::size_t fault,
+                                                 const SearchResult& found) const {
+  std::optional<CandidateModel> machine;
+  for (CandidateModel& other : machine_instead(fitter_, best, fault)) {
+    if (!machine || evidence(other, found) < evidence(*machine, found)) machine = std::move(other);
+  }
+  return machine;
 }
 
 CandidateModel Search::without(std::size_t effect, const SearchResult& found) const {

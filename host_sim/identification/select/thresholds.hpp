@@ -19,10 +19,9 @@ inline constexpr double leaves_noise = 4.0;
 /// [χ²] by which another candidate must be better to replace an effect: above the solver's own 0.01 and below what any
 /// parameter costs. Half and twice: no difference expected.
 inline constexpr double replaces = 1.0;
-/// [χ²] by which an effect may be worse than a fault of the recording and still takes its place: a delay of the drive
-/// and a late clock of its command are the same to every channel, and a rig has drives more often than two clocks.
-/// Derivation: 2 ln 20, odds that count as not told apart (assess/thresholds.hpp). Half and twice: odds of 4.5 and of
-/// 400; equal causes differ by less than 1.
+/// [χ²] by which an effect at a limit of its law may be better than the parameter that does the same and still is that
+/// parameter. Derivation: 2 ln 20, odds that count as not told apart (assess/thresholds.hpp). Half and twice: odds of
+/// 4.5 and of 400; equal causes differ by less than 1.
 inline constexpr double tie = 6.0;
 /// [1] Of what simpler effects leave beyond noise, the most that a law with a shape of its own may leave, and how much
 /// less of χ² than in the fitted windows it may explain in the held-out ones. Derivation: a table of 33 points follows
@@ -98,9 +97,9 @@ inline constexpr double most_simulated_samples = 1e9;
 /// tenths of a second), shorter than a rough stretch of road. Half: one law that the catalogue does not hold is flagged
 /// that was not. Twice: the same names.
 inline constexpr double constancy_window = 0.5;
-/// [χ²] that a size which is not constant must gain, per residual power, to count: χ² of one degree of freedom exceeds
-/// 30 in 4e-8 of cases; true effects of tests/truth reached 11 (seed 1, 20 effects), neighbouring laws 3800 and more.
-/// Half: 1e-4 for each effect of two parameters. Twice: neighbours of less than 60. Derived, and looked at.
+/// By which a size that is not constant must raise −2 ln evidence to count: χ² of one degree of freedom exceeds 30 in
+/// 4e-8 of cases; true effects of tests/truth reached 11 (seed 1, 20 effects), neighbouring laws 3800 and more. Half:
+/// 1e-4 for each effect of two parameters. Twice: neighbours of less than 60. Derived, and looked at.
 inline constexpr double inconstant_gain = 30.0;
 /// [1] and the relative change of the size by one deviation of the logarithm of its amplitude, or of time. The
 /// amplitude of a stationary road varies by some 30 % from half second to half second, so powers of velocity that
