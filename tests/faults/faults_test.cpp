@@ -7,8 +7,9 @@
 namespace {
 
 // Law. Whatever goes wrong in whatever state: the drive stays within stroke and braking distance, never jumps, stands
-// without power and after a press, comes to rest in its time; valves are safe in safe; every period and the first
-// reason are on record.
+// without power and after a press, comes to rest in its time; power comes only where somebody has asked for it; a force
+// beyond its limit does not grow; faults that must trip do; valves are safe in safe; every period and the first reason
+// are on record.
 TEST(Faults, AHundredScenariosKeepTheInvariants) {
   int runs = 0, faults = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
@@ -17,7 +18,7 @@ TEST(Faults, AHundredScenariosKeepTheInvariants) {
     runs += trial.has_run() ? 1 : 0;
     faults += is_fault(trial.reason()) ? 1 : 0;
   }
-  EXPECT_GE(runs, 50) << "most scenarios come to a run";
+  EXPECT_GE(runs, 30) << "many scenarios come to a run";
   EXPECT_GE(faults, 30) << "and many end by a fault";
 }
 
