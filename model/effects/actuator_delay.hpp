@@ -30,7 +30,8 @@ struct ActuatorDelay {
           "phase lag of x_act behind x_cmd that grows in proportion to frequency, at unchanged amplitude; in a hil rig "
           "the "
           "wheel mode loses damping",
-      .linearisation = Linearisation::exact};
+      .linearisation = Linearisation::exact,
+      .lateness = Lateness::delay};
   static constexpr auto values = std::array{&ActuatorDelay::delay};
 
   constexpr void act_on(MachinePath<S>& machine) const { machine.delay = delay; }

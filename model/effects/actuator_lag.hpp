@@ -27,7 +27,8 @@ struct ActuatorLag {
       .equation = "T ẋ_act + x_act = x_cmd",
       .shows =
           "amplitude of x_act falls and its phase lags towards 90° above 1/(2πT); a small one looks like a delay T",
-      .linearisation = Linearisation::exact};
+      .linearisation = Linearisation::exact,
+      .lateness = Lateness::lag};
   static constexpr auto values = std::array{&ActuatorLag::time_constant};
 
   constexpr void act_on(MachinePath<S>& machine) const { machine.lag = time_constant; }

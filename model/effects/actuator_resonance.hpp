@@ -34,7 +34,8 @@ struct ActuatorResonance {
       .shows =
           "amplitude of x_act rises towards the resonance and falls beyond, phase turns by "
           "180°; far below it looks like a delay 2ζ/ω",
-      .linearisation = Linearisation::exact};
+      .linearisation = Linearisation::exact,
+      .lateness = Lateness::resonance};
   static constexpr auto values = std::array{&ActuatorResonance::frequency, &ActuatorResonance::damping_ratio};
 
   constexpr void act_on(MachinePath<S>& machine) const {

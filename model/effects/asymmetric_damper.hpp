@@ -1,6 +1,8 @@
 // A damper that is not the same in both directions.
 #pragma once
 
+#include <limits>
+
 #include "model/effects/effect.hpp"
 #include "model/subsystems.hpp"
 
@@ -29,7 +31,16 @@ struct AsymmetricDamper {
       .equation = "F_s += ½ difference · |ḋz_b|: slopes ± ½ difference around the damping described",
       .shows = "a force with the magnitude of the deflection velocity: its mean grows with the level, second harmonic",
       .linearisation = Linearisation::left_out,
-      .imitates = true};
+      .imitates = true,
+      .force = {Over::velocity, Form::two_slopes},
+      .words = {.text = "rebound # % harder than compression",
+                .otherwise = "rebound # % softer than compression",
+                .figures = {{{[](const double* v, double damping) {
+                                const double push = damping + 0.5 * v[0], pull = damping - 0.5 * v[0];
+                                return push > 0.0 ? 100.0 * (pull / push - 1.0)
+                                                  : std::numeric_limits<double>::quiet_NaN();
+                              },
+                              2}}}}};
   static constexpr auto values = std::array{&AsymmetricDamper::difference};
 
   [[nodiscard]] constexpr S suspension_force(S /*deflection*/, S velocity) const {

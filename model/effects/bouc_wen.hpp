@@ -50,7 +50,9 @@ struct BoucWen {
       .shows =
           "rounded loops of force over deflection whose height does not depend on frequency: rubber, cables, leaves",
       .linearisation = Linearisation::tangent,
-      .imitates = true};
+      .imitates = true,
+      .words = {.text = "hysteresis of # N independent of frequency",
+                .figures = {{{[](const double* v, double /*damping*/) { return v[1]; }}}}}};
   static constexpr auto values = std::array{&BoucWen::stiffness, &BoucWen::force, &BoucWen::unloading};
 
   /// u after a travel of the deflection [m].

@@ -31,7 +31,10 @@ struct BumpStop {
       .equation = "F_s += stiffness · max(0, |dz_b| − clearance) · sgn(dz_b)",
       .shows = "extra force at large deflections only, from a sharp corner on, the same to both sides",
       .linearisation = Linearisation::left_out,
-      .corner = Corner::stop};
+      .corner = Corner::stop,
+      .force = {Over::deflection},
+      .words = {.text = "stiffens from # mm on",
+                .figures = {{{[](const double* v, double /*damping*/) { return 1e3 * v[0]; }}}}}};
   static constexpr auto values = std::array{&BumpStop::clearance, &BumpStop::stiffness};
 
   [[nodiscard]] constexpr S suspension_force(S deflection, S /*velocity*/) const {

@@ -29,7 +29,10 @@ struct CoulombFriction {
       .shows =
           "a force step at every reversal of the suspension deflection, independent of speed; small excitation sticks",
       .linearisation = Linearisation::left_out,
-      .corner = Corner::sticking};
+      .corner = Corner::sticking,
+      .force = {Over::velocity, Form::power, 0.0},
+      .words = {.text = "dry friction of # N",
+                .figures = {{{[](const double* v, double /*damping*/) { return v[0]; }}}}}};
   static constexpr auto values = std::array{&CoulombFriction::force};
 
   constexpr void act_on(SuspensionComponent<S>& suspension) const { suspension.dry_friction += force; }

@@ -152,6 +152,46 @@ enum class Corner : unsigned char {
   reversal,    ///< hysteresis that is much steeper on the way back: where the deflection turns
 };
 
+/// The variable of which the force of an effect is a curve, at its place.
+enum class Over : unsigned char { nothing, velocity, deflection };
+
+/// The form of a force: what a learned law of the same form is.
+enum class Form : unsigned char {
+  other,
+  power,       ///< sign(x) |x|^p: dry friction has the exponent 0, a damper or a spring 1
+  falling,     ///< dry friction that falls as the velocity grows
+  two_slopes,  ///< a slope for each direction
+  relaxing,    ///< a spring in series with a dashpot
+};
+
+struct ForceForm {
+  Over over = Over::nothing;
+  Form form = Form::other;
+  double exponent = 0.0;  ///< p of Form::power
+
+  [[nodiscard]] constexpr bool is_power(Over variable, double p) const {
+    return over == variable && form == Form::power && exponent == p;
+  }
+};
+
+/// How an effect makes what it acts on late: what a second clock (delay) or a low-pass of the recorder does as well.
+enum class Lateness : unsigned char { none, delay, lag, resonance };
+
+/// A number in the words of an effect, of its values and the described damping of the component [N s/m]. NaN: there are
+/// no such words.
+struct WordFigure {
+  double (*of)(const double* values, double damping) = nullptr;
+  int digits = 3;
+};
+
+/// What an effect that was found does, in the words of learned laws. `#` stands for the next of the figures; where the
+/// first is negative, `otherwise` is said of its magnitude, if there is such a text.
+struct Words {
+  std::string_view text = {};
+  std::string_view otherwise = {};
+  std::array<WordFigure, 3> figures = {};
+};
+
 /// Everything about an effect but its values. Nothing in the project asks for an effect by its name: what it wants to
 /// know stands here. Read by programs on a PC; of all this a board's program has names and bounds of parameters.
 template <std::size_t ParameterCount>
@@ -170,6 +210,9 @@ struct EffectCard {
   std::string_view contains = {};
   /// A law whose shape is free enough to imitate others: diagnose names it only where it leaves nothing but noise.
   bool imitates = false;
+  ForceForm force = {};
+  Lateness lateness = Lateness::none;
+  Words words = {};
 };
 
 /// What is missing on a card, or wrong; empty: nothing.

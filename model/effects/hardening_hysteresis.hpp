@@ -50,7 +50,9 @@ struct HardeningHysteresis {
           "frequency: wire-rope mounts, stacks of disc springs",
       .linearisation = Linearisation::tangent,
       .corner = Corner::reversal,
-      .imitates = true};
+      .imitates = true,
+      .words = {.text = "hysteresis independent of frequency, twice as stiff under # N",
+                .figures = {{{[](const double* v, double /*damping*/) { return v[1]; }}}}}};
   static constexpr auto values =
       std::array{&HardeningHysteresis::stiffness, &HardeningHysteresis::force, &HardeningHysteresis::unloading};
 

@@ -1,6 +1,8 @@
 // A force that repeats along the travel.
 #pragma once
 
+#include <cmath>
+
 #include "model/effects/effect.hpp"
 #include "model/elementary.hpp"
 #include "model/subsystems.hpp"
@@ -43,7 +45,12 @@ struct PositionRipple {
       .equation = "F_s += sine · sin(2π dz_b/period) + cosine · (cos(2π dz_b/period) − 1)",
       .shows = "a force that repeats every `period` of the deflection, whatever the speed",
       .linearisation = Linearisation::tangent,
-      .imitates = true};
+      .imitates = true,
+      .force = {Over::deflection},
+      .words = {.text = "ripples every # mm by # N (cogging)",
+                .figures = {
+                    {{[](const double* v, double /*damping*/) { return 1e3 * v[0]; }},
+                     {[](const double* v, double /*damping*/) { return std::sqrt(v[1] * v[1] + v[2] * v[2]); }, 2}}}}};
   static constexpr auto values = std::array{&PositionRipple::period, &PositionRipple::sine, &PositionRipple::cosine};
 
   [[nodiscard]] constexpr S suspension_force(S deflection, S /*velocity*/) const {

@@ -28,7 +28,11 @@ struct ProgressiveSpring {
                                   .factors = {0.03, -0.03}}}}},
       .equation = "F_s += cubic_stiffness · dz_b³",
       .shows = "stiffness that grows (or falls) with the square of the deflection; third harmonic of the deflection",
-      .linearisation = Linearisation::left_out};
+      .linearisation = Linearisation::left_out,
+      .force = {Over::deflection, Form::power, 3.0},
+      .words = {.text = "stiffens with |x|^3",
+                .otherwise = "softens with |x|^3",
+                .figures = {{{[](const double* v, double /*damping*/) { return v[0]; }}}}}};
   static constexpr auto values = std::array{&ProgressiveSpring::cubic_stiffness};
 
   [[nodiscard]] constexpr S suspension_force(S deflection, S /*velocity*/) const {

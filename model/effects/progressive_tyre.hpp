@@ -28,7 +28,11 @@ struct ProgressiveTyre {
                                   .factors = {0.03, -0.03}}}}},
       .equation = "F_w += cubic_stiffness · dz_w³",
       .shows = "tyre stiffness that changes with the square of its deflection; third harmonic in the wheel load",
-      .linearisation = Linearisation::left_out};
+      .linearisation = Linearisation::left_out,
+      .force = {Over::deflection, Form::power, 3.0},
+      .words = {.text = "stiffens with |x|^3",
+                .otherwise = "softens with |x|^3",
+                .figures = {{{[](const double* v, double /*damping*/) { return v[0]; }}}}}};
   static constexpr auto values = std::array{&ProgressiveTyre::cubic_stiffness};
 
   /// What the tyre gives once this law is added to `force`, the force of all laws before it [N].

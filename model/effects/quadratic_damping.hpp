@@ -32,7 +32,9 @@ struct QuadraticDamping {
                                   .factors = {0.03, 0.3}}}}},
       .equation = "F_s += coefficient · ḋz_b |ḋz_b|",
       .shows = "damping that grows with amplitude; odd harmonics of the deflection velocity",
-      .linearisation = Linearisation::left_out};
+      .linearisation = Linearisation::left_out,
+      .force = {Over::velocity, Form::power, 2.0},
+      .words = {.text = "grows with |v|^2"}};
   static constexpr auto values = std::array{&QuadraticDamping::coefficient};
 
   [[nodiscard]] constexpr S suspension_force(S /*deflection*/, S velocity) const {

@@ -32,7 +32,10 @@ struct Relaxation {
       .shows =
           "stiffness that rises by `stiffness` around the frequency 1/(2πT), with losses "
           "there: rubber, or a gas spring's heat transfer",
-      .linearisation = Linearisation::exact};
+      .linearisation = Linearisation::exact,
+      .force = {.form = Form::relaxing},
+      .words = {.text = "relaxes within # ms",
+                .figures = {{{[](const double* v, double /*damping*/) { return 1e3 * v[1]; }, 2}}}}};
   static constexpr auto values = std::array{&Relaxation::stiffness, &Relaxation::time_constant};
 
   constexpr void act_on(SuspensionComponent<S>& suspension) const {

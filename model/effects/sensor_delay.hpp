@@ -24,7 +24,8 @@ struct SensorDelay {
                        .starts = {.scale = scales::millisecond, .factors = {0.3, 1.0, 3.0, 10.0, 30.0}}}}},
       .equation = "that channel alone is late",
       .shows = "this channel alone lags in proportion to frequency, at unchanged amplitude",
-      .linearisation = Linearisation::exact};
+      .linearisation = Linearisation::exact,
+      .lateness = Lateness::delay};
   static constexpr auto values = std::array{&SensorDelay::delay};
 
   constexpr void act_on(SensorPath<S>& sensor) const { sensor.delay = delay; }

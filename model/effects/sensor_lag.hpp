@@ -25,7 +25,8 @@ struct SensorLag {
                        .starts = {.scale = scales::millisecond, .factors = {0.3, 1.0, 3.0, 10.0, 30.0}}}}},
       .equation = "first-order low-pass in that channel",
       .shows = "this channel alone falls and lags above 1/(2πT); its noise is low-passed too",
-      .linearisation = Linearisation::exact};
+      .linearisation = Linearisation::exact,
+      .lateness = Lateness::lag};
   static constexpr auto values = std::array{&SensorLag::time_constant};
 
   constexpr void act_on(SensorPath<S>& sensor) const { sensor.lag = time_constant; }

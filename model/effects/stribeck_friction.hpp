@@ -47,7 +47,12 @@ struct StribeckFriction {
       .linearisation = Linearisation::left_out,
       .corner = Corner::sticking,
       .contains = "coulomb_friction",
-      .imitates = true};
+      .imitates = true,
+      .force = {Over::velocity, Form::falling},
+      .words = {.text = "breaks away at # N, falls to # N by # mm/s (Stribeck)",
+                .figures = {{{[](const double* v, double /*damping*/) { return v[0] * (1.0 + v[1]); }},
+                             {[](const double* v, double /*damping*/) { return v[0]; }},
+                             {[](const double* v, double /*damping*/) { return 2e3 * v[2]; }, 2}}}}};
   static constexpr auto values =
       std::array{&StribeckFriction::sliding, &StribeckFriction::excess, &StribeckFriction::velocity};
 

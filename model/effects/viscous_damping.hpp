@@ -24,7 +24,8 @@ struct ViscousDamping {
                        .starts = {.scale = scales::damping, .factors = {0.01, 0.1}}}}},
       .equation = "F_s += damping · ḋz_b",
       .shows = "a force in phase with the deflection velocity, proportional to frequency and amplitude",
-      .linearisation = Linearisation::exact};
+      .linearisation = Linearisation::exact,
+      .force = {Over::velocity, Form::power, 1.0}};
   static constexpr auto values = std::array{&ViscousDamping::damping};
 
   constexpr void act_on(SuspensionComponent<S>& suspension) const { suspension.damping += damping; }

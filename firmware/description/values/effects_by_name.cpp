@@ -48,6 +48,9 @@ CatalogueEntry entry_of(bool of_channel) {
                        .corner = card.corner,
                        .contains = card.contains,
                        .imitates = card.imitates,
+                       .force = card.force,
+                       .lateness = card.lateness,
+                       .words = card.words,
                        .remembers = Remembers<Effect>,
                        .of_channel = of_channel,
                        .tyre_force = nullptr};

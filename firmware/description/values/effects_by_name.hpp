@@ -27,6 +27,9 @@ struct CatalogueEntry {
   model::Corner corner;
   std::string_view contains;  ///< an effect whose place this one takes
   bool imitates;              ///< named only where it leaves nothing but noise
+  model::ForceForm force;     ///< the form of its force, where that is a curve
+  model::Lateness lateness;   ///< how it makes late what it acts on
+  model::Words words;         ///< what it does, with its numbers
   bool remembers;             ///< a force that depends on how the deflection went
   bool of_channel;            ///< a sensor effect: it needs the name of a channel
   /// For a tyre law with these values: F_w from the force of the laws before it, dz_w and the static load. nullptr if
@@ -39,6 +42,15 @@ struct CatalogueEntry {
 
 /// nullptr if there is no effect of that name.
 [[nodiscard]] const CatalogueEntry* find_effect(std::string_view name);
+
+/// The first effect whose card is so; nullptr if none is.
+template <class Predicate>
+[[nodiscard]] const CatalogueEntry* find_effect_that(const Predicate& is_so) {
+  for (const CatalogueEntry& entry : catalogue()) {
+    if (is_so(entry)) return &entry;
+  }
+  return nullptr;
+}
 
 /// An effect in a rig. `channel`: of a sensor effect. `values`: in the order of the entry's parameters [SI].
 struct PlacedEffect {

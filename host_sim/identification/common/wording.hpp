@@ -8,7 +8,7 @@
 
 namespace host_sim::identification {
 
-/// "sensor_lag of F", "coulomb_friction"
+/// The name of an effect; of a sensor with its channel: "… of F".
 [[nodiscard]] std::string words(const firmware::PlacedEffect& effect);
 
 /// "a, b and c"

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host_sim/identification/learn/excited_range.hpp"
+#include "host_sim/identification/learn/law_beside.hpp"
 #include "host_sim/identification/learn/sliding_sides.hpp"
 #include "host_sim/identification/learn/thresholds.hpp"
 #include "host_sim/report/formatted.hpp"
@@ -159,7 +160,7 @@ class LawDescription {
     out.shape = "stribeck";
     double friction = 0.0;
     for (const firmware::PlacedEffect& effect : firmware::effects_of(fit_.hypothesis.rig)) {
-      if (effect.entry->name == "coulomb_friction") friction = effect.values.front();
+      if (is_friction(effect)) friction = effect.values.front();
     }
     out.numbers = {
         {"break_away", friction, friction, friction}, number("sliding", 0, -1.0, friction), number("velocity", 1)};
@@ -264,7 +265,8 @@ class LawDescription {
   }
 
   void maxwell(DescribedLaw& out) const {
-    out.shape = "relaxation";
+    // The effect that is one such branch lends its name.
+    out.shape = firmware::find_effect_that([](const auto& e) { return e.force.form == model::Form::relaxing; })->name;
     out.numbers = {end_of(out, "stiffness", 1.0 / out.at.back())};
     double shortest = INFINITY, longest = 0.0;
     for (std::size_t i = 0; i < law_.at.size(); ++i) {

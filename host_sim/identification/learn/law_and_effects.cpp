@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "host_sim/identification/learn/thresholds.hpp"
@@ -12,13 +11,19 @@ namespace host_sim::identification {
 namespace {
 
 std::optional<firmware::PlacedEffect> named_like(const PlacedLaw& law, double friction) {
-  const auto effect = [](std::string_view name, std::vector<double> values) {
-    return firmware::PlacedEffect{firmware::find_effect(name), std::nullopt, std::move(values)};
+  const auto effect = [&](const auto& has_form, std::vector<double> values) -> std::optional<firmware::PlacedEffect> {
+    const auto* const entry = firmware::find_effect_that(
+        [&](const auto& e) { return !e.of_channel && e.subsystem == subsystem_of(law.place) && has_form(e.force); });
+    if (entry == nullptr) return std::nullopt;
+    return firmware::PlacedEffect{entry, std::nullopt, std::move(values)};
+  };
+  const auto form = [](model::Form wanted) {
+    return [wanted](const model::ForceForm& force) { return force.form == wanted; };
   };
   const bool damper = law.place == CurvePlace::suspension && law.over == CurveOver::velocity;
   const auto stribeck = [&](double fall, double velocity) {
     const double sliding = friction - fall;
-    return effect("stribeck_friction", {sliding, fall / sliding, velocity});
+    return effect(form(model::Form::falling), {sliding, fall / sliding, velocity});
   };
   if (damper && law.family == LawFamily::falling && friction > law.values[0])
     return stribeck(law.values[0], law.values[1]);
@@ -29,23 +34,14 @@ std::optional<firmware::PlacedEffect> named_like(const PlacedLaw& law, double fr
     if (fall > 0.0 && fall < friction && ends) return stribeck(fall, law.values[2] / 1.7);
   }
   if (damper && law.family == LawFamily::two_slopes)
-    return effect("asymmetric_damper", {(law.values[0] - law.values[1]) / law.rms});
+    return effect(form(model::Form::two_slopes), {(law.values[0] - law.values[1]) / law.rms});
   const bool two = law.family == LawFamily::two_powers;
   if (!two && law.family != LawFamily::power) return std::nullopt;
   const double force = two ? 0.5 * (law.values[0] + law.values[1]) : law.values[0], exponent = law.values.back();
-  struct Power {
-    CurvePlace place;
-    CurveOver over;
-    double exponent;
-    std::string_view effect;
-  };
-  constexpr std::array<Power, 3> powers{{{CurvePlace::suspension, CurveOver::deflection, 3.0, "progressive_spring"},
-                                         {CurvePlace::tyre, CurveOver::deflection, 3.0, "progressive_tyre"},
-                                         {CurvePlace::suspension, CurveOver::velocity, 2.0, "quadratic_damping"}}};
-  for (const Power& power : powers) {
-    if (power.place != law.place || power.over != law.over) continue;
-    if (std::abs(exponent - power.exponent) > thresholds::exponent_of_effect) continue;
-    return effect(power.effect, {force / std::pow(law.rms, power.exponent)});
+  for (const double whole : {2.0, 3.0}) {
+    if (std::abs(exponent - whole) > thresholds::exponent_of_effect) continue;
+    const auto is_power = [&](const model::ForceForm& f) { return f.is_power(variable_of(law.over), whole); };
+    if (auto same = effect(is_power, {force / std::pow(law.rms, whole)})) return same;
   }
   return std::nullopt;
 }
@@ -77,19 +73,22 @@ bool draws_friction(const PlacedLaw& law, const EffectsBeside& all, const Effect
 }
 
 bool refines(const PlacedLaw& law, const EffectsBeside& all, const EffectsBeside& kept) {
-  constexpr std::array<std::pair<LawFamily, std::string_view>, 8> limits{{{LawFamily::soft_sign, "coulomb_friction"},
-                                                                          {LawFamily::falling, "coulomb_friction"},
-                                                                          {LawFamily::levelling, "coulomb_friction"},
-                                                                          {LawFamily::levelling, "viscous_damping"},
-                                                                          {LawFamily::power, "viscous_damping"},
-                                                                          {LawFamily::power, "quadratic_damping"},
-                                                                          {LawFamily::two_powers, "quadratic_damping"},
-                                                                          {LawFamily::two_slopes, "viscous_damping"}}};
+  constexpr std::array<std::pair<LawFamily, double>, 8> limits{{{LawFamily::soft_sign, 0.0},
+                                                                {LawFamily::falling, 0.0},
+                                                                {LawFamily::levelling, 0.0},
+                                                                {LawFamily::levelling, 1.0},
+                                                                {LawFamily::power, 1.0},
+                                                                {LawFamily::power, 2.0},
+                                                                {LawFamily::two_powers, 2.0},
+                                                                {LawFamily::two_slopes, 1.0}}};
   if (law.place != CurvePlace::suspension || law.over != CurveOver::velocity) return false;
   return std::any_of(all.begin(), all.end(), [&](const auto& effect) {
     const bool stays = std::any_of(kept.begin(), kept.end(), [&](const auto& k) { return k.entry == effect.entry; });
-    return (!stays || law.family == LawFamily::falling) &&
-           std::find(limits.begin(), limits.end(), std::pair(law.family, effect.entry->name)) != limits.end();
+    return (!stays || law.family == LawFamily::falling) && !effect.channel &&
+           effect.entry->subsystem == model::Subsystem::suspension &&
+           std::any_of(limits.begin(), limits.end(), [&](const auto& limit) {
+             return limit.first == law.family && effect.entry->force.is_power(model::Over::velocity, limit.second);
+           });
   });
 }
 

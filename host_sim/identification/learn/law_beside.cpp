@@ -1,9 +1,7 @@
 #include "host_sim/identification/learn/law_beside.hpp"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
-#include <string_view>
 #include <utility>
 
 #include "host_sim/identification/select/select_model.hpp"
@@ -18,14 +16,20 @@ bool are_same(const EffectsBeside& a, const EffectsBeside& b) {
 
 /// Whether an effect is itself a curve over that variable, at the suspension or the tyre.
 bool is_curve(const firmware::PlacedEffect& effect, CurveOver over) {
-  constexpr std::array<std::string_view, 5> over_velocity{"coulomb_friction", "stribeck_friction", "viscous_damping",
-                                                          "quadratic_damping", "asymmetric_damper"};
-  constexpr std::array<std::string_view, 4> over_deflection{"progressive_spring", "bump_stop", "progressive_tyre",
-                                                            "position_ripple"};
-  const auto has = [&](const auto& names) {
-    return std::find(names.begin(), names.end(), effect.entry->name) != names.end();
-  };
-  return over == CurveOver::velocity ? has(over_velocity) : has(over_deflection);
+  return effect.entry->force.over == variable_of(over);
+}
+
+bool is_power_of_suspension(const firmware::PlacedEffect& effect, CurveOver over, double exponent) {
+  return !effect.channel && effect.entry->subsystem == model::Subsystem::suspension &&
+         effect.entry->force.is_power(variable_of(over), exponent);
+}
+
+bool relaxes(const firmware::PlacedEffect& effect) { return effect.entry->force.form == model::Form::relaxing; }
+
+}  // namespace
+
+model::Over variable_of(CurveOver over) {
+  return over == CurveOver::velocity ? model::Over::velocity : model::Over::deflection;
 }
 
 model::Subsystem subsystem_of(CurvePlace place) {
@@ -41,9 +45,9 @@ model::Subsystem subsystem_of(CurvePlace place) {
   }
 }
 
-}  // namespace
-
-bool is_friction(const firmware::PlacedEffect& effect) { return effect.entry->name == "coulomb_friction"; }
+bool is_friction(const firmware::PlacedEffect& effect) {
+  return is_power_of_suspension(effect, CurveOver::velocity, 0.0);
+}
 bool is_guide(CurvePlace place) { return place == CurvePlace::body_guide || place == CurvePlace::wheel_guide; }
 
 bool may_act_beside(const firmware::PlacedEffect& effect, CurvePlace place, CurveOver over) {
@@ -80,8 +84,6 @@ std::vector<EffectsBeside> effects_beside(const EffectsBeside& all, CurvePlace p
 }
 
 std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
-  constexpr std::array<std::string_view, 5> with_memory{"stribeck_friction", "bouc_wen", "hardening_hysteresis",
-                                                        "relaxation", "coulomb_friction"};
   std::vector<EffectsBeside> different;
   const auto add = [&](const auto& keep) {
     EffectsBeside kept;
@@ -90,7 +92,7 @@ std::vector<EffectsBeside> effects_beside_stack(const EffectsBeside& all) {
       different.push_back(std::move(kept));
   };
   const auto remembers = [&](const firmware::PlacedEffect& e) {
-    return std::find(with_memory.begin(), with_memory.end(), e.entry->name) != with_memory.end();
+    return e.entry->remembers || relaxes(e) || is_friction(e) || e.entry->force.form == model::Form::falling;
   };
   add([&](const auto& e) { return !remembers(e); });
   add([&](const auto& e) { return !remembers(e) || is_friction(e); });
@@ -107,8 +109,9 @@ EffectsBeside effects_beside_guide(const EffectsBeside& all, CurvePlace place) {
 
 Reasons reasons_for(const IdentificationProblem& problem, const SearchResult& found) {
   const auto& effects = found.best.effects;
-  const auto named = [&](std::string_view name) {
-    return std::any_of(effects.begin(), effects.end(), [&](const auto& e) { return e.entry->name == name; });
+  const auto holds = [&](const auto& keep) { return std::any_of(effects.begin(), effects.end(), keep); };
+  const auto power = [](CurveOver variable, double exponent) {
+    return [=](const auto& e) { return is_power_of_suspension(e, variable, exponent); };
   };
   const auto several = [&](const auto& keep) {
     return std::count_if(effects.begin(), effects.end(), [&](const auto& e) {
@@ -116,9 +119,9 @@ Reasons reasons_for(const IdentificationProblem& problem, const SearchResult& fo
            }) > 1;
   };
   const auto over = [](CurveOver variable) { return [variable](const auto& e) { return is_curve(e, variable); }; };
-  return {leaves_a_rest(problem, found), several(over(CurveOver::velocity)) || named("quadratic_damping"),
-          several(over(CurveOver::deflection)) || named("progressive_spring"),
-          named("relaxation") && several([](const auto& /*e*/) { return true; })};
+  return {leaves_a_rest(problem, found), several(over(CurveOver::velocity)) || holds(power(CurveOver::velocity, 2.0)),
+          several(over(CurveOver::deflection)) || holds(power(CurveOver::deflection, 3.0)),
+          holds(relaxes) && several([](const auto& /*e*/) { return true; })};
 }
 
 }  // namespace host_sim::identification

@@ -31,6 +31,8 @@ struct Reasons {
 };
 [[nodiscard]] Reasons reasons_for(const IdentificationProblem& problem, const SearchResult& found);
 
+[[nodiscard]] model::Over variable_of(CurveOver over);
+[[nodiscard]] model::Subsystem subsystem_of(CurvePlace place);
 [[nodiscard]] bool is_friction(const firmware::PlacedEffect& effect);  ///< dry friction at the suspension
 [[nodiscard]] bool is_guide(CurvePlace place);
 

@@ -121,7 +121,7 @@ std::optional<CandidateModel> in_group(const ModelFitter& fitter, const Candidat
     const bool of_group = fault.kind == FaultKind::clock || fault.kind == FaultKind::common_filter;
     // A clock of this channel that runs differently may be late as well.
     const bool is_late = fault.kind == FaultKind::clock && fault.acts_on(*channel) && fault.channels.size() == 1 &&
-                         whole.effects[effect].entry->name == "sensor_delay";
+                         whole.effects[effect].entry->lateness == model::Lateness::delay;
     if (!of_group || (fault.is_of(*channel) && !is_late) || (fault.inverse && fault.channels.size() == 1)) continue;
     Hypothesis start = whole.fit.hypothesis;
     std::vector<firmware::PlacedEffect> effects = whole.effects;
@@ -141,8 +141,8 @@ std::optional<CandidateModel> in_group(const ModelFitter& fitter, const Candidat
 
 std::optional<CandidateModel> in_one_fault(const ModelFitter& fitter, const CandidateModel& whole, std::size_t effect) {
   const firmware::PlacedEffect& own = whole.effects[effect];
-  const bool lags = own.entry->name == "sensor_lag";
-  if (!lags && own.entry->name != "sensor_delay") return std::nullopt;
+  const bool lags = own.entry->lateness == model::Lateness::lag;
+  if (!own.channel || (!lags && own.entry->lateness != model::Lateness::delay)) return std::nullopt;
   Hypothesis start = whole.fit.hypothesis;
   std::vector<firmware::PlacedEffect> effects;
   std::vector<Channel> late;
@@ -188,7 +188,9 @@ std::optional<CandidateModel> by_sensors(const ModelFitter& fitter, const Candid
     if (!input) return std::nullopt;
     channels = {*input};
   }
-  const firmware::CatalogueEntry* const entry = firmware::find_effect(clock ? "sensor_delay" : "sensor_lag");
+  const model::Lateness as = clock ? model::Lateness::delay : model::Lateness::lag;
+  const firmware::CatalogueEntry* const entry =
+      firmware::find_effect_that([as](const auto& e) { return e.of_channel && e.lateness == as; });
   const auto& card = entry->parameters.front();
   const double value =
       clock ? (of_input ? -own.values[0] : own.values[0]) : 1.0 / (2.0 * std::numbers::pi * own.values[0]);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string_view>
 #include <utility>
 
 #include "host_sim/identification/common/butterworth.hpp"
@@ -14,7 +13,7 @@ namespace {
 
 /// An effect of the machine in the place of a fault, its values from the delay [s] and the corner [Hz] of the fault.
 struct Part {
-  std::string_view effect;
+  model::Lateness as;
   double share_of_delay;  ///< 0: the value is the corner
 };
 struct Neighbour {
@@ -23,11 +22,11 @@ struct Neighbour {
 };
 const std::vector<Neighbour>& neighbours() {
   static const std::vector<Neighbour> table{
-      {FaultKind::clock, {{"actuator_delay", 1.0}}},
-      {FaultKind::common_filter, {{"actuator_delay", 1.0}}},
-      {FaultKind::common_filter, {{"actuator_lag", 1.0}}},
-      {FaultKind::common_filter, {{"actuator_lag", 0.5}, {"actuator_delay", 0.5}}},
-      {FaultKind::common_filter, {{"actuator_resonance", 0.0}}},
+      {FaultKind::clock, {{model::Lateness::delay, 1.0}}},
+      {FaultKind::common_filter, {{model::Lateness::delay, 1.0}}},
+      {FaultKind::common_filter, {{model::Lateness::lag, 1.0}}},
+      {FaultKind::common_filter, {{model::Lateness::lag, 0.5}, {model::Lateness::delay, 0.5}}},
+      {FaultKind::common_filter, {{model::Lateness::resonance, 0.0}}},
   };
   return table;
 }
@@ -80,7 +79,8 @@ std::vector<CandidateModel> machine_instead(const ModelFitter& fitter, const Can
     std::vector<firmware::PlacedEffect> effects = whole.effects;
     bool has_place = true;
     for (const Part& part : neighbour.parts) {
-      const firmware::CatalogueEntry* const entry = firmware::find_effect(part.effect);
+      const firmware::CatalogueEntry* const entry = firmware::find_effect_that(
+          [&](const auto& e) { return e.subsystem == model::Subsystem::machine && e.lateness == part.as; });
       const auto is_there = [&](const firmware::PlacedEffect& e) { return e.entry == entry; };
       const auto described = firmware::effects_of(start.rig);
       has_place = has_place && firmware::has_place(start.rig, *entry, std::nullopt) &&
