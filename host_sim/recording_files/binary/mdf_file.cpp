@@ -111,6 +111,8 @@ struct MdfChannel {
 struct MdfGroup {
   std::string name;
   std::uint64_t record_id = 0, cycles = 0;
+  std::uint64_t at = 0;             // its block
+  std::uint64_t remote_master = 0;  // block of the group that holds its time; 0: it has its own
   std::size_t data_bytes = 0, invalid_bytes = 0;
   bool variable_length = false;
   std::vector<MdfChannel> channels;
@@ -145,6 +147,7 @@ class MdfReader {
       read_data_group(data_group);
       at = data_group.link(0);
     }
+    for (const MdfGroup& group : waiting_) take_group(group);
     return make_table();
   }
 
@@ -206,6 +209,8 @@ class MdfReader {
       group.cycles = mdf_number(channel_group.data, 8, 8);
       const auto flags = static_cast<unsigned>(mdf_number(channel_group.data, 16, 2));
       group.variable_length = (flags & 1U) != 0;
+      group.at = at;
+      if ((flags & 8U) != 0 && channel_group.links.size() > 6) group.remote_master = channel_group.link(6);
       group.data_bytes = static_cast<std::size_t>(mdf_number(channel_group.data, 24, 4));
       group.invalid_bytes = static_cast<std::size_t>(mdf_number(channel_group.data, 28, 4));
       if (!group.variable_length) read_channels(channel_group.link(1), group, 0);
@@ -223,7 +228,14 @@ class MdfReader {
     }
     for (MdfGroup& group : groups) {
       ++group_number_;
-      if (!group.variable_length) take_group(group);
+      if (group.variable_length) continue;
+      group.name = group.name.empty() ? "group " + std::to_string(group_number_) : group.name;
+      // Columns in groups of their own (4.2) have their time in another group, which may stand behind them.
+      if (group.remote_master != 0) {
+        waiting_.push_back(std::move(group));
+      } else {
+        take_group(group);
+      }
     }
   }
 
@@ -438,7 +450,7 @@ class MdfReader {
   }
 
   void take_group(const MdfGroup& group) {
-    const std::string name = group.name.empty() ? "group " + std::to_string(group_number_) : group.name;
+    const std::string& name = group.name;
     const std::size_t record = group.data_bytes + (group.invalid.empty() ? group.invalid_bytes : 0);
     const std::uint64_t there = record == 0 ? most_virtual_rows : group.records.size() / record;
     const auto rows = static_cast<std::size_t>(std::min<std::uint64_t>({group.cycles, there, most_mdf_data / 8}));
@@ -460,6 +472,9 @@ class MdfReader {
       if (unit && unit->dimension == firmware::Dimension::time && unit->scale != 1.0) {
         for (double& t : time) t = firmware::Target::in_seconds(t, unit->scale);
       }
+      times_[group.at] = {master->name, time};
+    } else if (const auto remote = times_.find(group.remote_master); remote != times_.end()) {
+      if (remote->second.second.size() == rows) time = remote->second.second;
     }
     for (const MdfChannel& channel : group.channels) {
       if (master != group.channels.end() && &channel == &*master) continue;
@@ -478,7 +493,7 @@ class MdfReader {
       column.group = name;
       column.values = values_of(channel, group, rows);
       column.own_time = time;
-      column.own_time_name = master->name;
+      column.own_time_name = master != group.channels.end() ? master->name : times_[group.remote_master].first;
       table_.columns.push_back(std::move(column));
     }
   }
@@ -513,6 +528,9 @@ class MdfReader {
   std::string_view bytes_;
   std::string source_;
   RawTable table_;
+  std::map<std::uint64_t, std::pair<std::string, std::vector<double>>>
+      times_;  // by group: the master's name, its values
+  std::vector<MdfGroup> waiting_;
   std::size_t group_number_ = 0;
   std::size_t channels_read_ = 0;
 };
