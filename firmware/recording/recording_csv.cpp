@@ -19,6 +19,7 @@
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/description/values/channel_map.hpp"
 #include "firmware/loop/mode.hpp"
+#include "firmware/recording/column_printer.hpp"
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_file.hpp"
@@ -375,11 +376,6 @@ class CsvReader {
   std::array<std::vector<double>, model::channel_count> age_;
 };
 
-void append(std::string& text, double value) {
-  std::array<char, 32> digits;
-  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
-}
-
 void read_all(CsvReader& reader, int descriptor, std::string_view head, std::string_view source, std::size_t block) {
   struct stat status {};
   const bool sized = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0;
@@ -527,7 +523,8 @@ Recording parse_recording_csv(std::string_view text, std::string_view source, co
   return reader.finish(expected_rate);
 }
 
-void format_recording_csv(const Recording& recording, const std::function<void(std::string_view)>& take) {
+void format_recording_csv(const Recording& recording, const std::function<void(std::string_view)>& take,
+                          const std::function<void(double)>& progress) {
   std::string text = "# " + std::string(recording_mark) + "\n";
   for (const std::string& comment : recording.comments) text += "# " + one_line(comment) + "\n";
 
@@ -547,16 +544,18 @@ void format_recording_csv(const Recording& recording, const std::function<void(s
   }
   text += '\n';
 
+  std::vector<ColumnPrinter> printers(columns.size());
   constexpr std::size_t block = std::size_t{1} << 17U;
   for (std::size_t k = 0; k < recording.size(); ++k) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (c > 0) text += ',';
-      append(text, (*columns[c])[k]);
+      printers[c].print((*columns[c])[k], text);
     }
     text += '\n';
     if (text.size() < block) continue;
     take(text);
     text.clear();
+    if (progress) progress(static_cast<double>(k + 1) / static_cast<double>(recording.size()));
   }
   take(text);
 }

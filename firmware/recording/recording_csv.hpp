@@ -64,7 +64,9 @@ struct AsRecorded {
 [[nodiscard]] AsRecorded read_csv_as_recorded(const std::filesystem::path& file, const ChannelMap& map);
 
 /// Passes the CSV text to `take` in pieces, because the text is larger than the recording in memory.
-void format_recording_csv(const Recording& recording, const std::function<void(std::string_view)>& take);
+/// `progress` is told the share that has been passed.
+void format_recording_csv(const Recording& recording, const std::function<void(std::string_view)>& take,
+                          const std::function<void(double)>& progress = {});
 
 /// The CSV text that write_recording writes.
 [[nodiscard]] std::string format_recording_csv(const Recording& recording);
