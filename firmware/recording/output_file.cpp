@@ -84,6 +84,13 @@ OutputFile::OutputFile(const std::filesystem::path& file) : name_(file.string())
   static_cast<void>(installed);
 
   if (file.empty()) throw OutputError("''", "cannot write to a file without a name", "a file name");
+  if (name_ == "-") {  // standard output
+    in_place_ = true;
+    final_ = temporary_ = "/dev/stdout";
+    descriptor_ = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
+    if (descriptor_ < 0) throw OutputError(name_, "cannot be opened: " + reason(), "an open standard output");
+    return;
+  }
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (status.type() == fs::file_type::directory || !file.has_filename()) {

@@ -10,7 +10,7 @@ namespace firmware {
 
 /// Writes to a hidden temporary file beside the final name and renames it on commit().
 ///
-/// Without commit() (exception, SIGINT, SIGTERM, SIGHUP) the temporary file is removed and an existing file under the
+/// "-" is standard output. Without commit() (exception, SIGINT, SIGTERM, SIGHUP) the temporary file is removed and an existing file under the
 /// final name stays. A name that is not a regular file (/dev/stdout, a pipe) is written in place.
 /// A symbolic link stays a link: the file it names is replaced. All failures are OutputErrors.
 class OutputFile {

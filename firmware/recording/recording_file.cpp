@@ -32,7 +32,8 @@ std::string read_head(int descriptor, std::string_view source) {
 }  // namespace
 
 RecordingFile::RecordingFile(const std::filesystem::path& file)
-    : descriptor_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+    : descriptor_(file == "-" ? ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)
+                              : ::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
   const std::string source = file.string();
   if (descriptor_ < 0) {
     throw InputError(source, 0, std::string("cannot be opened: ") + std::strerror(errno), a_recording);

@@ -61,6 +61,7 @@ void print_record(const std::string& data, const compensation::MachineRecord& re
 
 /// A recording of the machine: no loop is needed, so a component_bench will do.
 void examine_record(const CompensationOptions& options, const firmware::RigDescription& description) {
+  if (options.out) refuse_unknown_ending(*options.out);
   const firmware::Recording recording = read_recording(*options.data, description.channels);
   const auto record = compensation::machine_record(description, recording);
   if (options.out) write_recording(*options.out, compensation::compensated_command(record, recording));

@@ -64,6 +64,7 @@ void print(const EstimateOptions& options, const Estimate& estimate, const std::
 }  // namespace
 
 void estimate(const EstimateOptions& options) {
+  refuse_unknown_ending(options.out);
   const firmware::RigDescription description = firmware::read_rig(options.rig);
   const std::vector<firmware::Recording> parts =
       read_parts(options.data, description.channels, description.sample_rate);

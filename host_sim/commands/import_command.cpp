@@ -16,7 +16,9 @@
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/sample_checks.hpp"
 #include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/progress.hpp"
 #include "host_sim/recording_files/import.hpp"
+#include "host_sim/recording_files/mapped_memory.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 
 namespace host_sim {
@@ -27,28 +29,29 @@ std::string text_of_file(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-void print_left_out(const std::vector<LeftOut>& list) {
+void print_left_out(std::FILE* to, const std::vector<LeftOut>& list) {
   for (const LeftOut& one : list) {
-    std::printf("  left out: %s: %s\n", firmware::one_line(firmware::in_quotes(one.name)).c_str(),
-                firmware::one_line(one.reason).c_str());
+    std::fprintf(to, "  left out: %s: %s\n", firmware::one_line(firmware::in_quotes(one.name)).c_str(),
+                 firmware::one_line(one.reason).c_str());
   }
 }
 
-void print_account(const Import& import, const ImportOptions& options) {
+void print_account(std::FILE* to, const Import& import, const ImportOptions& options) {
   const firmware::Recording& recording = import.recording;
   const double step = firmware::median_step(recording.time);
-  std::printf("%s: %s, %zu samples at %.6g Hz, %.6g s\n", options.file.c_str(), import.format.c_str(), recording.size(),
-              1.0 / step, recording.time.back() - recording.time.front());
+  std::fprintf(to, "%s: %s, %zu samples at %.6g Hz, %.6g s\n", options.file.c_str(), import.format.c_str(),
+               recording.size(), 1.0 / step, recording.time.back() - recording.time.front());
   for (const ImportedColumn& column : import.columns) {
     std::string from = column.column.empty() ? "" : firmware::in_quotes(column.column);
     if (!column.unit.empty()) from += " [" + column.unit + "]";
     std::string how;
     if (column.scale != 1.0) how += "  × " + firmware::shortest(column.scale);
     if (column.offset != 0.0) how += "  + " + firmware::shortest(column.offset);
-    std::printf("  %-6s %s%s\n", column.quantity.empty() ? "kept" : column.quantity.c_str(), from.c_str(), how.c_str());
+    std::fprintf(to, "  %-6s %s%s\n", column.quantity.empty() ? "kept" : column.quantity.c_str(), from.c_str(),
+                 how.c_str());
   }
-  print_left_out(import.left_out);
-  for (const std::string& note : import.notes) std::printf("  note: %s\n", firmware::one_line(note).c_str());
+  print_left_out(to, import.left_out);
+  for (const std::string& note : import.notes) std::fprintf(to, "  note: %s\n", firmware::one_line(note).c_str());
 }
 
 nlohmann::ordered_json left_out_json(const std::vector<LeftOut>& list) {
@@ -99,7 +102,7 @@ void print_listing(const FileListing& listing, const ImportOptions& options) {
     if (!column.reason.empty()) line += " (" + column.reason + ")";
     std::printf("%s\n", firmware::one_line(line).c_str());
   }
-  print_left_out(listing.left_out);
+  print_left_out(stdout, listing.left_out);
   for (const std::string& note : listing.notes) std::printf("  note: %s\n", firmware::one_line(note).c_str());
 }
 
@@ -131,18 +134,24 @@ nlohmann::ordered_json listing_json(const FileListing& listing, const ImportOpti
 void import_recording(const ImportOptions& options) {
   if (options.write_channels && !options.rig)
     throw firmware::UsageError("--write-channels needs --rig, the description to write to");
+  if (options.out) refuse_unknown_ending(*options.out);
+  keep_large_blocks_in_files();
   std::optional<firmware::RigDescription> rig;
   if (options.rig) rig = firmware::read_rig(*options.rig);
   const firmware::ChannelMap none;
   const RigContext context{rig ? rig->channels : none, rig ? std::optional(rig->sample_rate) : std::nullopt,
                            rig ? std::optional(rig->rig.kind) : std::nullopt};
+  // Reading and writing take about as long as each other.
+  Progress progress("import");
+  ImportChoices choices = options.choices;
+  choices.progress = [&progress](double share) { progress.show(0.5 * share); };
   if (!options.out) {
     if (options.write_channels) throw firmware::UsageError("--write-channels needs --out");
-    const FileListing listing = list_file(options.file, context, options.choices);
+    const FileListing listing = list_file(options.file, context, choices);
     if (!write_json(options.json, listing_json(listing, options))) print_listing(listing, options);
     return;
   }
-  Import import = import_file(options.file, context, options.choices);
+  Import import = import_file(options.file, context, choices);
   std::string description;
   if (options.write_channels) {
     description = with_channels(text_of_file(*options.rig), import.channels,
@@ -155,25 +164,28 @@ void import_recording(const ImportOptions& options) {
   for (const std::string& note : import.notes) import.recording.comments.push_back(note);
   for (const LeftOut& one : import.left_out)
     import.recording.comments.push_back("left out: " + firmware::in_quotes(one.name) + ": " + one.reason);
-  write_recording(*options.out, import.recording);
+  write_recording(*options.out, import.recording, [&progress](double share) { progress.show(0.5 + 0.5 * share); });
   if (options.write_channels) firmware::write_file(*options.rig, description);
   if (write_json(options.json, account_json(import, options))) return;
-  print_account(import, options);
-  std::printf("recording %s\n", options.out->c_str());
-  if (options.write_channels) std::printf("channels  %s, table [channels]\n", options.rig->c_str());
+  std::FILE* const to = *options.out == "-" ? stderr : stdout;
+  print_account(to, import, options);
+  if (*options.out != "-") std::fprintf(to, "recording %s\n", options.out->c_str());
+  if (options.write_channels) std::fprintf(to, "channels  %s, table [channels]\n", options.rig->c_str());
 }
 
 void add_import(CLI::App& app, ImportOptions& options) {
   CLI::App* command = app.add_subcommand("import", "Bring a measurement file of another program into a recording");
   command
-      ->add_option("file", options.file,
-                   "Text (any separator, decimal comma, preamble, units, clock times; MTS exports), MATLAB (dSPACE "
-                   "ControlDesk, Simulink, timetables as structures), NI TDMS or HDF5")
+      ->add_option(
+          "file", options.file,
+          "Text (any separator, decimal comma, preamble, units, clock times; MTS exports, LabVIEW), MATLAB (dSPACE "
+          "ControlDesk, Simulink, timetables as structures), NI TDMS, HDF5, RPC III, MDF 4, universal file, "
+          "MCAP (JSON) or Excel (.xlsx); - for standard input")
       ->required();
   command->add_option(
       "--out", options.out,
-      "Recording to write; the ending decides: .csv, .mat, .mcap, .uff, .tsv and .de.csv (spreadsheets). "
-      "Without it the file's columns are listed, with what they are taken for");
+      "Recording to write; the ending decides: .csv, .mat, .mf4, .rsp, .mcap, .uff, .tsv and .de.csv (spreadsheets); "
+      "- for CSV on standard output. Without it the file's columns are listed, with what they are taken for");
   command
       ->add_option("--map", options.choices.maps,
                    "CHANNEL=COLUMN for a column under another name, with unit, factor and offset where they are "

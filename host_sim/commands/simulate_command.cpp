@@ -20,6 +20,7 @@
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/progress.hpp"
 #include "host_sim/compensation/compensated_stability.hpp"
+#include "host_sim/recording_files/mapped_memory.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "host_sim/show/recording_page.hpp"
 #include "host_sim/signal/summary.hpp"
@@ -87,6 +88,8 @@ nlohmann::ordered_json json_of(const SimulateOptions& options, const Run& run, c
 }  // namespace
 
 void simulate(const SimulateOptions& options) {
+  refuse_unknown_ending(options.out);
+  keep_large_blocks_in_files();
   const firmware::RigDescription rig = firmware::read_rig(options.rig);
   compensation::refuse_unstable_compensation(rig);
   const std::size_t samples = firmware::samples_of(options.duration, rig.sample_rate);
@@ -121,6 +124,7 @@ void simulate(const SimulateOptions& options) {
     firmware::write_file(options.report, with_how_made(page));
   }
   if (!options.json.empty() && write_json(options.json, json_of(options, run, rig))) return;
+  if (options.out == "-") return;  // nothing else on standard output
 
   std::printf("%s: %s, %.6g s at %.6g Hz over %s at %.4g m/s, seed %llu\n", options.rig.c_str(),
               std::string(model::name(rig.rig.kind)).c_str(),
@@ -140,7 +144,8 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
   command
       ->add_option("--out", options.out,
-                   "Recording to write; the ending decides: .csv, .mat, .mcap, .uff, .tsv and .de.csv (spreadsheets)")
+                   "Recording to write; the ending decides: .csv, .mat, .mf4, .rsp, .mcap, .uff, .tsv and .de.csv "
+                   "(spreadsheets); - for CSV on standard output")
       ->required();
   command
       ->add_option("--road", options.road,

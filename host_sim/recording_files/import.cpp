@@ -13,10 +13,12 @@
 #include "firmware/recording/recording_file.hpp"
 #include "firmware/recording/recording_gaps.hpp"
 #include "firmware/recording/sample_checks.hpp"
+#include "host_sim/recording_files/mapped_memory.hpp"
 #include "host_sim/recording_files/measurement_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
 #include "host_sim/recording_files/tables/headings.hpp"
 #include "host_sim/recording_files/tables/table_recording.hpp"
+#include "host_sim/recording_files/tables/time_entry.hpp"
 #include "host_sim/recording_files/text/text_encoding.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
 
@@ -25,13 +27,22 @@ namespace {
 
 using firmware::in_quotes;
 
-RawTable read_any_table(const std::filesystem::path& file, std::size_t skip) {
+RawTable read_any_table(const std::filesystem::path& file, std::size_t skip, const ReadingProgress& progress) {
   const firmware::RecordingFile opened(file);
   const FileKind kind = kind_of_file(file, opened.head(), opened.is_matlab());
-  std::string bytes;
   if (kind == FileKind::text && !looks_like_text(opened.head())) throw unknown_kind(file, opened.head());
-  if (is_read_whole(kind)) bytes = read_whole(opened.descriptor(), opened.head(), file.string());
-  return read_measurement(file, kind, std::move(bytes), skip);
+  std::optional<FileContents> contents;
+  if (is_read_whole(kind)) contents.emplace(opened.descriptor(), opened.head(), file.string());
+  return read_measurement(file, kind, contents ? contents->bytes() : std::string_view(), skip, progress);
+}
+
+// What the description says of the time, unless the user says something else.
+TimeEntry entry_for(const ImportChoices& choices, firmware::ChannelMap& described) {
+  TimeEntry entry = take_time_entry(described);
+  if (choices.time) entry.rate.reset();
+  if (choices.rate) entry.rate = choices.rate;
+  if (choices.skip > 0) entry.skip = choices.skip;
+  return entry;
 }
 
 // "COLUMN * factor + offset", taken apart from its end; operators stand between blanks.
@@ -227,14 +238,17 @@ bool is_channels_header(std::string_view line) {
 }  // namespace
 
 Import import_file(const std::filesystem::path& file, const RigContext& rig, const ImportChoices& choices) {
-  RawTable table = read_any_table(file, choices.skip);
-  const firmware::ChannelMap map = with_choices(table, rig.channels, choices);
-  const RigContext context{map, rig.rate, rig.kind, choices.rate};
+  firmware::ChannelMap described = rig.channels;
+  const TimeEntry time_entry = entry_for(choices, described);
+  RawTable table = read_any_table(file, time_entry.skip, choices.progress);
+  const firmware::ChannelMap map = with_choices(table, described, choices);
+  const RigContext context{map, rig.rate, rig.kind, time_entry.rate};
   const Interpretation meaning = interpret(table, context);
   TableRecording built = to_recording(table, meaning, context, true);
   Import result;
   result.format = table.format;
   result.channels = channel_map_of(table, meaning);
+  put_time_entry(time_entry, result.channels);
   const TimeMeaning& time = meaning.time;
   if (time.column) {
     const RawColumn& column = table.columns[*time.column];
@@ -272,11 +286,13 @@ Import import_file(const std::filesystem::path& file, const RigContext& rig, con
 }
 
 FileListing list_file(const std::filesystem::path& file, const RigContext& rig, const ImportChoices& choices) {
-  RawTable table = read_any_table(file, choices.skip);
+  firmware::ChannelMap described = rig.channels;
+  const TimeEntry time_entry = entry_for(choices, described);
+  RawTable table = read_any_table(file, time_entry.skip, choices.progress);
   FileListing result;
   result.format = table.format;
-  const firmware::ChannelMap map = with_choices(table, rig.channels, choices);
-  const RigContext context{map, rig.rate, rig.kind, choices.rate, true};
+  const firmware::ChannelMap map = with_choices(table, described, choices);
+  const RigContext context{map, rig.rate, rig.kind, time_entry.rate, true};
   Interpretation meaning;
   try {
     meaning = interpret(table, context);

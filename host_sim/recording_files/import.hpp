@@ -11,6 +11,7 @@
 #include "firmware/recording/recording.hpp"
 #include "host_sim/recording_files/tables/interpretation.hpp"
 #include "host_sim/recording_files/tables/raw_table.hpp"
+#include "host_sim/recording_files/text/text_table.hpp"
 
 namespace host_sim {
 
@@ -31,6 +32,7 @@ struct ImportChoices {
   std::optional<std::string> time;  ///< "Zeit 2", "Time [ms]": the column that is the time
   std::size_t skip = 0;             ///< lines of text at the begin that are not looked at
   std::optional<double> from, to;   ///< [s] the part of the recording that is kept
+  ReadingProgress progress{};       ///< of a long text
 };
 
 /// A file as read: as recorded, that is with NaN where a value is missing and without the rows that are missing.

@@ -1,11 +1,7 @@
 #include "host_sim/recording_files/measurement_file.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <optional>
 #include <utility>
@@ -19,9 +15,11 @@
 #include "host_sim/recording_files/binary/hdf5_leaves.hpp"
 #include "host_sim/recording_files/binary/leaf_table.hpp"
 #include "host_sim/recording_files/binary/matlab_leaves.hpp"
+#include "host_sim/recording_files/binary/mcap_reader.hpp"
 #include "host_sim/recording_files/binary/mdf_file.hpp"
 #include "host_sim/recording_files/binary/rpc_file.hpp"
 #include "host_sim/recording_files/binary/tdms_table.hpp"
+#include "host_sim/recording_files/binary/workbook_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
 #include "host_sim/recording_files/text/text_table.hpp"
 #include "host_sim/recording_files/text/text_values.hpp"
@@ -40,6 +38,12 @@ bool has_hdf5_signature(const std::filesystem::path& file) {
     if (bytes == hdf5_signature) return true;
   }
   return false;
+}
+
+bool is_workbook(const std::filesystem::path& file, std::string_view head) {
+  if (!head.starts_with("PK\x03\x04") || head.find("opendocument") != std::string_view::npos) return false;
+  return head.find("xl/") != std::string_view::npos || head.find("[Content_Types].xml") != std::string_view::npos ||
+         file.extension() == ".xlsx" || file.extension() == ".xlsm";
 }
 
 // The map's entry for a column; nullptr: none.
@@ -98,6 +102,8 @@ FileKind kind_of_file(const std::filesystem::path& file, std::string_view head, 
   if (is_matlab_4(head)) return FileKind::matlab_4;
   if (head.starts_with(hdf5_signature)) return FileKind::hdf5;
   if (is_universal_file(head)) return FileKind::universal;
+  if (is_mcap(head)) return FileKind::mcap;
+  if (is_workbook(file, head)) return FileKind::workbook;
   return has_hdf5_signature(file) ? FileKind::hdf5 : FileKind::text;
 }
 
@@ -130,8 +136,12 @@ bool is_contract_csv(std::string_view text, const firmware::ChannelMap& map) {
   return columns.has_value();
 }
 
-RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string bytes, std::size_t skip) {
+RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std::string_view bytes, std::size_t skip,
+                          const ReadingProgress& progress) {
   const std::string source = file.string();
+  if (file == "-" && !is_read_whole(kind)) {
+    throw firmware::InputError("standard input", 0, "MATLAB, HDF5 and Excel files are read by their names", "a file");
+  }
   switch (kind) {
     case FileKind::matlab:
       return table_of_mat(file, read_mat_leaves(file));
@@ -153,10 +163,14 @@ RawTable read_measurement(const std::filesystem::path& file, FileKind kind, std:
       return table_of_tdms(bytes, source);
     case FileKind::universal:
       return table_of_universal_file(bytes, source);
+    case FileKind::mcap:
+      return table_of_mcap(bytes, source);
+    case FileKind::workbook:
+      return table_of_workbook(file);
     case FileKind::text:
       break;
   }
-  return read_text_table(std::move(bytes), source, skip);
+  return read_text_table(bytes, source, skip, progress);
 }
 
 firmware::InputError unknown_kind(const std::filesystem::path& file, std::string_view head) {
@@ -177,7 +191,6 @@ firmware::InputError unknown_kind(const std::filesystem::path& file, std::string
       Known{"PAR1"sv, "a Parquet file", "its columns exported as CSV"},
       Known{"SQLite format 3"sv, "an SQLite database", "its table exported as CSV"},
       Known{"RIFF"sv, "a RIFF file (sound or video)", "its samples exported as CSV"},
-      Known{"\x89MCAP0"sv, "an MCAP log", "its topic exported as CSV, or the recording that it was made from"},
       Known{"#ROSBAG"sv, "a ROS bag", "its topic exported as CSV"},
       Known{"%PDF"sv, "a PDF document", "the measurement itself"},
       Known{"\x89PNG"sv, "a picture", "the measurement itself"},
@@ -188,9 +201,6 @@ firmware::InputError unknown_kind(const std::filesystem::path& file, std::string
     return firmware::InputError(source, 0, "this is " + std::string(what), std::string(advice));
   };
   if (head.starts_with("PK\x03\x04")) {
-    if (head.find("xl/") != std::string_view::npos || head.find("[Content_Types].xml") != std::string_view::npos ||
-        file.extension() == ".xlsx" || file.extension() == ".xlsm")
-      return error("an Excel workbook (.xlsx)", "its sheet exported as CSV");
     if (head.find("opendocument.spreadsheet") != std::string_view::npos)
       return error("an OpenDocument spreadsheet (.ods)", "its sheet exported as CSV");
     return error("a zip archive", "its contents: unzip it first");
@@ -199,23 +209,6 @@ firmware::InputError unknown_kind(const std::filesystem::path& file, std::string
     if (head.starts_with(one.begin)) return error(one.what, one.advice);
   }
   return {source, 0, "the file is no text", "text, MATLAB, NI TDMS, RPC III, MDF 4, HDF5 or a universal file"};
-}
-
-std::string read_whole(int descriptor, std::string_view head, std::string_view source) {
-  std::string bytes(head);
-  constexpr std::size_t block = std::size_t{1} << 20U;
-  constexpr std::size_t most = std::size_t{2} << 30U;  // [byte] an hour at 20 kHz of thirty channels as text
-  for (;;) {
-    const std::size_t size = bytes.size();
-    if (size > most) throw firmware::InputError(source, 0, "the file is larger than 2 GiB", "a shorter recording");
-    bytes.resize(size + block);
-    const ssize_t got = ::read(descriptor, bytes.data() + size, block);
-    bytes.resize(size + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0)
-      throw firmware::InputError(source, 0, std::string("cannot be read: ") + std::strerror(errno), "a readable file");
-    if (got == 0) return bytes;
-  }
 }
 
 }  // namespace host_sim

@@ -1,6 +1,7 @@
 #include "host_sim/recording_files/recording_files.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <functional>
 #include <utility>
@@ -17,9 +18,11 @@
 #include "host_sim/recording_files/export/rpc_writer.hpp"
 #include "host_sim/recording_files/export/spreadsheet.hpp"
 #include "host_sim/recording_files/export/universal_history.hpp"
+#include "host_sim/recording_files/mapped_memory.hpp"
 #include "host_sim/recording_files/measurement_file.hpp"
 #include "host_sim/recording_files/recording_mat.hpp"
 #include "host_sim/recording_files/tables/table_recording.hpp"
+#include "host_sim/recording_files/tables/time_entry.hpp"
 #include "host_sim/recording_files/text/text_encoding.hpp"
 #include "host_sim/recording_files/text/text_table.hpp"
 
@@ -49,11 +52,11 @@ void check_columns(const std::filesystem::path& file, const firmware::Recording&
 }
 
 // Text that is no recording of the contract, as a table.
-firmware::Recording read_foreign_text(std::string text, const std::string& source, const RigContext& rig,
-                                      firmware::Missing missing) {
+firmware::Recording read_foreign_text(std::string_view text, const std::string& source, const RigContext& rig,
+                                      firmware::Missing missing, std::size_t skip) {
   RawTable table;
   try {
-    table = read_text_table(text, source);
+    table = read_text_table(text, source, skip);
   } catch (const firmware::InputError&) {
     if (!looks_like_text(text)) throw;
     // No table: the strict reader says better why.
@@ -65,7 +68,7 @@ firmware::Recording read_foreign_text(std::string text, const std::string& sourc
 
 // A contract file with lines between its rows or words for missing values: once more with the other reader, which
 // leaves them out and says so. Short rows and other words stay errors; own files are whole or damaged.
-firmware::Recording read_contract_text(const std::string& text, const std::string& source, const RigContext& rig,
+firmware::Recording read_contract_text(std::string_view text, const std::string& source, const RigContext& rig,
                                        firmware::Missing missing) {
   try {
     return firmware::parse_recording_csv(text, source, rig.channels, rig.rate, missing);
@@ -84,8 +87,11 @@ firmware::Recording read_contract_text(const std::string& text, const std::strin
   }
 }
 
-firmware::Recording read(const std::filesystem::path& file, const RigContext& rig, firmware::Missing missing) {
+firmware::Recording read(const std::filesystem::path& file, const RigContext& described, firmware::Missing missing) {
   const std::string source = file.string();
+  firmware::ChannelMap channels = described.channels;
+  const TimeEntry time = take_time_entry(channels);
+  const RigContext rig{channels, described.rate, described.kind, time.rate};
   const firmware::RecordingFile opened(file);
   const FileKind kind = kind_of_file(file, opened.head(), opened.is_matlab());
   if (kind == FileKind::matlab) {
@@ -103,8 +109,10 @@ firmware::Recording read(const std::filesystem::path& file, const RigContext& ri
     throw firmware::InputError(source, 0, "is not a MATLAB 5 or 7.3 file", "one saved with -v6, -v7 or -v7.3");
   }
   if (kind != FileKind::text) {
-    std::string bytes = is_read_whole(kind) ? read_whole(opened.descriptor(), opened.head(), source) : std::string();
-    return read_table_recording(read_measurement(file, kind, std::move(bytes)), rig, missing);
+    std::optional<FileContents> contents;
+    if (is_read_whole(kind)) contents.emplace(opened.descriptor(), opened.head(), source);
+    return read_table_recording(
+        read_measurement(file, kind, contents ? contents->bytes() : std::string_view(), time.skip), rig, missing);
   }
   // What is no text is refused at its first line, however long it is: a device may be endless.
   if (!looks_like_text(opened.head())) {
@@ -114,9 +122,10 @@ firmware::Recording read(const std::filesystem::path& file, const RigContext& ri
       is_contract_csv(opened.head(), rig.channels)) {
     return firmware::read_recording_csv(opened.descriptor(), opened.head(), source, rig.channels, rig.rate, missing);
   }
-  std::string text = read_whole(opened.descriptor(), opened.head(), source);
+  const FileContents contents(opened.descriptor(), opened.head(), source);
+  const std::string_view text = contents.bytes();
   if (is_contract_csv(text, rig.channels)) return read_contract_text(text, source, rig, missing);
-  return read_foreign_text(std::move(text), source, rig, missing);
+  return read_foreign_text(text, source, rig, missing, time.skip);
 }
 
 }  // namespace
@@ -134,6 +143,7 @@ std::vector<firmware::Recording> read_parts(const std::filesystem::path& file, c
 std::optional<PartsOfEnds> read_parts_of_ends(const std::filesystem::path& file, const firmware::ChannelMap& map,
                                               std::optional<double> usual_rate, double first, double last,
                                               std::size_t least_size) {
+  if (file == "-") return std::nullopt;  // a stream has one end
   const firmware::RecordingFile opened(file);
   const bool text = kind_of_file(file, opened.head(), opened.is_matlab()) == FileKind::text && !is_called_mat(file);
   if (!text || !is_contract_csv(opened.head(), map)) return std::nullopt;
@@ -144,7 +154,25 @@ std::optional<PartsOfEnds> read_parts_of_ends(const std::filesystem::path& file,
                      ends->seconds};
 }
 
-void write_recording(const std::filesystem::path& file, const firmware::Recording& recording) {
+void refuse_unknown_ending(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  // ".1" and ".2024" are parts of a name.
+  const bool has_letters =
+      std::any_of(ending.begin(), ending.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
+  if (!has_letters || file.string().starts_with("/dev/")) return;
+  constexpr std::array<std::string_view, 11> written{".csv", ".txt", ".tsv", ".mat", ".mf4", ".rsp",
+                                                     ".drv", ".tim", ".uff", ".unv", ".mcap"};
+  if (std::any_of(written.begin(), written.end(), [&](std::string_view known) { return is_called(file, known); }))
+    return;
+  std::string list;
+  for (const std::string_view known : written) list += (list.empty() ? "" : ", ") + std::string(known);
+  throw firmware::OutputError(file.string(), "recordings are not written as " + firmware::in_quotes(ending),
+                              "one of " + list + ", .de.csv");
+}
+
+void write_recording(const std::filesystem::path& file, const firmware::Recording& recording,
+                     const ReadingProgress& progress) {
+  refuse_unknown_ending(file);
   check_columns(file, recording);
   if (is_called_mat(file)) return write_recording_mat(file, recording);
   firmware::OutputFile output(file);
@@ -162,7 +190,7 @@ void write_recording(const std::filesystem::path& file, const firmware::Recordin
   } else if (is_called(file, ".de.csv")) {
     format_spreadsheet(recording, SpreadsheetStyle::decimal_comma, take);
   } else {
-    firmware::format_recording_csv(recording, take);
+    firmware::format_recording_csv(recording, take, progress);
   }
   output.commit();
 }

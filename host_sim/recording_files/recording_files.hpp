@@ -9,6 +9,7 @@
 #include "firmware/description/values/channel_map.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
+#include "host_sim/recording_files/text/text_table.hpp"
 #include "model/channel.hpp"
 
 namespace host_sim {
@@ -61,7 +62,13 @@ struct PartsOfEnds {
 /// Writes all columns present, `t` first, by the ending of the name: .mat MATLAB 5, .mcap MCAP with JSON messages,
 /// .uff and .unv universal file, .rsp, .drv and .tim RPC III, .mf4 MDF 4.10, .tsv and .de.csv text for spreadsheet
 /// programs (with decimal point and comma), else CSV. Texts have the shortest decimals that read back to the same bits.
-/// The file appears complete or not at all (firmware/recording/output_file.hpp). OutputError if it cannot be written.
-void write_recording(const std::filesystem::path& file, const firmware::Recording& recording);
+/// The file appears complete or not at all (firmware/recording/output_file.hpp); "-" is standard output, as CSV.
+/// OutputError if it cannot be written or has another ending. `progress`: of CSV, by the share written.
+void write_recording(const std::filesystem::path& file, const firmware::Recording& recording,
+                     const ReadingProgress& progress = {});
+
+/// OutputError for a name with an ending that write_recording() does not know; a name without one is CSV. Commands call
+/// it before they begin to work.
+void refuse_unknown_ending(const std::filesystem::path& file);
 
 }  // namespace host_sim

@@ -402,13 +402,18 @@ class Interpreter {
       if (first * scale > 0.946e9 && first * scale < 2.525e9)
         return {scale, " counts " + std::string(unit) + " since 1970"};
     }
-    // Days: of spreadsheets since 1899-12-30, of MATLAB since the year 0, both from 1990 to 2050. Their steps make
-    // sense as days alone: 1 kHz is 1.2e-8 of a day.
+    // Days: of spreadsheets since 1899-12-30, of MATLAB since the year 0, of astronomers since 4713 BC or (less
+    // 2 400 000.5) since 1858, all from 1990 to 2050. Their steps make sense as days alone: 1 kHz is 1.2e-8 of a day.
     constexpr double day = 86400.0;
-    const bool spreadsheet = first > 32874.0 && first < 54789.0;
+    const bool spreadsheet = first > 32874.0 && first < 69807.0;
     const bool matlab = first > 726834.0 && first < 748749.0;
-    if ((spreadsheet || matlab) && is_rate(1.0 / (day * step)) && !is_rate(1.0 / step))
-      return {day, std::string(" counts days") + (matlab ? " as MATLAB does" : " as spreadsheets do")};
+    const bool julian = first > 2447892.0 && first < 2469807.0;
+    if ((spreadsheet || matlab || julian) && is_rate(1.0 / (day * step)) && !is_rate(1.0 / step)) {
+      const char* const whose = matlab ? " as MATLAB does" : julian ? " as astronomers do" : " as spreadsheets do";
+      return {day, std::string(" counts days") + whose};
+    }
+    // Windows counts units of 100 ns since 1601; from 1990 to 2050.
+    if (first > 1.2276e17 && first < 1.4169e17) return {1e-7, " counts units of 100 ns since 1601"};
     std::vector<std::size_t> possible;
     for (std::size_t u = 0; u < units.size(); ++u) {
       if (is_rate(1.0 / (step * units[u].first))) possible.push_back(u);
@@ -429,6 +434,14 @@ class Interpreter {
           "the unit of " + in_quotes(column.text) + " is not stated: steps of " + six_digits(step) + " are " + readings,
           "the unit: rigtwin import " + table_.source + " --time '" + unique_name(table_, c) + " [" +
               std::string(units[possible.back()].second) + "]' --out REC.csv");
+    }
+    // Slower than a rig and faster than any of its instruments.
+    if (step > 0.0 && 1.0 / step > 1e7) {
+      throw InputError(
+          table_.source, table_.header_line,
+          "the unit of " + in_quotes(column.text) + " is not stated: steps of " + six_digits(step) +
+              " are no rate in s, ms, µs or ns",
+          "the unit: rigtwin import " + table_.source + " --time '" + unique_name(table_, c) + " [h]' --out REC.csv");
     }
     return {step < 1.0 ? 1.0 : 1e-3, " is taken as the time in " + std::string(step < 1.0 ? "s" : "ms")};
   }
@@ -479,7 +492,7 @@ class Interpreter {
       const std::optional<firmware::Dimension> dimension = dimension_of_column(column);
       if (firmware::is_unit_of_no_channel(column.unit)) continue;
       if (!column.unit.empty() && !firmware::find_unit(column.unit)) {
-        undecided_.push_back(in_quotes(column.text) + " is left out: the unit " + in_quotes(column.unit) +
+        undecided_.push_back(in_quotes(column.text) + " is taken for no channel: the unit " + in_quotes(column.unit) +
                              " is not known");
         continue;
       }

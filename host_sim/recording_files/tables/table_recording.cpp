@@ -28,7 +28,7 @@ std::vector<double> scaled(std::vector<double> values, double scale, double offs
 
 class Builder {
  public:
-  Builder(const RawTable& table, const Interpretation& meaning, const RigContext& rig, bool keep_others)
+  Builder(RawTable& table, const Interpretation& meaning, const RigContext& rig, bool keep_others)
       : table_(table), meaning_(meaning), rig_(rig), keep_others_(keep_others) {}
 
   TableRecording run() {
@@ -37,6 +37,7 @@ class Builder {
     recording.time = shared_axis();
     choose_axis();
     cut_to_slow_channels();
+    shared_is_axis_ = shared_ == recording.time;
     for (const ColumnMeaning& channel : meaning_.channels) {
       values(recording, channel.quantity) =
           scaled(on_axis(table_.columns[channel.column]), channel.scale, channel.offset);
@@ -238,7 +239,7 @@ class Builder {
     axis = grid->time;
   }
 
-  std::vector<double> on_axis(const RawColumn& column) {
+  std::vector<double> on_axis(RawColumn& column) {
     const std::vector<double>& axis = result_.recording.time;
     const std::vector<double>& own = column.own_time.empty() ? shared_ : column.own_time;
     if (column.is_slow && column.own_time.empty()) {
@@ -249,7 +250,7 @@ class Builder {
                               (resampled.how.empty() ? "" : ": " + resampled.how));
       return resampled.values;
     }
-    if (own == axis) return column.values;
+    if (column.own_time.empty() ? shared_is_axis_ : own == axis) return std::move(column.values);
     const Resampled resampled = resample(own, column.values, axis);
     if (!column.own_time.empty() && !resampled.how.empty()) {
       result_.notes.push_back(in_quotes(column.name) + ": " + resampled.how);
@@ -258,7 +259,7 @@ class Builder {
   }
 
   void take_other(std::size_t c) {
-    const RawColumn& column = table_.columns[c];
+    RawColumn& column = table_.columns[c];
     const bool is_time = meaning_.time.column == c;
     const bool is_channel = std::any_of(meaning_.channels.begin(), meaning_.channels.end(),
                                         [&](const ColumnMeaning& channel) { return channel.column == c; });
@@ -314,18 +315,18 @@ class Builder {
     return std::adjacent_find(time.begin(), time.end(), std::greater_equal<>()) == time.end();
   }
 
-  const RawTable& table_;
+  RawTable& table_;
   const Interpretation& meaning_;
   const RigContext& rig_;
   bool keep_others_;
-  std::vector<double> shared_;
+  std::vector<double> shared_;  // time of the columns without an own one
+  bool shared_is_axis_ = false;
   TableRecording result_;
 };
 
 }  // namespace
 
-TableRecording to_recording(const RawTable& table, const Interpretation& meaning, const RigContext& rig,
-                            bool keep_others) {
+TableRecording to_recording(RawTable& table, const Interpretation& meaning, const RigContext& rig, bool keep_others) {
   return Builder(table, meaning, rig, keep_others).run();
 }
 

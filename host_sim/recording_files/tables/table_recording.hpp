@@ -28,7 +28,8 @@ struct TableRecording {
   std::vector<std::string> notes;
   std::vector<LeftOut> left_out;  ///< columns of the table that are not in the recording
 };
-[[nodiscard]] TableRecording to_recording(const RawTable& table, const Interpretation& meaning, const RigContext& rig,
+/// The table keeps its names and units; values are moved out of it where they stay as they are.
+[[nodiscard]] TableRecording to_recording(RawTable& table, const Interpretation& meaning, const RigContext& rig,
                                           bool keep_others = false);
 
 /// The recording of a table for an analysis, with the checks of read_recording(); the notes become its remark.

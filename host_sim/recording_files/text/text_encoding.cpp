@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 
 namespace host_sim {
-namespace {
-
-constexpr std::uint32_t replacement = 0xfffd;
 
 void append_utf8(std::string& text, std::uint32_t code) {
   const auto byte = [&](std::uint32_t value) { text += static_cast<char>(static_cast<unsigned char>(value)); };
@@ -27,6 +25,10 @@ void append_utf8(std::string& text, std::uint32_t code) {
     byte(0x80U | (code & 0x3fU));
   }
 }
+
+namespace {
+
+constexpr std::uint32_t replacement = 0xfffd;
 
 std::string from_utf16(std::string_view bytes, bool big_endian) {
   const auto unit = [&](std::size_t i) {
@@ -55,6 +57,14 @@ std::string from_utf16(std::string_view bytes, bool big_endian) {
 
 bool is_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
+    // Eight letters of ASCII at a time.
+    std::uint64_t eight = 0;
+    while (i + sizeof eight <= text.size()) {
+      std::memcpy(&eight, text.data() + i, sizeof eight);
+      if ((eight & 0x8080808080808080U) != 0) break;
+      i += sizeof eight;
+    }
+    if (i == text.size()) break;
     const auto first = static_cast<unsigned char>(text[i]);
     const std::size_t length = first < 0x80        ? 1
                                : first >> 5U == 6  ? 2
@@ -101,6 +111,16 @@ Encoding encoding_of(std::string_view bytes) {
 }
 
 }  // namespace
+
+std::string_view as_utf8(std::string_view bytes, std::string& converted) {
+  if (encoding_of(bytes) == Encoding::eight_bit) {
+    std::string_view text = bytes;
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    if (is_utf8(text)) return text;
+  }
+  converted = to_utf8(std::string(bytes));
+  return converted;
+}
 
 std::string to_utf8(std::string bytes) {
   const Encoding encoding = encoding_of(bytes);

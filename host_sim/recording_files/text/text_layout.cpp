@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "firmware/description/text/units.hpp"
@@ -83,6 +84,27 @@ bool is_one_column(const std::vector<std::string_view>& lines) {
     if (!number && numbers > 0 && !is_missing_value(text)) ++others;
   }
   return numbers >= 2 && others * 10 < numbers;
+}
+
+// Whether the lines are single numbers with a decimal comma: behind it stand digits alone, equally many in most lines,
+// and in some of them a zero first, with which no whole number begins.
+bool is_one_column_with_commas(const std::vector<std::string_view>& lines) {
+  std::map<std::size_t, std::size_t> by_decimals;
+  std::size_t rows = 0;
+  bool zero_first = false;
+  for (std::size_t i = 0; i < std::min(lines.size(), lines_to_judge); ++i) {
+    const std::string_view text = trimmed(lines[i]);
+    const std::size_t comma = text.find(',');
+    if (text.empty() || is_comment(text) || text.find_first_not_of("0123456789,-+") != std::string_view::npos) continue;
+    if (comma == std::string_view::npos || text.find_first_of(",-+", comma + 1) != std::string_view::npos) continue;
+    const std::string_view behind = text.substr(comma + 1);
+    ++rows;
+    ++by_decimals[behind.size()];
+    zero_first = zero_first || (behind.size() > 1 && behind.front() == '0');
+  }
+  return zero_first && rows >= 3 && std::any_of(by_decimals.begin(), by_decimals.end(), [&](const auto& one) {
+           return one.first >= 2 && 10 * one.second >= 8 * rows;
+         });
 }
 
 void find_column_kinds(const std::vector<std::string_view>& lines, TextLayout& layout) {
@@ -253,6 +275,14 @@ bool says_rates(const std::vector<std::string>& fields) {
   });
 }
 
+// "-----", "|---|---|", "=====": a line that is drawn below a header.
+bool is_ruler(std::string_view line) {
+  if (line.find_first_not_of("-=_+|:;, \t") != std::string_view::npos) return false;
+  // "-;-;-" is a row of units.
+  return line.find("--") != std::string_view::npos || line.find("==") != std::string_view::npos ||
+         line.find("__") != std::string_view::npos;
+}
+
 bool is_row_of_names(const std::vector<std::string>& fields, const TextLayout& layout) {
   const auto filled =
       std::count_if(fields.begin(), fields.end(), [](const std::string& f) { return !trimmed(f).empty(); });
@@ -275,12 +305,32 @@ std::vector<std::string> split_fields(std::string_view line, char column) {
 
 FieldKind kind_of_field(std::string_view field, char decimal) {
   if (const std::optional<TextNumber> number = read_text_number(field, decimal)) {
+    if (is_compact_stamp(field)) return FieldKind::clock;
     return number->weak ? FieldKind::weak_number : FieldKind::number;
   }
   if (is_missing_value(field)) return FieldKind::missing;
   if (read_number_with_unit(field, decimal)) return FieldKind::number;
   return read_clock_time(field) ? FieldKind::clock : FieldKind::text;
 }
+
+namespace {
+
+// Whether the first field of the rows counts them, in quotes or not: 1, 2, 3 …
+bool first_column_counts(const std::vector<std::string_view>& lines, const TextLayout& layout) {
+  std::optional<double> before;
+  std::size_t rows = 0;
+  for (std::size_t i = layout.first_row; i < lines.size() && rows < 20; ++i) {
+    const std::vector<std::string> fields = split_fields(lines[i], layout.separators.column);
+    if (fields.size() != layout.columns) continue;
+    const std::optional<TextNumber> number = read_text_number(fields.front(), layout.separators.decimal);
+    if (!number || (before && number->value != *before + 1.0)) return false;
+    before = number->value;
+    ++rows;
+  }
+  return rows >= 3;
+}
+
+}  // namespace
 
 void find_header(const std::vector<std::string_view>& lines, std::size_t begin, TextLayout& layout) {
   constexpr std::size_t most_lines = 8;  // of a header
@@ -292,6 +342,7 @@ void find_header(const std::vector<std::string_view>& lines, std::size_t begin, 
   std::vector<std::pair<std::size_t, std::vector<std::string>>> above;
   for (std::size_t i = layout.first_row; i-- > begin && i + most_lines > layout.first_row;) {
     if (trimmed(lines[i]).empty()) continue;
+    if (is_ruler(lines[i])) continue;
     std::vector<std::string> fields = header_fields(lines[i], layout);
     if (fields.empty()) {
       if (above.empty() && !is_comment(lines[i])) {
@@ -327,6 +378,11 @@ void find_header(const std::vector<std::string_view>& lines, std::size_t begin, 
   }
   if (layout.units.empty()) find_labelled_units(lines, begin, layout);
   for (std::string& name : layout.names) name = std::string(trimmed(name));
+  if (!layout.names.empty() && layout.header_fields + 1 == layout.columns && first_column_counts(lines, layout)) {
+    // The rows are numbered, and the numbers have no name (R's row names).
+    layout.names.insert(layout.names.begin(), "");
+    if (!layout.units.empty()) layout.units.insert(layout.units.begin(), "");
+  }
   layout.names.resize(layout.columns);
   layout.units.resize(layout.units.empty() ? 0 : layout.columns);
   for (std::size_t c = 0; c < layout.columns; ++c) {
@@ -372,10 +428,12 @@ TextLayout find_layout(const std::vector<std::string_view>& lines) {
     layout.separators = separators;
     layout.columns = score.columns;
   }
+  const bool commas = layout.columns == 2 && layout.separators.column == ',' && is_one_column_with_commas(lines);
+  if (commas) layout.columns = 0;
   if (layout.columns == 0 && !is_one_column(lines)) return layout;
   if (layout.columns == 0) {
     layout.columns = 1;
-    layout.separators = {';', '.'};
+    layout.separators = {';', commas ? ',' : '.'};
   }
   find_column_kinds(lines, layout);
   layout.first_row = lines.size();

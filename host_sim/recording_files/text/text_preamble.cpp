@@ -43,9 +43,11 @@ struct KeyMeaning {
 KeyMeaning meaning_of_key(std::string_view key) {
   const std::string text = letters_of(key);
   const std::string name = letters_of(split_heading(key).name);
-  const bool sampling = contains_any(text, {"sampl", "abtast", "scan", "acquisition", "logging", "standardmess"});
+  const bool sampling = contains_any(text, {"sampl", "abtast", "scan", "acquisition", "logging", "standardmess",
+                                            "erfass", "aufnahme", "tastrate", "daq"});
   const bool measuring = sampling || contains_any(text, {"mess", "log", "data", "record", "aufzeich"});
   if (contains_any(text, {"start", "date", "datum"})) return {};
+  if (text == "sampless" || text == "sampless1" || text == "samplespersec") return {Says::rate, true};  // "Samples/s"
   if (contains_any(text, {"count", "number", "anzahl", "numsamples", "numofsamples", "numpoints"}) ||
       text == "samples" || text == "points" || text == "npts")
     return {Says::count};
@@ -55,19 +57,22 @@ KeyMeaning meaning_of_key(std::string_view key) {
                     "corner", "pass",   "sweep",  "carrier", "bandwidth", "baud",    "bitrate", "test",  "load",
                     "drive",  "spring", "strain", "heart",   "frame",     "refresh", "waveform"}))
     return {};
-  if (contains_any(text, {"duration", "dauer", "messzeit", "testzeit", "recordlength", "totaltime", "recordingtime"}))
+  if (contains_any(text, {"duration", "dauer", "messzeit", "testzeit", "recordlength", "totaltime", "recordingtime",
+                          "measurementtime", "measuringtime", "acquisitiontime", "gesamtzeit"}))
     return {Says::duration};
   if (measuring && contains_any(text, {"rate", "freq"})) return {Says::rate, true};
   if (measuring && contains_any(text, {"interval", "period", "takt", "schritt"})) return {Says::interval, true};
   if (sampling && contains_any(text, {"zeit", "time", "step"})) return {Says::interval, true};
   for (const std::string& one : {text, name}) {
-    constexpr std::array<std::string_view, 8> rates{"fs",  "fsample", "sr",        "fabtast", "samplespersecond",
-                                                    "sps", "hzsr",    "samplefreq"};
+    constexpr std::array<std::string_view, 12> rates{"fs",         "fsample",          "sr",      "fabtast",
+                                                     "fa",         "samplespersecond", "sps",     "hzsr",
+                                                     "samplefreq", "sampling",         "sampled", "abtastung"};
     constexpr std::array<std::string_view, 13> intervals{
         "dt",       "deltat",  "ts",          "xdelta",    "deltax",        "increment", "xincrement",
         "timestep", "tsample", "wfincrement", "deltatime", "timeincrement", "dtime"};
     constexpr std::array<std::string_view, 4> bare_rates{"rate", "frequency", "frequenz", "hz"};
-    constexpr std::array<std::string_view, 4> bare_intervals{"intervall", "interval", "period", "delta"};
+    constexpr std::array<std::string_view, 6> bare_intervals{"intervall", "interval", "period",
+                                                             "delta",     "takt",     "taktzeit"};
     const auto in = [&](const auto& list) { return std::find(list.begin(), list.end(), one) != list.end(); };
     if (in(rates)) return {Says::rate, true};
     if (in(intervals)) return {Says::interval, true};
@@ -169,9 +174,10 @@ std::optional<Statement> statement_of(std::string_view key, std::string_view val
   const std::string_view whole = unit_text.substr(0, unit_text.find_first_of("])\""));
   unit_text = unit_text.substr(0, unit_text.find_first_of(" ;,])\t\"|"));
   if (firmware::find_unit(whole)) unit_text = whole;  // "samples / s"
+  if (unit_text == "/s" || unit_text == "/sec") unit_text = "1/s";
   if (!in_brackets && is_foreign(unit_text)) return std::nullopt;
   std::optional<firmware::Unit> unit = firmware::find_unit(unit_text);
-  if (!unit) unit = firmware::find_unit(split_heading(key).unit);
+  if (!unit && !letters_of(key).starts_with("samples")) unit = firmware::find_unit(split_heading(key).unit);
   const auto to_rate = [&](double number) {
     double rate = meaning.says == Says::rate ? number : 1.0 / number;
     if (unit && unit->dimension == firmware::Dimension::frequency) rate = number * unit->scale;
@@ -229,6 +235,22 @@ void collect(std::string_view line, char decimal, std::vector<Statement>& statem
   }
 }
 
+// Rows over a stated duration, where that is a whole rate: "Messzeit: 10 s" above 10 000 rows.
+std::optional<StatedRate> rate_of_duration(const std::vector<Statement>& statements, std::size_t samples) {
+  std::optional<StatedRate> found;
+  for (const Statement& one : statements) {
+    if (one.key.says != Says::duration || samples < 2) continue;
+    for (const std::size_t steps : {samples, samples - 1}) {
+      const double rate = static_cast<double>(steps) / one.value;
+      if (std::abs(rate - std::round(rate)) > 1e-6 * rate || rate < slowest_rate || rate > fastest_rate) continue;
+      if (found) return std::nullopt;
+      found = StatedRate{std::round(rate), one.line, ""};
+      break;
+    }
+  }
+  return found;
+}
+
 bool agree(double a, double b) { return std::abs(a / b - 1.0) < same_rate; }
 
 }  // namespace
@@ -260,7 +282,7 @@ std::optional<StatedRate> find_rate(const std::vector<std::string_view>& preambl
     }
     if (!rates.empty()) break;
   }
-  if (rates.empty()) return std::nullopt;
+  if (rates.empty()) return rate_of_duration(statements, hints.samples);
   for (const Statement* one : rates) {
     if (confirmed(one->value)) return StatedRate{one->value, one->line, ""};
     if (one->otherwise && confirmed(*one->otherwise)) return StatedRate{*one->otherwise, one->line, ""};

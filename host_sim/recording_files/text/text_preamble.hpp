@@ -27,8 +27,8 @@ struct RateHints {
 /// data_rate = 2000.0 Hz, filter = 488 Hz"). A word of sampling (sample, Abtast, scan, data, fs, dt …) goes before a
 /// bare one (rate, frequency, period). No rate: an excitation's, filter's or test's frequency, a duration ("Messzeit"),
 /// a clock ("14:22:10"), a unit that is neither frequency nor time ("kBit/s", "mm/s"). Of two that differ, the one that
-/// agrees with a stated duration and number of samples counts; where none does, `conflict` names the other. nullopt: no
-/// line states a rate.
+/// agrees with a stated duration and number of samples counts; where none does, `conflict` names the other. Without
+/// a rate the number of samples over a stated duration counts, where it is whole. nullopt: no line states a rate.
 [[nodiscard]] std::optional<StatedRate> find_rate(const std::vector<std::string_view>& preamble, RateHints hints = {});
 
 }  // namespace host_sim

@@ -30,8 +30,19 @@ constexpr double seconds_per_day = 86400.0;
 
 std::vector<std::string_view> lines_of(std::string_view text, std::string_view source) {
   std::vector<std::string_view> lines;
+  // Lines end with "\n", "\r\n" or, of old programs, "\r".
+  const auto end_of_line = [text](std::size_t from) {
+    const std::size_t end = std::min(text.find('\n', from), text.size());
+    const std::size_t before = text.substr(from, end - from).find('\r');
+    return before == std::string_view::npos ? end : from + before;
+  };
+  if (!text.empty()) {
+    const std::string_view begin = text.substr(0, std::size_t{1} << 20U);
+    const auto ends = static_cast<std::size_t>(std::count(begin.begin(), begin.end(), '\n'));
+    lines.reserve((ends + 1) * (text.size() / begin.size() + 1));
+  }
   for (std::size_t i = 0; i < text.size();) {
-    const std::size_t end = std::min(text.find_first_of("\r\n", i), text.size());
+    const std::size_t end = end_of_line(i);
     if (end - i > longest_text_line) {
       throw InputError(source, lines.size() + 1, "the line is longer than 1 MiB", "a text file, one row a sample");
     }
@@ -67,7 +78,8 @@ std::vector<ColumnHead> heads_of(const TextLayout& layout) {
 
 class TableReader {
  public:
-  TableReader(std::vector<std::string_view> lines, std::string_view source) : lines_(std::move(lines)) {
+  TableReader(std::vector<std::string_view> lines, std::string_view source, const ReadingProgress& progress)
+      : lines_(std::move(lines)), progress_(progress) {
     table_.source = source;
   }
 
@@ -150,7 +162,10 @@ class TableReader {
 
   void read_rows() {
     std::size_t i = layout_.first_row;
+    constexpr std::size_t rows_between_reports = 65536;
     while (i < lines_.size()) {
+      if (progress_ && i % rows_between_reports == 0)
+        progress_(static_cast<double>(i) / static_cast<double>(lines_.size()));
       if (take_plain_row(i) || take_row_or_blank(i)) {
         ++i;
         continue;
@@ -164,30 +179,42 @@ class TableReader {
 
   // The usual row, fast: as many plain numbers as there are columns.
   bool take_plain_row(std::size_t i) {
-    const std::string_view line = lines_[i];
-    if (line.empty()) return false;
-    const std::vector<std::string_view>& fields = splitter_.split(line, layout_.separators.column);
-    if (fields.size() != layout_.columns) return false;
+    const char* p = lines_[i].data();
+    const char* const end = p + lines_[i].size();
+    if (p == end) return false;
+    const char separator = layout_.separators.column;
+    const auto is_gap = [separator](char c) { return c == ' ' || (c == '\t' && separator != '\t'); };
     row_.resize(layout_.columns);
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-      if (!layout_.is_value[f]) continue;
-      if (layout_.is_clock[f] || uses_[f].column == no_column) return false;
-      const std::size_t c = uses_[f].column;
-      char decimal = decimals_[c];
-      if (decimal == '\0') {
-        if (fields[f].find_first_of(".,") != std::string_view::npos) return false;  // to be decided
-        decimal = '.';
+    for (std::size_t f = 0; f < layout_.columns; ++f) {
+      while (p != end && is_gap(*p)) ++p;
+      if (!layout_.is_value[f]) {
+        if (p != end && *p == '"') return false;
+        while (p != end && (separator == ' ' ? !is_gap(*p) : *p != separator)) ++p;
+      } else {
+        const std::size_t c = uses_[f].column;
+        if (layout_.is_clock[f] || c == no_column) return false;
+        const char decimal = decimals_[c];
+        p = read_plain_number(p, end, decimal == '\0' ? '.' : decimal, row_[f]);
+        if (p == nullptr || (decimal == '\0' && row_[f].has_sign)) return false;
       }
-      RawColumn& column = table_.columns[c];
-      const std::optional<double> value =
-          read_plain_number(fields[f], decimal, column.decimals, column.significant_digits);
-      if (!value) return false;
-      row_[f] = *value;
+      const char* const behind = p;
+      while (p != end && is_gap(*p)) ++p;
+      if (f + 1 == layout_.columns) {
+        if (p != end) return false;
+      } else if (separator == ' ') {
+        if (p == behind) return false;
+      } else if (p == end || *p++ != separator) {
+        return false;
+      }
     }
     table_.lines.push_back(i + 1);
-    for (std::size_t f = 0; f < fields.size(); ++f) {
+    for (std::size_t f = 0; f < layout_.columns; ++f) {
       if (!layout_.is_value[f]) continue;
-      push(uses_[f].column, uses_[f].scale == 1.0 ? row_[f] : uses_[f].scale * row_[f]);
+      RawColumn& column = table_.columns[uses_[f].column];
+      const PlainNumber& number = row_[f];
+      column.decimals = std::max(column.decimals, number.decimals);
+      column.significant_digits = std::max(column.significant_digits, number.significant_digits);
+      column.values.push_back(uses_[f].scale == 1.0 ? number.value : uses_[f].scale * number.value);
     }
     return true;
   }
@@ -361,7 +388,7 @@ class TableReader {
         scale = scale_of_cell(column, with_unit->unit);
       }
     }
-    if (number && std::isfinite(number->value)) {
+    if (number && std::isfinite(number->value) && !is_number_for_missing(number->value)) {
       column.decimals = std::max(column.decimals, number->decimals);
       column.significant_digits = std::max(column.significant_digits, number->significant_digits);
       return scale * number->value;
@@ -370,7 +397,8 @@ class TableReader {
       empty_cells_.emplace_back(c, i + 1);
       return no_value;
     }
-    fault(i + 1, in_quotes(column.name) + " is " + in_quotes(field), "a number", is_missing_value(field));
+    fault(i + 1, in_quotes(column.name) + " is " + in_quotes(field), "a number",
+          is_missing_value(field) || number.has_value());
     return no_value;
   }
 
@@ -392,7 +420,12 @@ class TableReader {
     double high[2] = {-INFINITY, -INFINITY};
     char shown_sign = '.';
     FieldSplitter splitter;
-    for (std::size_t i = layout_.first_row; i < lines_.size(); ++i) {
+    // Where other columns show their sign, this one's is looked for in some minutes of a recording; else everywhere.
+    constexpr std::size_t some_lines = 200000;
+    const bool stated = layout_.stated_decimal != '\0';
+    const std::size_t begin = stated ? from : layout_.first_row;
+    const std::size_t end = stated ? std::min(lines_.size(), from + some_lines) : lines_.size();
+    for (std::size_t i = begin; i < end; ++i) {
       const std::vector<std::string_view>& fields = splitter.split(lines_[i], layout_.separators.column);
       if (f >= fields.size()) continue;
       const DecimalEvidence evidence = i < from ? DecimalEvidence::none : decimal_evidence(fields[f]);
@@ -402,6 +435,7 @@ class TableReader {
       }
       if (evidence == DecimalEvidence::ambiguous)
         shown_sign = fields[f].find('.') != std::string_view::npos ? '.' : ',';
+      if (stated) continue;
       for (const int k : {0, 1}) {
         const std::optional<TextNumber> number = read_text_number(fields[f], k == 0 ? '.' : ',');
         if (!number) continue;
@@ -497,6 +531,7 @@ class TableReader {
   };
 
   std::vector<std::string_view> lines_;
+  const ReadingProgress& progress_;
   RawTable table_;
   TextLayout layout_;
   std::vector<ColumnHead> heads_;
@@ -504,24 +539,25 @@ class TableReader {
   std::vector<char> decimals_;  // by column; '\0': not decided
   std::vector<ClockColumn> clocks_;
   std::vector<std::pair<std::size_t, std::size_t>> empty_cells_;  // column, line
-  FieldSplitter splitter_;
-  std::vector<double> row_;
+  std::vector<PlainNumber> row_;                                  // by field
   std::size_t other_lines_ = 0;
   std::size_t first_other_line_ = 0;
 };
 
 }  // namespace
 
-RawTable read_text_table(std::string bytes, std::string_view source, std::size_t skip) {
+RawTable read_text_table(std::string_view bytes, std::string_view source, std::size_t skip,
+                         const ReadingProgress& progress) {
   if (bytes.empty()) throw InputError(source, 0, "the file is empty", "a header line such as t,z_r,F_w");
   if (!looks_like_text(bytes)) {
     throw InputError(source, 0, "the file is no text", "CSV, MATLAB 5 or 7.3, NI TDMS or HDF5");
   }
-  const std::string text = to_utf8(std::move(bytes));
+  std::string converted;
+  const std::string_view text = as_utf8(bytes, converted);
   std::vector<std::string_view> lines = lines_of(text, source);
   for (std::size_t i = 0; i < std::min(skip, lines.size()); ++i) lines[i] = {};
   if (is_lvm(lines)) return read_lvm(lines, source);
-  return TableReader(std::move(lines), source).run();
+  return TableReader(std::move(lines), source, progress).run();
 }
 
 }  // namespace host_sim

@@ -7,6 +7,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <string>
 
@@ -131,6 +133,20 @@ std::optional<long> take_date_with_name(std::string_view& text) {
 // A date at the begin of the text; the text after it remains. nullopt: none, and the text stays.
 std::optional<long> take_date(std::string_view& text) {
   std::string_view rest = text;
+  if (rest.size() >= 8 && std::all_of(rest.begin(), rest.begin() + 8, is_digit) &&
+      (rest.size() == 8 || !is_digit(rest[8]) ||
+       (rest.size() >= 14 && std::all_of(rest.begin(), rest.begin() + 14, is_digit)))) {
+    // "20240312T100000"
+    const auto digits = [&](std::size_t from, std::size_t count) {
+      int value = 0;
+      for (std::size_t i = from; i < from + count; ++i) value = 10 * value + (rest[i] - '0');
+      return value;
+    };
+    const int month = digits(4, 2), day = digits(6, 2), year = digits(0, 4);
+    if (year < 1900 || year > 2199 || month < 1 || month > 12 || day < 1 || day > 31) return std::nullopt;
+    text.remove_prefix(8);
+    return days_since_1970(year, month, day);
+  }
   const std::optional<int> first = take_number(rest, 4);
   if (!first || rest.empty()) return std::nullopt;
   const char sign = rest[0];
@@ -156,7 +172,48 @@ std::optional<long> take_date(std::string_view& text) {
   return days_since_1970(year, month, day);
 }
 
+// "1 day, 02:00:00", "0 days 00:00:00.001": the days at the begin, removed; nullopt: none, and the text stays.
+std::optional<int> take_days(std::string_view& text) {
+  std::string_view rest = text;
+  const std::optional<int> days = take_number(rest, 4);
+  if (!days || rest.empty() || (rest[0] != ' ' && rest[0] != 'd' && rest[0] != 'D')) return std::nullopt;
+  rest = firmware::trimmed(rest);
+  for (const std::string_view word : {"days", "day", "Tage", "Tag", "d"}) {
+    if (!rest.starts_with(word)) continue;
+    rest.remove_prefix(word.size());
+    if (!rest.empty() && rest[0] != ' ' && rest[0] != ',') return std::nullopt;
+    if (rest.starts_with(',')) rest.remove_prefix(1);
+    text = firmware::trimmed(rest);
+    return days;
+  }
+  return std::nullopt;
+}
+
+// "100000.250Z" behind a date: hours, minutes, seconds without signs between them.
+bool take_compact_time(std::string_view rest, ClockTime& clock) {
+  if (rest.size() < 6 || !std::all_of(rest.begin(), rest.begin() + 6, is_digit)) return false;
+  const auto two = [&](std::size_t at) { return 10 * (rest[at] - '0') + (rest[at + 1] - '0'); };
+  if (two(0) > 24 || two(2) > 59 || two(4) > 60) return false;
+  clock.seconds = 3600.0 * two(0) + 60.0 * two(2) + two(4);
+  rest.remove_prefix(6);
+  if (!rest.empty() && (rest[0] == '.' || rest[0] == ',')) {
+    std::string digits = "0.";
+    for (rest.remove_prefix(1); !rest.empty() && is_digit(rest[0]); rest.remove_prefix(1)) digits += rest[0];
+    clock.decimals = static_cast<int>(digits.size()) - 2;
+    clock.seconds += std::strtod(digits.c_str(), nullptr);
+  }
+  clock.has_time = true;
+  return rest.empty() || rest == "Z" || ((rest[0] == '+' || rest[0] == '-') && rest.size() <= 6);
+}
+
 }  // namespace
+
+bool is_compact_stamp(std::string_view field) {
+  field = firmware::trimmed(field);
+  return field.size() >= 14 && (field[0] == '1' || field[0] == '2') &&
+         std::all_of(field.begin(), field.begin() + 14, is_digit) &&
+         (field.size() == 14 || field[14] == '.' || field[14] == ',') && read_clock_time(field).has_value();
+}
 
 std::optional<TextNumber> read_text_number(std::string_view field, char decimal) {
   field = firmware::trimmed(field);
@@ -233,48 +290,66 @@ std::optional<TextNumber> read_text_number(std::string_view field, char decimal)
   return result;
 }
 
-std::optional<double> read_plain_number(std::string_view field, char decimal, int& decimals, int& significant_digits) {
-  if (field.empty()) return std::nullopt;
-  const char* begin = field.data();
-  const char* const end = begin + field.size();
-  if (*begin == '+') ++begin;
-  const char* first = begin;
-  if (first != end && *first == '-') ++first;
-  // Words such as "nan" and "inf" are not numbers here.
-  if (first == end || (!is_digit(*first) && *first != decimal)) return std::nullopt;
-  double value = 0.0;
-  const auto [stop, error] = fast_float::from_chars_advanced(
-      begin, end, value, fast_float::parse_options{fast_float::chars_format::general, decimal});
-  if (stop != end || error != std::errc{} || !std::isfinite(value)) return std::nullopt;
-  int digits = 0;
-  int zeros = 0;  // at the end so far
-  int places = 0;
-  bool fraction = false;
-  bool leading = true;
-  const char* p = first;
-  for (; p != end; ++p) {
-    if (*p == decimal) {
-      fraction = true;
-      continue;
-    }
-    if (!is_digit(*p)) break;  // the exponent
-    if (fraction) ++places;
-    if (leading && *p == '0') continue;
-    leading = false;
-    ++digits;
-    zeros = *p == '0' ? zeros + 1 : 0;
+bool is_number_for_missing(double value) { return std::abs(value) >= 9.9e37 && std::abs(value) <= 9.91e37; }
+
+const char* read_plain_number(const char* begin, const char* end, char decimal, PlainNumber& number) {
+  const char* p = begin;
+  if (p != end && *p == '+') ++p;
+  const char* const signed_begin = p;
+  const bool negative = p != end && *p == '-';
+  if (negative) ++p;
+  const char* const first = p;
+  std::uint64_t digits = 0;
+  while (p != end && is_digit(*p)) digits = 10 * digits + static_cast<unsigned>(*p++ - '0');
+  auto count = p - first;
+  number.places = 0;
+  number.has_sign = p != end && *p == decimal;
+  if (number.has_sign) {
+    const char* const fraction = ++p;
+    while (p != end && is_digit(*p)) digits = 10 * digits + static_cast<unsigned>(*p++ - '0');
+    number.places = static_cast<int>(p - fraction);
+    count += number.places;
   }
+  if (count == 0) return nullptr;  // words such as "nan" and "inf" are not numbers here
+  const char* const end_of_digits = p;
   int exponent = 0;
-  if (p != end) {
-    ++p;
-    if (p != end && *p == '+') ++p;
-    std::from_chars(p, end, exponent);
+  if (p != end && (*p == 'e' || *p == 'E')) {
+    const char* power = p + 1;
+    if (power != end && *power == '+') ++power;
+    const auto [stop, error] = std::from_chars(power, end, exponent);
+    if (error != std::errc{} || std::abs(exponent) > 400) return nullptr;
+    p = stop;
   }
+  // Both factors are exact, so the result is the nearest double (W. D. Clinger, "How to read floating point numbers
+  // accurately", 1990).
+  constexpr std::array<double, 23> powers{1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                          1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+  const int ten = exponent - number.places;
+  if (count <= 19 && digits <= std::uint64_t{1} << 53U && ten >= -22 && ten <= 22) {
+    const auto whole = static_cast<double>(digits);
+    const double size =
+        ten < 0 ? whole / powers[static_cast<std::size_t>(-ten)] : whole * powers[static_cast<std::size_t>(ten)];
+    number.value = negative ? -size : size;
+  } else {
+    const auto [stop, error] = fast_float::from_chars_advanced(
+        signed_begin, p, number.value, fast_float::parse_options{fast_float::chars_format::general, decimal});
+    if (stop != p || error != std::errc{} || !std::isfinite(number.value)) return nullptr;
+  }
+  if (is_number_for_missing(number.value)) return nullptr;
   // Trailing zeros behind the sign say nothing of the resolution: "11.000" is a whole millisecond.
-  const int trailing = leading ? places : std::min(zeros, places);
-  decimals = std::max(decimals, places - trailing - exponent);
-  significant_digits = std::max(significant_digits, leading ? 0 : digits - trailing);
-  return value;
+  const char* last = end_of_digits;
+  int zeros = 0;
+  while (zeros < number.places && last[-1] == '0') {
+    --last;
+    ++zeros;
+  }
+  const char* leading = first;
+  while (leading != last && (*leading == '0' || *leading == decimal)) ++leading;
+  number.decimals = number.places - zeros - exponent;
+  const auto shown =
+      last - leading - (number.has_sign && leading <= end_of_digits - number.places - 1 && leading != last ? 1 : 0);
+  number.significant_digits = static_cast<int>(std::max<std::ptrdiff_t>(shown, 0));
+  return p;
 }
 
 std::optional<NumberWithUnit> read_number_with_unit(std::string_view field, char decimal) {
@@ -327,6 +402,8 @@ bool is_missing_value(std::string_view field) {
   field = firmware::trimmed(field);
   // Microsoft's C library prints 1.#QNAN0, -1.#INF00, 1.#IND.
   if (field.starts_with("1.#") || field.starts_with("-1.#")) return true;
+  // Only words are looked for: a digit first, and it is a number, or none of ours.
+  if (!field.empty() && is_digit(field.front())) return false;
   constexpr std::array<std::string_view, 47> words{
       "inf",    "-inf",       "+inf",   "infinity", "-infinity", "\xe2\x88\x9e", "-\xe2\x88\x9e", "+\xe2\x88\x9e",
       "<na>",   "nan(snan)",  "ol",     "over",     "overflow",  "overload",     "ovld",          "#bezug!",
@@ -342,8 +419,9 @@ std::optional<ClockTime> read_clock_time(std::string_view field) {
   if (field.size() < 5 || field.size() > 40) return std::nullopt;
   ClockTime clock{0.0, 0, false, false, 0};
   std::string_view rest = field;
-  std::optional<long> days = take_date(rest);
-  if (!days) days = take_date_with_name(rest);
+  const std::optional<int> whole_days = take_days(rest);
+  std::optional<long> days = whole_days ? std::nullopt : take_date(rest);
+  if (!days && !whole_days) days = take_date_with_name(rest);
   if (days) {
     clock.has_date = true;
     clock.day = *days;
@@ -353,6 +431,7 @@ std::optional<ClockTime> read_clock_time(std::string_view field) {
     }
     if (rest.empty()) return clock;
   }
+  if (clock.has_date && take_compact_time(rest, clock)) return clock;
   // Hours beyond a day count from the start of a run.
   const std::optional<int> hours = take_number(rest, clock.has_date ? 2 : 4);
   if (!hours || !take_sign(rest, ':')) return std::nullopt;
@@ -407,6 +486,7 @@ std::optional<ClockTime> read_clock_time(std::string_view field) {
   if (!zone) return std::nullopt;
   clock.seconds =
       minutes_first ? 60.0 * hour + *minutes + fraction : 3600.0 * hour + 60.0 * *minutes + seconds + fraction;
+  clock.seconds += 86400.0 * whole_days.value_or(0);
   return clock;
 }
 

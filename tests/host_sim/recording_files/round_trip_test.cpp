@@ -96,7 +96,7 @@ TEST_P(FormatRoundTrip, KeepsValuesNamesAndUnits) {
 INSTANTIATE_TEST_SUITE_P(In, FormatRoundTrip,
                          testing::Values(Format{".csv", 0.0}, Format{".tsv", 0.0}, Format{".de.csv", 0.0},
                                          Format{".uff", 1e-12}, Format{".rsp", 6e-8}, Format{".mf4", 0.0},
-                                         Format{".mat", 0.0}),
+                                         Format{".mat", 0.0}, Format{".mcap", 0.0}),
                          [](const auto& shape) {
                            std::string name = shape.param.ending;
                            std::erase(name, '.');
