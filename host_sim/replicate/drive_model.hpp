@@ -22,6 +22,9 @@ namespace host_sim::replicate {
 class DriveModel {
  public:
   DriveModel(const firmware::RigDescription& description, std::vector<model::Channel> channels);
+  /// Another rig, for the same channels at the same rate.
+  DriveModel(const model::RigParameters<double>& rig, const DriveModel& like)
+      : rig_(rig), period_(like.period_), channels_(like.channels_) {}
 
   [[nodiscard]] const std::vector<model::Channel>& channels() const { return channels_; }
   [[nodiscard]] double period() const { return period_; }

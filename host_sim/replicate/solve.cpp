@@ -7,6 +7,7 @@
 #include <deque>
 #include <utility>
 
+#include "host_sim/replicate/along_trajectory.hpp"
 #include "host_sim/replicate/thresholds.hpp"
 
 namespace host_sim::replicate {
@@ -257,6 +258,22 @@ Solution solve(const DriveModel& model, const Target& target, const BandInverse&
   solution.answer = iteration.best_answer;
   solution.rounds = iteration.rounds;
   solution.error = errors_of(target, inverse, solution.answer, input.offset);
+  const auto total = [&](const std::vector<double>& error) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < error.size(); ++c) sum += std::pow(target.channels[c].weight * error[c], 2);
+    return std::sqrt(sum);
+  };
+  std::vector<double> unlimited_along;
+  if (!(total(solution.error) < thresholds::secants_fail) && has_corners(model.rig())) {
+    TrajectorySolution along = solve_along_trajectory(model, target, inverse, limits, input, progress);
+    solution.rounds += along.rounds;
+    if (total(along.error) < total(solution.error)) {
+      solution.drive = std::move(along.drive);
+      solution.answer = std::move(along.answer);
+      solution.error = std::move(along.error);
+      unlimited_along = std::move(along.error_unlimited);
+    }
+  }
   solution.used = limits_used(solution.drive, target.period, limits);
   const model::Channel force =
       model.rig().kind == model::RigKind::quarter_car ? model::Channel::F_w : model::Channel::F;
@@ -268,6 +285,9 @@ Solution solve(const DriveModel& model, const Target& target, const BandInverse&
     free.drive = std::move(start);
     free.run(1.0, thresholds::most_rounds, thresholds::patience, {});
     solution.error_unlimited = errors_of(target, inverse, free.best_answer, input.offset);
+    if (!unlimited_along.empty() && total(unlimited_along) < total(solution.error_unlimited))
+      solution.error_unlimited = std::move(unlimited_along);
+    if (total(solution.error_unlimited) > total(solution.error)) solution.error_unlimited = solution.error;
   }
   return solution;
 }

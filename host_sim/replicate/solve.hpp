@@ -1,13 +1,13 @@
 // The drive that makes the model do what the target shows.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "host_sim/replicate/band_inverse.hpp"
 #include "host_sim/replicate/drive_limits.hpp"
 #include "host_sim/replicate/drive_model.hpp"
+#include "host_sim/replicate/solve_input.hpp"
 #include "host_sim/replicate/target.hpp"
 
 namespace host_sim::replicate {
@@ -22,14 +22,6 @@ struct Solution {
   int rounds = 0;
 };
 
-/// What a solution starts from.
-struct SolveInput {
-  std::vector<std::vector<double>> offset{};  ///< by which the rig's answer differs from the model's; empty: nothing
-  std::vector<double> start{};                ///< a drive that is near; empty: the inverse of the linear rig
-};
-
-using SolveProgress = std::function<void(double share, double error)>;
-
 /// Non-linear least squares on the model, with limits:
 ///
 ///   (1)  min_u Σ_c w_c ∫ b_c |t_c − d_c − y_c(u)|² df,   u within the limits;   w, b as in BandInverse, d the offset
@@ -42,8 +34,9 @@ using SolveProgress = std::function<void(double share, double error)>;
 /// H⁺ is BandInverse (2), P the limits. A rig forgets, so the Jacobian has the form of a band along time: secants of
 /// pieces see it where one secant for the whole drive sees a mean. Corners: first of the rig without them, then as they
 /// are. The best drive found is kept: more rounds never make it worse. Work and memory are linear in the length of the
-/// drive (FFT: times its logarithm). Source: H. Fang, Y. Saad, Numer. Linear Algebra Appl. 16 (2009), 197–221
-/// (multisecant); the pieces are ours.
+/// drive (FFT: times its logarithm). Where it stays far from the target (thresholds::secants_fail: a rig that is at its stops all
+/// the time), solve_along_trajectory() is asked as well, and the better drive is taken. Source: H. Fang, Y. Saad, Numer.
+/// Linear Algebra Appl. 16 (2009), 197–221 (multisecant); the pieces are ours.
 [[nodiscard]] Solution solve(const DriveModel& model, const Target& target, const BandInverse& inverse,
                              const DriveLimits& limits, const SolveInput& input, const SolveProgress& progress = {});
 

@@ -57,6 +57,54 @@ inline constexpr double exact = 5e-4;
 /// A piece that failed so often takes what it has for its best: its neighbours have changed since.
 inline constexpr int most_failures = 3;
 
+/// [s] length of the pieces of a drive that choose their share of a step each. A corner spoils the piece that it is in
+/// and the next. Error on the model, 6 s, two rigs with friction, a stop and free play: 80 ms 3.6 and 5.2 %, 125 ms 3.5
+/// and 1.6 %; an earlier form of the iteration had 1.9 and 2.8 % with 125 ms and 3.4 and 3.5 % with 250 ms.
+inline constexpr double choosing_piece = 0.125;
+
+/// Shares of a step that a piece of the drive may take.
+inline constexpr std::array<double, 5> shares_of_step{1.0, 0.6, 0.3, 0.1, 0.0};
+
+/// Pieces behind that count when a piece chooses. Error of the two rigs above with one 5.4 and 3.0 %, with two 2.3 and
+/// 3.0 %; at another cost of the drive with two 3.5 and 1.6 %, with three 4.0 and 3.9 %.
+inline constexpr std::size_t pieces_ahead = 2;
+
+/// A run that costs more than the best one by this factor is not gone on from. Pieces are better one by one before all of
+/// them together are: what a knock does to the next is set right an iteration later.
+inline constexpr double borne_cost = 1.5;
+
+/// Costs of a drive: of what it makes where the band shows least of it, by position and by acceleration. They are the
+/// relative errors by which the regularised solution is off there; elsewhere in the band it is off by orders of magnitude
+/// less, and (2) of solve_along_trajectory makes up for both. With a tenth of the acceleration's cost the drive chatters
+/// against corners, which the limit of acceleration then takes back.
+inline constexpr double position_cost = 3e-4;
+inline constexpr double acceleration_cost = 2e-2;
+
+/// Excess of the force, ÷ its limit, that costs as much as an error as large as the target.
+inline constexpr double force_excess = 0.01;
+
+/// Rounds on the rig without its corners: its only nonlinearities are losses and springs, and one round nearly solves it.
+inline constexpr int smooth_rounds = 2;
+
+/// Iterations along the trajectory end when the best cost fell by less than `least_gain` in each of
+/// `iteration_patience`, or after `most_iterations`.
+inline constexpr int iteration_patience = 4;
+inline constexpr int most_iterations = 24;
+
+/// Rounds that make up for what the tracking leaves out, and iterations in each.
+inline constexpr int outer_rounds = 4;
+inline constexpr int rounds_of_outer = 3;
+
+/// Where the solution without limits goes beyond one and the limits cost more than the factor `little_cost`: so many
+/// rounds with the limits in the cost, then the multipliers move on.
+inline constexpr double little_cost = 1.2;
+inline constexpr int rounds_of_limits = 2;
+inline constexpr int rounds_of_multipliers = 3;
+
+/// Error on the model above which secants have not found the drive, and the rig is solved along its trajectory: four
+/// times slower.
+inline constexpr double secants_fail = 0.03;
+
 /// Corners are at these shares of their forces for some rounds each, before they are sharp.
 inline constexpr std::array<double, 2> corner_shares{0.2, 0.5};
 inline constexpr int rounds_of_share = 15;
