@@ -339,6 +339,9 @@ std::string ControlSocket::answer(const Client& client) const {
   if (trouble.empty() && client.request == "acknowledge" && mode == Mode::safe) {
     trouble = "acknowledge is not taken: what is wrong lasts, the rig is safe";
   }
+  if (trouble.empty() && client.request == "rest" && parts_.rest_refusals) {
+    if (const std::string why = parts_.rest_refusals(); !why.empty()) trouble = "rest is not taken: " + why;
+  }
   const std::string refused = parts_.refusals ? parts_.refusals() : std::string();
   if (trouble.empty() && client.request == "arm" && mode == Mode::safe && !refused.empty()) {
     trouble = "not armed, failed checks: " + refused;

@@ -52,7 +52,8 @@ class ControlSocket {
     double highest_level;        ///< of the command `level`, so that the run stays within the limits
     const Publisher* publisher;  ///< none: nothing is published
     std::string instance;
-    std::function<std::string()> refusals;  ///< all checks that the last arming has failed, in words
+    std::function<std::string()> refusals;       ///< all checks that the last arming has failed, in words
+    std::function<std::string()> rest_refusals;  ///< why the last `rest` was not taken, in words
   };
   explicit ControlSocket(const Parts& parts) : parts_(parts) {}
   ControlSocket(const ControlSocket&) = delete;

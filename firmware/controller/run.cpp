@@ -78,7 +78,7 @@ bool interlocks_closed(const hal::Rig& roles, const RigDescription& rig) {
   for (std::size_t i = 0; i < interlocks.size(); ++i) {
     std::printf("  interlock %s: %s\n", interlocks[i].name.c_str(), (*open >> i & 1U) != 0 ? "OPEN" : "closed");
   }
-  return *open == 0;
+  return (*open & ~arming_settings(rig).hold_to_run) == 0;
 }
 
 Status check(const RigDescription& rig, Devices& devices, Verdict& verdict) {

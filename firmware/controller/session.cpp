@@ -89,7 +89,8 @@ Session::Session(const Options& options, const RigDescription& rig, Devices& dev
       loop_(settings_, rig.rig, roles_, road_.reference(), valves_, journal_),
       spans_(std::make_unique<Spans>()),
       wake_(hal::seconds(std::min(rig.hardware.schedule.wake_early, 0.25 * rig.period()))),
-      emergency_return_(roles_, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke, rig.period()),
+      emergency_return_(roles_, command_, machine_, settings_.ramps, 0.5 * settings_.limits.stroke, rig.period(),
+                        settings_.arming.hold_to_run),
       longest_return_(longest_return(rig)) {
   if (companion_) loop_.attach(*companion_);
   if (compensation_) loop_.attach(*compensation_);
@@ -118,7 +119,8 @@ Status Session::run() {
                                         tap_.get(), [this] { return refusals_text(loop_.refusals(), rig_); });
   socket_ = std::make_unique<ControlSocket>(
       ControlSocket::Parts{loop_, *recording_, progress_, road_.highest_level(), publisher_.get(), instance_,
-                           [this] { return refusals_text(loop_.refusals(), rig_); }});
+                           [this] { return refusals_text(loop_.refusals(), rig_); },
+                           [this] { return refusals_text(loop_.rest_refusals(), rig_); }});
   if (!open_socket()) {
     static_cast<void>(recording_->finish(disk_patience));
     return Status::refused;

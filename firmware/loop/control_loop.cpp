@@ -88,9 +88,9 @@ void ControlLoop::step() {
   }
   constexpr std::array before_arming{Request::stop, Request::acknowledge, Request::rest, Request::arm};
   constexpr std::array after_arming{Request::disarm, Request::start, Request::hold, Request::resume};
-  for (const Request request : before_arming) take_up(request, requests, hazard.has_value(), now);
+  for (const Request request : before_arming) take_up(request, requests, hazard, now);
   if (mode_ == Mode::arming) hazard = look_at_arming(now, hazard);
-  for (const Request request : after_arming) take_up(request, requests, hazard.has_value(), now);
+  for (const Request request : after_arming) take_up(request, requests, hazard, now);
   if (mode_ == Mode::ready && !hazard && reference_begins_ && move_.arrived() && settling_left_ == 0) {
     follow(Event::in_position);
     sample_ = 0;
@@ -213,7 +213,7 @@ std::optional<Trip> ControlLoop::find_stop(hal::Time now) {
     return Trip{.reason = contradiction ? Reason::stop_channels : Reason::stop_button_lost, .time = now};
   }
   if (!*pressed) return std::nullopt;
-  stop_tested_ = now;
+  stop_tested_ = rig_.stop_button.pressed_at();  // it is latched: `now` would be that of the acknowledge
   return Trip{.reason = Reason::stop_button, .value = (now - rig_.stop_button.pressed_at()).seconds(), .time = now};
 }
 
@@ -267,10 +267,15 @@ bool ControlLoop::allowed(const RequestRule& rule, bool hazard) const {
 }
 
 /// A request, in the state that those before it have led to.
-void ControlLoop::take_up(Request request, unsigned requests, bool hazard, hal::Time now) {
+void ControlLoop::take_up(Request request, unsigned requests, const std::optional<Trip>& hazard, hal::Time now) {
   if ((requests & bit(request)) == 0) return;
+  if (request == Request::rest) rest_refusals_.clear();
   const RequestRule* rule = rule_of(request, mode_);
-  if (rule == nullptr || !allowed(*rule, hazard)) return;
+  if (rule == nullptr) return;
+  if (!allowed(*rule, hazard.has_value())) {
+    if (request == Request::rest && hazard && proven_) list_refusals(rest_refusals_, *hazard, now);
+    return;
+  }
   switch (request) {
     case Request::stop:
       if (mode_ == Mode::safe) trip({.reason = Reason::stop_requested, .time = now});  // else it is a hazard
@@ -365,7 +370,7 @@ std::optional<Trip> ControlLoop::look_at_arming(hal::Time now, std::optional<Tri
   }
   if (hazard) {
     if (hazard->reason == Reason::arming_polarity_x_act) sign_shown_ = false;
-    if (is_fault(hazard->reason)) list_refusals(*hazard, now);
+    if (is_fault(hazard->reason)) list_refusals(refusals_, *hazard, now);
     return hazard;
   }
   place_shown_ = place_shown_ || arming_.powered();
@@ -378,24 +383,24 @@ std::optional<Trip> ControlLoop::look_at_arming(hal::Time now, std::optional<Tri
   return std::nullopt;
 }
 
-/// Everything that is wrong in the period in which an arming is refused, so that it can be put right at once.
-void ControlLoop::list_refusals(const Trip& first, hal::Time now) {
-  refusals_.clear();
-  refusals_.add(first);
-  const auto add = [this](const std::optional<Trip>& hazard) {
-    if (hazard) refusals_.add(*hazard);
+/// Everything that is wrong in the period in which an arming or a `rest` is refused, so that it can be put right at once.
+void ControlLoop::list_refusals(Refusals& list, const Trip& first, hal::Time now) const {
+  list.clear();
+  list.add(first);
+  const auto add = [&list](const std::optional<Trip>& hazard) {
+    if (hazard) list.add(*hazard);
   };
   add(stop_hazard_);
   add(interlock_hazard_);
   for (std::int8_t i = 0; i < static_cast<std::int8_t>(hal::Interlocks::capacity); ++i) {
     if ((open_interlocks_ >> static_cast<unsigned>(i) & 1U) == 0) continue;
-    refusals_.add({.reason = Reason::interlock, .time = now, .interlock = i});
+    list.add({.reason = Reason::interlock, .time = now, .interlock = i});
   }
   add(power_hazard_);
   samples_.each_hazard(now, add);
   add(motion_hazard_);
   add(find_untested_stop(now));
-  for (const Trip& failed : arming_.failed()) refusals_.add(failed);
+  for (const Trip& failed : arming_.failed()) list.add(failed);
 }
 
 void ControlLoop::get_ready() {
@@ -562,6 +567,7 @@ void ControlLoop::write_command(hal::Time now, bool& valves_stand) {
 void ControlLoop::lose_power(const Trip& cause) {
   trip(cause);
   openings_ = rig_.valves.safe_position();
+  (void)power_.write_high_pressure(false);  // first; tried again by the next period
 }
 
 /// At a change, and again after a fault.
@@ -578,7 +584,6 @@ void ControlLoop::write_high_pressure(hal::Time now) {
   if (power_.write_high_pressure(has_high_pressure(mode_))) return;
   if (!leads_drive(mode_) && !power_.wanted()) return;
   lose_power({.reason = Reason::enable_failed, .time = now});
-  (void)power_.write_high_pressure(false);
   write_enable(now);
 }
 

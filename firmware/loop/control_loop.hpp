@@ -110,6 +110,8 @@ class ControlLoop {
 
   /// All checks that the last arming has failed; empty where none was refused since the last one began. Any thread.
   [[nodiscard]] const Refusals& refusals() const { return refusals_; }
+  /// Why the last `rest` was not taken; empty where it was. Any thread.
+  [[nodiscard]] const Refusals& rest_refusals() const { return rest_refusals_; }
 
   // For the thread that steps the loop; others read the journal.
   [[nodiscard]] Mode mode() const { return mode_; }
@@ -160,13 +162,13 @@ class ControlLoop {
   [[nodiscard]] std::optional<Trip> find_untested_stop(hal::Time now) const;
   [[nodiscard]] bool matters(const Trip& hazard) const;
   [[nodiscard]] bool is_lasting(const Trip& hazard) const;
-  void take_up(Request request, unsigned requests, bool hazard, hal::Time now);
+  void take_up(Request request, unsigned requests, const std::optional<Trip>& hazard, hal::Time now);
   [[nodiscard]] bool allowed(const RequestRule& rule, bool hazard) const;
   void follow(Event event);
   void begin_at_rest(double position);
   void return_to_rest(double velocity);
   [[nodiscard]] std::optional<Trip> look_at_arming(hal::Time now, std::optional<Trip> hazard);
-  void list_refusals(const Trip& first, hal::Time now);
+  void list_refusals(Refusals& list, const Trip& first, hal::Time now) const;
   void begin_arming(hal::Time now);
   void get_ready();
   void trip(const Trip& trip);
@@ -207,7 +209,7 @@ class ControlLoop {
   std::optional<Trip> power_hazard_{};                      ///< of this period
   [[no_unique_address]] AreaControl<has_area> area_control_;
   ArmingChecks arming_;
-  Refusals refusals_;
+  Refusals refusals_, rest_refusals_;
   ReferencePlayer player_;
   SmoothMove move_{};
   ReturnToRest return_{};

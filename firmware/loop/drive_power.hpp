@@ -33,8 +33,9 @@ class DrivePower {
   void take() { wanted_ = false; }
 
   [[nodiscard]] bool wanted() const { return wanted_; }
-  [[nodiscard]] bool on() const { return on_; }                    ///< as last written with success
-  [[nodiscard]] bool written() const { return written_; }          ///< the enable is as wanted
+  [[nodiscard]] bool on() const { return on_; }  ///< as last written with success
+  /// Enable and second stage are as wanted.
+  [[nodiscard]] bool written() const { return written_ && (high_pressure_ == nullptr || high_.has_value()); }
   [[nodiscard]] bool to_be_taken() const { return !wanted_; }      ///< off first, on last
   [[nodiscard]] bool still() const { return !on_ && !moves_; }     ///< no power, and nothing is seen to move
   [[nodiscard]] bool always() const { return !enable_.fitted(); }  ///< no enable: the drive has power at all times

@@ -17,6 +17,7 @@
 #include "firmware/recording/sample_checks.hpp"
 #include "host_sim/commands/json_output.hpp"
 #include "host_sim/commands/progress.hpp"
+#include "host_sim/commands/verbosity.hpp"
 #include "host_sim/recording_files/import.hpp"
 #include "host_sim/recording_files/mapped_memory.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
@@ -135,6 +136,8 @@ void import_recording(const ImportOptions& options) {
   if (options.write_channels && !options.rig)
     throw firmware::UsageError("--write-channels needs --rig, the description to write to");
   if (options.out) refuse_unknown_ending(*options.out);
+  if (options.out && *options.out == "-" && options.json == "-")
+    throw firmware::UsageError("--out and --json are both standard output, expected one of them");
   keep_large_blocks_in_files();
   std::optional<firmware::RigDescription> rig;
   if (options.rig) rig = firmware::read_rig(*options.rig);
@@ -148,6 +151,7 @@ void import_recording(const ImportOptions& options) {
   if (!options.out) {
     if (options.write_channels) throw firmware::UsageError("--write-channels needs --out");
     const FileListing listing = list_file(options.file, context, choices);
+    progress.end();
     if (!write_json(options.json, listing_json(listing, options))) print_listing(listing, options);
     return;
   }
@@ -165,8 +169,10 @@ void import_recording(const ImportOptions& options) {
   for (const LeftOut& one : import.left_out)
     import.recording.comments.push_back("left out: " + firmware::in_quotes(one.name) + ": " + one.reason);
   write_recording(*options.out, import.recording, [&progress](double share) { progress.show(0.5 + 0.5 * share); });
+  progress.end();
+  const bool only_json = write_json(options.json, account_json(import, options));  // its inputs are still as read
   if (options.write_channels) firmware::write_file(*options.rig, description);
-  if (write_json(options.json, account_json(import, options))) return;
+  if (only_json || verbosity() == Verbosity::quiet) return;
   std::FILE* const to = *options.out == "-" ? stderr : stdout;
   print_account(to, import, options);
   if (*options.out != "-") std::fprintf(to, "recording %s\n", options.out->c_str());

@@ -36,8 +36,11 @@ std::string time_left(double seconds, double done, double left) {
 Progress::Progress(std::string what)
     : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) == 1 && verbosity() != Verbosity::quiet) {}
 
-Progress::~Progress() {
+Progress::~Progress() { end(); }
+
+void Progress::end() {
   if (shown_) std::fputs("\r\033[K", stderr);
+  shown_ = false;
 }
 
 void Progress::show(double share, const std::string& detail) {

@@ -16,6 +16,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void show(double share, const std::string& detail = {});  ///< share of the work done, 0 … 1
+  void end();                                               ///< removes the line, before something is printed
 
  private:
   std::string what_;

@@ -306,6 +306,7 @@ void go_on(const ReplicateOptions& options) {
 }
 
 void run(const ReplicateOptions& options) {
+  for (const fs::path& file : options.more) refuse_unknown_ending(file);
   if (options.folder.empty()) {
     begin(options);
   } else {

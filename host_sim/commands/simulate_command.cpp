@@ -118,6 +118,7 @@ void simulate(const SimulateOptions& options) {
   run.recording.comments.push_back("rigtwin " + std::string(firmware::version) +
                                    " simulate: " + std::string(model::name(rig.rig.kind)) + ", " + options.road + ", " +
                                    firmware::shortest(options.speed) + " m/s, seed " + std::to_string(options.seed));
+  progress.end();
   write_recording(options.out, run.recording);
   if (!options.report.empty()) {
     const std::string page = show::recordings_page({{options.out.filename().string(), run.recording, {}}});

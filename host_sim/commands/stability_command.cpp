@@ -257,15 +257,14 @@ void write_limits(const firmware::RigDescription& description, const std::string
   proven.hardware.schedule.allowed_delay = limits.delay;
   proven.hardware.schedule.allowed_gain = limits.gain;
   const std::string fingerprint = firmware::loop_fingerprint(proven);
-  firmware::write_file(description.source,
-                       firmware::with_loop_proof(description.text, description.source, limits, fingerprint));
-  if (write_json(json, {{"schema", "rigtwin/limits/1"},
-                        {"rig", description.source},
-                        {"allowed_delay", limits.delay},
-                        {"allowed_gain", limits.gain},
-                        {"proven", fingerprint}})) {
-    return;
-  }
+  const std::string text = firmware::with_loop_proof(description.text, description.source, limits, fingerprint);
+  const bool only_json = write_json(json, {{"schema", "rigtwin/limits/1"},
+                                           {"rig", description.source},
+                                           {"allowed_delay", limits.delay},
+                                           {"allowed_gain", limits.gain},
+                                           {"proven", fingerprint}});  // its input is still as read
+  firmware::write_file(description.source, text);
+  if (only_json) return;
   std::printf("%s: stable; [controller] allowed_delay = %.6g s, allowed_gain = %.4g, proven = %.20s…\n",
               description.source.c_str(), limits.delay, limits.gain, fingerprint.c_str());
 }

@@ -1,7 +1,6 @@
 #include "host_sim/commands/verbosity.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <string_view>
 
@@ -17,10 +16,14 @@ Verbosity chosen = Verbosity::normal;
 Verbosity verbosity() { return chosen; }
 
 void add_verbosity(CLI::App& app, int argc, const char* const* argv) {
-  const bool printed = std::any_of(argv, argv + argc, [](const char* word) {
-    const std::string_view text(word);
-    return text == "-" || (text.starts_with("--") && text.ends_with("=-"));
-  });
+  bool printed = false;  // a result that "-" asks for
+  for (int i = 1; i < argc; ++i) {
+    for (const std::string_view option : {"--out", "--json"}) {
+      const std::string_view word(argv[i]);
+      const bool next = word == option && i + 1 < argc && std::string_view(argv[i + 1]) == "-";
+      printed = printed || next || (word.starts_with(option) && word.substr(option.size()) == "=-");
+    }
+  }
   const auto choose = [](Verbosity wanted) {
     if (chosen != Verbosity::normal) throw firmware::UsageError("--quiet and --verbose: expected one of them");
     chosen = wanted;
@@ -30,8 +33,7 @@ void add_verbosity(CLI::App& app, int argc, const char* const* argv) {
         "--quiet",
         [printed, choose] {
           choose(Verbosity::quiet);
-          // Where "-" asks for a result there, the command prints nothing else.
-          if (!printed && std::freopen("/dev/null", "w", stdout) == nullptr) std::fclose(stdout);
+          if (!printed) static_cast<void>(std::freopen("/dev/null", "w", stdout));
         },
         "Print errors only; results go to their files");
     command->add_flag_callback(

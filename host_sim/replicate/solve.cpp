@@ -267,7 +267,7 @@ Solution solve(const DriveModel& model, const Target& target, const BandInverse&
   if (!(total(solution.error) < thresholds::secants_fail) && has_corners(model.rig())) {
     TrajectorySolution along = solve_along_trajectory(model, target, inverse, limits, input, progress);
     solution.rounds += along.rounds;
-    if (total(along.error) < total(solution.error)) {
+    if (!along.drive.empty() && total(along.error) < total(solution.error)) {
       solution.drive = std::move(along.drive);
       solution.answer = std::move(along.answer);
       solution.error = std::move(along.error);

@@ -154,7 +154,7 @@ class SteppedModel final : public SteppedRig {
   }
 
   void gather(const State& x, const DrivePoint& drive, double* to) const {
-    auto& source = const_cast<State&>(x);
+    auto& source = const_cast<State&>(x);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
     for (std::size_t i = 0; i < entries_.size(); ++i) to[i] = *entries_[i].places.front().first(source);
     to[entries_.size()] = drive.position;
     to[entries_.size() + 1] = drive.velocity;
@@ -169,7 +169,9 @@ class SteppedModel final : public SteppedRig {
     return &x.machine(i);
   }
 
-  static model::Recent<double>& losses(State& x) { return const_cast<model::Recent<double>&>(x.ducts.losses()); }
+  static model::Recent<double>& losses(State& x) {
+    return const_cast<model::Recent<double>&>(x.ducts.losses());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+  }
 
   void list_entries() {
     constexpr Place foot_p = [](State& x) { return &x.foot_point.position; };

@@ -39,9 +39,10 @@ struct LimitCost {
 ///   (3)  Q_ww = BᵀPB + R,  Q_wx = BᵀPA + S,  Q_w = Bᵀq + r
 ///   (4)  K = −Q_wx/Q_ww,  κ = −Q_w/Q_ww,  P ← Q_xx − Q_wxᵀ Q_wx/Q_ww,  q ← Q_x − Q_wxᵀ Q_w/Q_ww
 ///
-/// Then the rig itself runs forward with w_k + α κ_k + K_k (s_k − s̄_k): the feedback keeps a step that a corner spoils
-/// from spoiling what follows. α is chosen piece by piece: that of the least cost of the piece plus the cost to go (P, q)
-/// at its end. So a hard knock costs its own piece a shorter step, and no other.
+/// (4) run on the linear form gives the step δw_k, δs_k. Then the rig itself runs forward with
+/// w_k + α δw_k + L (s_k − s̄_k − α δs_k), L the feedback of lead_by(): it keeps a step that a corner spoils from spoiling
+/// what follows. α is chosen piece by piece: that of the least cost of the piece and of the next
+/// thresholds::pieces_ahead. So a hard knock costs its own piece a shorter step, and no other.
 ///
 /// (2) by the augmented Lagrangian: of each limited signal x the cost ½ σ (x + m − clamp(x + m))², and m ← its excess
 /// after an iteration.
@@ -60,7 +61,7 @@ class Tracking {
   /// Another target, from where it is.
   void retarget(const std::vector<std::vector<double>>& target);
   /// Goes on with another rig of the same kind: with the same drive, or (`led`) led along the same motion by the
-  /// feedback of the last iteration.
+  /// feedback of lead_by().
   void exchange(SteppedRig& rig, bool led);
   /// Takes the feedback that leads the rig along a motion from this rig at rest, without corners.
   void lead_by(SteppedRig& linear);

@@ -4,7 +4,7 @@
 places=$(sources | grep -E '^(host_sim|firmware)/')
 status=0
 for card in model/effects/*.hpp; do
-  name=$(sed -nE '/EffectCard<[0-9]+> card/{n;s/^ *\.name = "([a-z_]+)",$/\1/p}' "$card")
+  name=$(grep -oE '\.name = "[a-z_]+"' "$card" | head -n 1 | cut -d'"' -f2 || true)
   [ -n "$name" ] || continue
   if grep -nEH "\"$name\"" $places; then
     echo "  ^ nothing asks for an effect by its name: a field of its card says it ($card)"

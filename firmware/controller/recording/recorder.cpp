@@ -165,9 +165,11 @@ bool Recorder::worth_a_row(const Record& record) {
 
 /// The reason of a record, once; with what may stand behind the next run's first row.
 void Recorder::note_reason(const Record& record) {
-  const bool first = record.trip.reason != reason_ && record.trip.reason != Reason::none;
+  const bool another = record.trip.reason != reason_ || record.trip.time != reason_time_;
+  const bool first = another && record.trip.reason != Reason::none;
   const bool then = record.second != second_ && record.second != Reason::none;
   reason_ = record.trip.reason;
+  reason_time_ = record.trip.time;
   second_ = record.second;
   if (first) {
     ended_by_ = trip_text(record.trip, rig_);

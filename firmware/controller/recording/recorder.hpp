@@ -101,6 +101,7 @@ class Recorder {
   std::string ended_by_;           ///< why the rig is in safe, or was before it became idle
   std::string news_;
   Reason reason_ = Reason::none, second_ = Reason::none;  ///< of the record before
+  hal::Time reason_time_ = hal::never;                    ///< of its trip
   hal::Command stands_{};                                 ///< in safe
   std::uint64_t standing_ = 0;                            ///< records in safe with that command
   std::atomic<std::uint64_t> rows_{0};

@@ -48,6 +48,7 @@ void RecordingThread::say_news() {
   const bool bad = news.starts_with("SAFE STOP") || news.find("then ") != std::string::npos;
   std::FILE* const stream = bad ? stderr : stdout;
   std::fprintf(stream, "rig_controller: %s\n", news.c_str());
+  if (!news.starts_with("then ")) refused_.clear();  // another trip: said anew
   const std::string refused = refusals_ ? refusals_() : std::string();
   if (!refused.empty() && refused != refused_) {
     std::fprintf(stream, "rig_controller: not armed, failed checks: %s\n", refused.c_str());

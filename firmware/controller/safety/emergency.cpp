@@ -28,8 +28,14 @@ hal::Result<void> RememberedCommand::do_write(const hal::Command& command) {
 }
 
 EmergencyReturn::EmergencyReturn(const hal::Rig& rig, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
-                                 double half_stroke, double period)
-    : rig_(rig), command_(command), clock_(clock), ramps_(ramps), half_stroke_(half_stroke), period_(period) {}
+                                 double half_stroke, double period, std::uint32_t hold_to_run)
+    : rig_(rig),
+      command_(command),
+      clock_(clock),
+      ramps_(ramps),
+      half_stroke_(half_stroke),
+      period_(period),
+      hold_to_run_(hold_to_run) {}
 
 void EmergencyReturn::make_valves_safe() {
   if (rig_.high_pressure != nullptr) static_cast<void>(!rig_.high_pressure->write(false));
@@ -41,7 +47,7 @@ void EmergencyReturn::take_power() { static_cast<void>(!rig_.drive_enable.write(
 bool EmergencyReturn::stopped_by_hand() {
   const hal::Result<bool> pressed = rig_.stop_button.pressed();
   const hal::Result<std::uint32_t> open = rig_.interlocks.open();
-  return !pressed || *pressed || !open || *open != 0;
+  return !pressed || *pressed || !open || (*open & ~hold_to_run_) != 0;
 }
 
 int EmergencyReturn::periods_at_most() const {

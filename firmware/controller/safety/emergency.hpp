@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 
 #include "firmware/loop/settings.hpp"
 #include "hal/clock.hpp"
@@ -38,9 +39,9 @@ class EmergencyReturn {
 
   /// Valves, drive enable, stop button and interlocks of the rig; its clock is not asked.
   EmergencyReturn(const hal::Rig& rig, RememberedCommand& command, hal::Clock& clock, const Ramps& ramps,
-                  double half_stroke, double period);
+                  double half_stroke, double period, std::uint32_t hold_to_run = 0);
 
-  /// Valves to the safe position, whatever comes of it.
+  /// High pressure off, valves to the safe position, whatever comes of it.
   void make_valves_safe();
 
   /// And the command to rest as after a trip: braked, then back at the given rate (firmware::ReturnToRest), one write a
@@ -62,6 +63,7 @@ class EmergencyReturn {
   Ramps ramps_;
   double half_stroke_;
   double period_;
+  std::uint32_t hold_to_run_;  ///< interlocks that matter only where a person leads
 };
 
 /// What the trap handler works with; belongs to the caller, until forget_traps().

@@ -54,6 +54,10 @@ rlim_t memory_in_use() {
   const rlim_t most = memory_in_use() + memory;
   const rlimit data{most, most};
   ::setrlimit(RLIMIT_DATA, &data);
+  // A large block in a file (mapped_memory.hpp) is bounded as one on the heap is.
+  const rlimit block{memory, memory};
+  std::signal(SIGXFSZ, SIG_IGN);
+  ::setrlimit(RLIMIT_FSIZE, &block);
   static_cast<void>(std::freopen("/dev/null", "w", stderr));  // what HDF5 has to say about a damaged file
   try {
     read(LeafSender(descriptor));

@@ -91,6 +91,11 @@ class McapReader {
   void read_records(RecordFields& records, bool top) {
     while (!records.rest().empty()) {
       if (top && is_mcap(records.rest())) return;
+      constexpr std::size_t head = 9;  // [byte] of a record: operation code and size
+      if (top && records.rest().size() < head) {
+        cut_off_ = "the log is cut off: what stands in whole records is read";
+        return;
+      }
       const std::uint64_t opcode = records.number(1);
       const std::uint64_t size = records.number(8);
       if (top && size > records.rest().size()) {

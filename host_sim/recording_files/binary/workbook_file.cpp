@@ -241,12 +241,25 @@ std::string text_of_sheet(const std::string& sheet, const std::string& strings, 
   std::size_t column = 0;  // of the field that is being written
   std::string type, value;
   std::size_t style = 0;
+  std::size_t own_row = 0, own_column = 0;  // of a cell that does not say its place
+  bool first_row = true;
   for (XmlScanner scanner(sheet); scanner.next();) {
+    if (scanner.begins("row")) {
+      const int said = std::atoi(std::string(scanner.attribute("r")).c_str());
+      own_row = said > 0 ? static_cast<std::size_t>(said) - 1 : first_row ? 0 : own_row + 1;
+      own_column = 0;
+      first_row = false;
+    }
     if (scanner.begins("c")) {
       type = scanner.attribute("t");
       style = static_cast<std::size_t>(std::max(0, std::atoi(std::string(scanner.attribute("s")).c_str())));
       value.clear();
-      const auto [to_column, to_row] = place_of(scanner.attribute("r"));
+      const auto reference = scanner.attribute("r");
+      const auto [to_column, to_row] = reference.empty() ? std::pair(own_column, own_row) : place_of(reference);
+      own_column = to_column + 1;
+      if (text.size() > largest_part) {
+        throw InputError("sheet", 0, "its text is larger than 2 GiB", "a smaller sheet");
+      }
       if (to_row >= most_rows || to_column >= most_cells_in_a_row) continue;
       for (; row < to_row; ++row, column = 0) text += '\n';
       for (; column < to_column; ++column) text += '\t';

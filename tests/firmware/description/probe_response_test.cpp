@@ -22,6 +22,8 @@ TEST(ProbeResponse, OfASpringIsItsStiffness) {
   const std::string spring = hil.substr(0, fdva) + hil.substr(effects);
   EXPECT_NEAR(stiffness_of(spring), 31'500.0, 1e-6 * 31'500.0);
   EXPECT_NEAR(stiffness_of(spring + "[effects.sensor_gain.F]\ngain = 1.5\n"), 47'250.0, 0.1);
+  EXPECT_NEAR(stiffness_of(spring + "[effects.sensor_offset.F]\noffset = 100.0\n"), 31'500.0, 0.1)
+      << "taken off at rest";
   EXPECT_NEAR(stiffness_of(spring + "[effects.moving_mass]\nmass = 10.0\n"), 31'500.0 - 10.0 * 12.0, 2.0);
 }
 
