@@ -68,8 +68,8 @@ void read_hold(DescriptionTable& entry, model::RigParameters<double>& rig) {
   const std::vector<model::Channel> channels = recorded_channels(entry);
   static_cast<void>(entry.need("period", "the time for which a value is held [s]"));
   entry.number_in("period", period, 0.0, 1.0, "the time for which a value is held [s]");
-  const CatalogueEntry* const hold = find_effect_that([](const CatalogueEntry& entry) {
-    return entry.of_channel && entry.parameters.front().starts.read == model::Reading::renewal_period;
+  const CatalogueEntry* const hold = find_effect_that([](const CatalogueEntry& effect) {
+    return effect.of_channel && effect.parameters.front().starts.read == model::Reading::renewal_period;
   });
   for (const model::Channel channel : channels) put_effect(rig, {hold, channel, {period}});
 }
