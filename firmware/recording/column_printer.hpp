@@ -54,7 +54,8 @@ class ColumnPrinter {
       *to = '0';
       return to + 1;
     }
-    auto whole = static_cast<std::uint64_t>(scaled + 0.5);           // (1)
+    // (1); (2) notices a wrong rounding. NOLINTNEXTLINE(bugprone-incorrect-roundings)
+    auto whole = static_cast<std::uint64_t>(scaled + 0.5);
     if (static_cast<double>(whole) / power != size) return nullptr;  // (2)
     int decimals = decimals_;
     while (decimals > 0 && whole % 10 == 0) {

@@ -60,7 +60,7 @@ std::vector<double> start_of(const IdentificationProblem& problem, const Part& p
 /// Whether the fault is one of all that the machine moves.
 bool is_of_all_that_moves(const IdentificationProblem& problem, const PlacedFault& fault) {
   const SimulationInput& input = problem.samples().front().input;
-  const std::vector<model::Channel> channels = problem.channels();
+  const std::vector<model::Channel>& channels = problem.channels();
   return !input.deflection_reached && !fault.seen && !fault.inverse && delay_of(problem, fault) > 0.0 &&
          std::all_of(channels.begin(), channels.end(), [&](model::Channel c) { return fault.acts_on(c); });
 }
