@@ -75,7 +75,7 @@ verdict() {
 
 "$rigtwin" diagnose --explain helper_spring | grep 'stiffness · max(0, dz_b − onset)'
 
-"$rigtwin" simulate --rig "$work/with.toml" --road iso8608:C --duration 20 --out "$work/run.csv" >"$work/simulate.txt" 2>&1 ||
+"$rigtwin" simulate --rig "$work/with.toml" --road iso8608:C --duration 12 --out "$work/run.csv" >"$work/simulate.txt" 2>&1 ||
   complain "$work/simulate.txt" "simulate fails"
 
 "$rigtwin" stability --rig "$work/with.toml" --json "$work/stability.json" >"$work/stability.txt" 2>&1 ||

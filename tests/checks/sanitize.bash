@@ -29,6 +29,10 @@ NoiseSpectrum.FindsWhen* TransferPrediction.AddsTheNoise* TransferPrediction.C* 
 Uncertainty.HoldsTheTruth* UnitCheck.AreNotSeen* UnitCheck.FindTheChannel*
 END
 )
+# And the rooms that compute: without optimisation they take minutes, and fuzz.diagnose runs them.
+computing=$(grep -rhoE '^TEST(_F|_P)?\(\w+' tests/host_sim/{identification,transfer,plan,stability,compensation,replicate,paper,sweep,show} \
+  tests/host_sim/commands tests/host_sim/manual tests/journeys | sed 's/.*(//; s/^/*/; s/$/.*/' | sort -u | tr '\n' ':')
+LEFT_OUT+=:${computing%:}
 export LEFT_OUT
 
 # A suite stays in one process, for what its tests share; suites that take long begin first, each by itself, the others a score at a time.
