@@ -16,7 +16,7 @@ namespace firmware {
 /// "sha256:" and the SHA-256 of loop_text().
 [[nodiscard]] std::string loop_fingerprint(const RigDescription& description);
 
-/// What the analysis found the loop to bear beyond what is described.
+/// The margins of the loop beyond what is described, as the analysis found them.
 struct LoopLimits {
   double delay = 0.0;  ///< of samples and computation [s]
   double gain = 0.0;   ///< factor on the force

@@ -1,4 +1,4 @@
-// How the described component answers the probe of an arming.
+// The answer of the described component to the probe of an arming.
 #pragma once
 
 #include "firmware/description/rig_description.hpp"

@@ -7,7 +7,7 @@ class App;
 
 namespace host_sim {
 
-/// How much a command says beside its results: errors always, progress and remarks normally on a terminal, with
+/// The output of a command beside its results: errors always, progress and remarks normally on a terminal, with
 /// --verbose progress as lines anywhere, with --quiet neither, and nothing on standard output but what "-" asks for.
 enum class Verbosity { quiet, normal, verbose };
 

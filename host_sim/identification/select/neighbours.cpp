@@ -57,7 +57,7 @@ std::vector<double> start_of(const IdentificationProblem& problem, const Part& p
   return values;
 }
 
-/// Whether the fault is one of all that the machine moves.
+/// True: the fault delays every channel that the machine moves.
 bool is_of_all_that_moves(const IdentificationProblem& problem, const PlacedFault& fault) {
   const SimulationInput& input = problem.samples().front().input;
   const std::vector<model::Channel>& channels = problem.channels();

@@ -106,7 +106,7 @@ std::vector<std::string> shared_strings(std::string_view xml) {
   return strings;
 }
 
-// Whether a number format shows a date or a time: it has letters of them outside quotes and brackets.
+// True: the number format shows a date or a time: it has letters of them outside quotes and brackets.
 bool is_format_of_dates(std::string_view code) {
   bool quoted = false;
   for (std::size_t i = 0; i < code.size(); ++i) {
