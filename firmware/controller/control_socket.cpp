@@ -22,7 +22,7 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/json_text.hpp"
 #include "firmware/description/text/number_text.hpp"
-#include "firmware/loop/reference_player.hpp"
+#include "firmware/loop/reference/reference_player.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace firmware::controller {

@@ -6,7 +6,7 @@
 
 #include "firmware/description/compensation_reader.hpp"
 #include "firmware/description/text/input_error.hpp"
-#include "model/lever_at_rest.hpp"
+#include "model/rig/lever_at_rest.hpp"
 
 namespace firmware {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "firmware/description/rig_description.hpp"
-#include "firmware/loop/settings.hpp"
+#include "firmware/loop/common/settings.hpp"
 #include "firmware/loop/valve_plan.hpp"
 
 namespace firmware {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "firmware/loop/arming_checks.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 

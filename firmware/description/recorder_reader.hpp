@@ -7,7 +7,7 @@
 
 #include "firmware/description/table/rig_description_table.hpp"
 #include "firmware/description/values/recorder_description.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace firmware {
 

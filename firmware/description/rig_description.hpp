@@ -16,12 +16,12 @@
 #include "firmware/description/values/compensation_description.hpp"
 #include "firmware/description/values/hardware_description.hpp"
 #include "firmware/description/values/recorder_description.hpp"
+#include "firmware/loop/common/settings.hpp"
 #include "firmware/loop/duct_control/duct_settings.hpp"
 #include "firmware/loop/kalman/kalman_settings.hpp"
-#include "firmware/loop/settings.hpp"
-#include "model/channel.hpp"
-#include "model/fdva.hpp"
-#include "model/rig_model.hpp"
+#include "model/components/channel.hpp"
+#include "model/components/fdva.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 

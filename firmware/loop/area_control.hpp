@@ -1,7 +1,7 @@
 // Skyhook control of an air spring's area.
 #pragma once
 
-#include "model/rig_equations.hpp"
+#include "model/rig/rig_equations.hpp"
 
 namespace firmware {
 

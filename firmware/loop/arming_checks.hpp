@@ -7,12 +7,12 @@
 #include <optional>
 #include <span>
 
-#include "firmware/loop/ramp.hpp"
-#include "firmware/loop/settings.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/common/settings.hpp"
+#include "firmware/loop/common/trip.hpp"
+#include "firmware/loop/reference/ramp.hpp"
 #include "hal/command_output.hpp"
 #include "hal/time.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace firmware {
 

@@ -1,8 +1,8 @@
 // What may ride along with the control loop: an estimator, a policy for the ducts.
 #pragma once
 
-#include "firmware/loop/sample_guard.hpp"
-#include "firmware/loop/state_estimator.hpp"
+#include "firmware/loop/estimator/state_estimator.hpp"
+#include "firmware/loop/guards/sample_guard.hpp"
 #include "hal/time.hpp"
 #include "hal/valve_bank.hpp"
 

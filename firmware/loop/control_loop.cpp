@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-#include "model/require.hpp"
+#include "model/numerics/require.hpp"
 
 namespace firmware {
 namespace {

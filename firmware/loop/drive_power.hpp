@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/loop/settings.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/common/settings.hpp"
+#include "firmware/loop/common/trip.hpp"
 #include "hal/drive_enable.hpp"
 #include "hal/time.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace firmware {
 

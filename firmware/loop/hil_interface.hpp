@@ -3,16 +3,16 @@
 
 #include <optional>
 
+#include "firmware/loop/common/settings.hpp"
+#include "firmware/loop/common/trip.hpp"
 #include "firmware/loop/compensation/compensation.hpp"
-#include "firmware/loop/energy_guard.hpp"
+#include "firmware/loop/guards/energy_guard.hpp"
+#include "firmware/loop/guards/sample_guard.hpp"
 #include "firmware/loop/journal.hpp"
-#include "firmware/loop/reference.hpp"
-#include "firmware/loop/sample_guard.hpp"
-#include "firmware/loop/settings.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/reference/reference.hpp"
 #include "hal/command_output.hpp"
 #include "hal/valve_bank.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 

@@ -8,14 +8,14 @@
 #include <optional>
 #include <span>
 
-#include "firmware/loop/mode.hpp"
-#include "firmware/loop/state_estimator.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/common/mode.hpp"
+#include "firmware/loop/common/trip.hpp"
+#include "firmware/loop/estimator/state_estimator.hpp"
 #include "hal/command_output.hpp"
 #include "hal/time.hpp"
 #include "hal/valve_bank.hpp"
-#include "model/channel.hpp"
-#include "model/require.hpp"
+#include "model/components/channel.hpp"
+#include "model/numerics/require.hpp"
 
 namespace firmware {
 

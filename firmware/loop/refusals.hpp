@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/common/trip.hpp"
 
 namespace firmware {
 

@@ -9,7 +9,7 @@
 
 #include "hal/time.hpp"
 #include "hal/valve_bank.hpp"
-#include "model/require.hpp"
+#include "model/numerics/require.hpp"
 
 namespace firmware {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware/description/text/quantity.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace firmware {
 

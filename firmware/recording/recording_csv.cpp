@@ -18,7 +18,7 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/description/values/channel_map.hpp"
-#include "firmware/loop/mode.hpp"
+#include "firmware/loop/common/mode.hpp"
 #include "firmware/recording/column_printer.hpp"
 #include "firmware/recording/column_targets.hpp"
 #include "firmware/recording/recording.hpp"

@@ -3,7 +3,7 @@
 
 #include "firmware/loop/area_control.hpp"
 #include "firmware/loop/compensation/compensation.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 

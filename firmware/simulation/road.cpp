@@ -7,7 +7,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/simulation/road_stream.hpp"
-#include "model/road_filter.hpp"
+#include "model/components/road_filter.hpp"
 
 namespace firmware {
 

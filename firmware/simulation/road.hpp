@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "model/motion.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/numerics/motion.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace firmware {
 

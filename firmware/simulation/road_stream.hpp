@@ -7,8 +7,8 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/simulation/gaussian.hpp"
 #include "firmware/simulation/road.hpp"
-#include "model/rig_model.hpp"
-#include "model/road_filter.hpp"
+#include "model/components/road_filter.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 

@@ -9,9 +9,9 @@
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/text/number_text.hpp"
-#include "firmware/loop/command_guard.hpp"
+#include "firmware/loop/guards/command_guard.hpp"
 #include "firmware/simulation/compensated_period.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 namespace {

@@ -8,7 +8,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/simulation/gaussian.hpp"
 #include "hal/simulated/plant.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 

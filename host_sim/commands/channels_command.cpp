@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/description/text/input_error.hpp"
-#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/report/channel_glossary.hpp"
 
 namespace host_sim {

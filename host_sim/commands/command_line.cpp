@@ -15,7 +15,9 @@
 #include "firmware/description/text/spelling.hpp"
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/channels_command.hpp"
-#include "host_sim/commands/commit.hpp"
+#include "host_sim/commands/common/commit.hpp"
+#include "host_sim/commands/common/how_made.hpp"
+#include "host_sim/commands/common/verbosity.hpp"
 #include "host_sim/commands/compare_command.hpp"
 #include "host_sim/commands/compensation_command.hpp"
 #include "host_sim/commands/diagnose_command.hpp"
@@ -23,7 +25,6 @@
 #include "host_sim/commands/estimate_command.hpp"
 #include "host_sim/commands/fmu_command.hpp"
 #include "host_sim/commands/frf_command.hpp"
-#include "host_sim/commands/how_made.hpp"
 #include "host_sim/commands/import_command.hpp"
 #include "host_sim/commands/init_command.hpp"
 #include "host_sim/commands/new_effect_command.hpp"
@@ -36,7 +37,6 @@
 #include "host_sim/commands/stability_command.hpp"
 #include "host_sim/commands/sweep_command.hpp"
 #include "host_sim/commands/transfer_command.hpp"
-#include "host_sim/commands/verbosity.hpp"
 #include "host_sim/commands/watch_command.hpp"
 
 namespace host_sim {

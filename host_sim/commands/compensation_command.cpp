@@ -5,8 +5,8 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
-#include "host_sim/commands/how_made.hpp"
-#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/common/how_made.hpp"
+#include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/compensation/comparison_report.hpp"
 #include "host_sim/compensation/machine_record.hpp"
 #include "host_sim/compensation/record_page.hpp"

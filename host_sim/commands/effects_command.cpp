@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/description/values/effects_by_name.hpp"
-#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/common/json_output.hpp"
 
 namespace host_sim {
 

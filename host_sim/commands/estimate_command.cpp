@@ -10,8 +10,8 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
-#include "host_sim/commands/how_made.hpp"
-#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/common/how_made.hpp"
+#include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/estimation/run_filter.hpp"
 #include "host_sim/estimation/wheel_load_report.hpp"
 #include "host_sim/recording_files/recording_files.hpp"

@@ -7,7 +7,7 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/sha256.hpp"
-#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/compensation/compensated_stability.hpp"
 #include "host_sim/fmu/archive.hpp"
 #include "host_sim/fmu/model_description.hpp"

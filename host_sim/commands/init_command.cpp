@@ -13,8 +13,8 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
 #include "firmware/recording/output_file.hpp"
-#include "host_sim/commands/json_output.hpp"
-#include "host_sim/commands/option_checks.hpp"
+#include "host_sim/commands/common/json_output.hpp"
+#include "host_sim/commands/common/option_checks.hpp"
 
 namespace host_sim {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "firmware/recording/output_file.hpp"
-#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/new_effect/new_effect.hpp"
 
 namespace host_sim {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/description/version.hpp"
-#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/common/json_output.hpp"
 
 namespace host_sim {
 namespace {

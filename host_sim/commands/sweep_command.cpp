@@ -10,9 +10,9 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/output_file.hpp"
-#include "host_sim/commands/how_made.hpp"
-#include "host_sim/commands/json_output.hpp"
-#include "host_sim/commands/progress.hpp"
+#include "host_sim/commands/common/how_made.hpp"
+#include "host_sim/commands/common/json_output.hpp"
+#include "host_sim/commands/common/progress.hpp"
 #include "host_sim/sweep/merge.hpp"
 #include "host_sim/sweep/rig_case.hpp"
 #include "host_sim/sweep/run_cases.hpp"

@@ -9,7 +9,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/internet_address.hpp"
-#include "host_sim/commands/json_output.hpp"
+#include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/watch/access.hpp"
 #include "host_sim/watch/receiver.hpp"
 #include "host_sim/watch/watch_server.hpp"

@@ -11,9 +11,9 @@
 #include <type_traits>
 
 #include "host_sim/comparison/lane_simulation.hpp"
-#include "model/lane_delay_line.hpp"
-#include "model/lanes.hpp"
-#include "model/rig_model.hpp"
+#include "model/numerics/lane_delay_line.hpp"
+#include "model/numerics/lanes.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace host_sim {
 

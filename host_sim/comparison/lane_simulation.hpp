@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "model/channel.hpp"
-#include "model/fdva.hpp"
+#include "model/components/channel.hpp"
+#include "model/components/fdva.hpp"
 #include "model/laws/law_tables.hpp"
-#include "model/motion.hpp"
+#include "model/numerics/motion.hpp"
 
 namespace host_sim {
 

@@ -10,7 +10,7 @@
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/loop/area_control.hpp"
 #include "host_sim/comparison/measured_motion.hpp"
-#include "model/sensors.hpp"
+#include "model/components/sensors.hpp"
 
 namespace host_sim {
 namespace {

@@ -9,7 +9,7 @@
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/simulation/road.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace host_sim {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "firmware/recording/recording.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim {
 

@@ -13,7 +13,7 @@
 #include "host_sim/stability/roots/eigenvalues.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "host_sim/stability/roots/step_state.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace host_sim::compensation {
 namespace {

@@ -5,7 +5,7 @@
 #include <complex>
 
 #include "firmware/loop/compensation/compensator.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim::compensation {
 

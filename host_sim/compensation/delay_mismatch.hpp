@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "firmware/loop/compensation/settings.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim::compensation {
 

@@ -1,7 +1,7 @@
 // A rig whose machine and sensors are ideal: what a compensated loop is compared with.
 #pragma once
 
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim::compensation {
 

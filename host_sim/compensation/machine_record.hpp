@@ -8,7 +8,7 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/recording/recording.hpp"
-#include "model/subsystems.hpp"
+#include "model/components/subsystems.hpp"
 
 namespace host_sim::compensation {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
+#include "firmware/loop/common/trip.hpp"
 #include "firmware/loop/journal.hpp"
-#include "firmware/loop/reference.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/reference/reference.hpp"
 #include "firmware/simulation/road.hpp"
 #include "firmware/simulation/simulated_rig.hpp"
 

@@ -11,7 +11,7 @@
 #include "firmware/recording/recording.hpp"
 #include "host_sim/frf/block_choice.hpp"
 #include "host_sim/frf/estimators.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim::frf {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/common/trip.hpp"
 #include "host_sim/paper/transfer_estimate.hpp"
 #include "host_sim/stability/map/stability_map.hpp"
 #include "host_sim/stability/margins/analysis.hpp"

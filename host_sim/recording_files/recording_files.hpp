@@ -10,7 +10,7 @@
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/recording_files/text/text_table.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim {
 

@@ -4,8 +4,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "model/rig_model.hpp"
-#include "model/subsystems.hpp"
+#include "model/components/subsystems.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace host_sim::replicate {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "model/channel.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/components/channel.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim::replicate {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim::report {
 

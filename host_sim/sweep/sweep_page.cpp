@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host_sim/report/report.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim::sweep {
 namespace {

@@ -13,7 +13,7 @@
 #include <cstring>
 
 #include "firmware/description/text/input_error.hpp"
-#include "firmware/loop/reference_player.hpp"
+#include "firmware/loop/reference/reference_player.hpp"
 
 namespace host_sim::watch {
 namespace {

@@ -1,8 +1,8 @@
 // Free play between the suspension and its component.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

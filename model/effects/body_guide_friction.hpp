@@ -1,8 +1,8 @@
 // Dry friction of the body's guide.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

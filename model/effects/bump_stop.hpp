@@ -1,8 +1,8 @@
 // Stops at the ends of the suspension travel.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

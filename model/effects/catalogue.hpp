@@ -7,7 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
+#include "model/components/subsystems.hpp"
 #include "model/effects/actuator_delay.hpp"
 #include "model/effects/actuator_lag.hpp"
 #include "model/effects/actuator_rate_limit.hpp"
@@ -43,7 +44,6 @@
 #include "model/effects/viscous_damping.hpp"
 #include "model/effects/wheel_guide_damping.hpp"
 #include "model/effects/wheel_guide_friction.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

@@ -8,9 +8,9 @@
 #include <initializer_list>
 #include <string_view>
 
-#include "model/channel.hpp"
-#include "model/require.hpp"
-#include "model/select.hpp"
+#include "model/components/channel.hpp"
+#include "model/numerics/require.hpp"
+#include "model/numerics/select.hpp"
 
 namespace model {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

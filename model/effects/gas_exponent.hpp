@@ -1,8 +1,8 @@
 // Polytropic exponent of an air spring that is not the described one.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

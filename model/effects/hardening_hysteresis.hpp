@@ -1,9 +1,9 @@
 // Hysteresis that stiffens as it loads.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/hysteresis_path.hpp"
-#include "model/subsystems.hpp"
+#include "model/numerics/hysteresis_path.hpp"
 
 namespace model {
 

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/elementary.hpp"
-#include "model/subsystems.hpp"
+#include "model/numerics/elementary.hpp"
 
 namespace model {
 

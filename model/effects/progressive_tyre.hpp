@@ -1,8 +1,8 @@
 // Tyre whose stiffness changes with deflection.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

@@ -1,8 +1,8 @@
 // Relaxing spring (Maxwell branch).
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

@@ -1,8 +1,8 @@
 // Dry friction of the FDVA piston.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

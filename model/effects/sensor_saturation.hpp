@@ -1,8 +1,8 @@
 // Saturation of a sensor.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

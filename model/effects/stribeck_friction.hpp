@@ -1,9 +1,9 @@
 // Dry friction that falls with velocity.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/elementary.hpp"
-#include "model/subsystems.hpp"
+#include "model/numerics/elementary.hpp"
 
 namespace model {
 

@@ -1,8 +1,8 @@
 // Lift-off of the tyre.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

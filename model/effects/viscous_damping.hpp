@@ -1,8 +1,8 @@
 // Additional linear damping of the suspension component.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

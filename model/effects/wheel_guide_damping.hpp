@@ -1,8 +1,8 @@
 // Viscous drag of the wheel's guide.
 #pragma once
 
+#include "model/components/subsystems.hpp"
 #include "model/effects/effect.hpp"
-#include "model/subsystems.hpp"
 
 namespace model {
 

@@ -1,9 +1,9 @@
 // A branch with memory.
 #pragma once
 
-#include "model/exact_discretisation.hpp"
-#include "model/inline.hpp"
 #include "model/laws/law_tables.hpp"
+#include "model/numerics/exact_discretisation.hpp"
+#include "model/numerics/inline.hpp"
 
 namespace model {
 

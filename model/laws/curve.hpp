@@ -7,9 +7,9 @@
 #include <limits>
 #include <type_traits>
 
-#include "model/inline.hpp"
 #include "model/laws/law_tables.hpp"
-#include "model/select.hpp"
+#include "model/numerics/inline.hpp"
+#include "model/numerics/select.hpp"
 
 namespace model {
 

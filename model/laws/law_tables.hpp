@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "model/channel.hpp"
-#include "model/select.hpp"
+#include "model/components/channel.hpp"
+#include "model/numerics/select.hpp"
 
 namespace model {
 

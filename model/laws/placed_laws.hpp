@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "model/inline.hpp"
 #include "model/laws/branch.hpp"
 #include "model/laws/curve.hpp"
 #include "model/laws/surface.hpp"
-#include "model/motion.hpp"
+#include "model/numerics/inline.hpp"
+#include "model/numerics/motion.hpp"
 
 namespace model {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstddef>
 
-#include "model/inline.hpp"
 #include "model/laws/curve.hpp"
-#include "model/select.hpp"
+#include "model/numerics/inline.hpp"
+#include "model/numerics/select.hpp"
 
 namespace model {
 

@@ -26,8 +26,8 @@
 #include <string>
 #include <vector>
 
-#include "model/rig_model.hpp"
-#include "model/road_filter.hpp"
+#include "model/components/road_filter.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace {
 

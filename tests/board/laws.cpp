@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 #include "tests/board/run.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "hal/simulated/rig.hpp"
-#include "model/road_filter.hpp"
+#include "model/components/road_filter.hpp"
 #include "tests/board/run.hpp"
 
 namespace {

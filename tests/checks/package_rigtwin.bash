@@ -41,7 +41,7 @@ dpkg-deb -I "$program" | grep -E 'Depends|Version|Description'
 for file in bin/rigtwin bin/rig_controller lib/rigtwin/fmu/linux64/rigtwin.so $arm share/rigtwin/rigs/paper_hil_fdva.toml \
   share/man/man1/rigtwin.1 share/man/man1/rig_controller.1 share/bash-completion/completions/rigtwin share/doc/rigtwin/LICENSE \
   share/doc/rigtwin/manual.html share/doc/rigtwin/tour.sh lib/rigtwin/libmodel.a lib/cmake/rigtwin/rigtwin-config.cmake \
-  include/rigtwin/model/rig_model.hpp include/rigtwin/model/laws/placed_laws.hpp; do
+  include/rigtwin/model/rig/rig_model.hpp include/rigtwin/model/laws/placed_laws.hpp; do
   [ -s "$folder/root/usr/$file" ] || complain "/usr/$file is missing"
 done
 

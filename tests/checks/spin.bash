@@ -1,5 +1,5 @@
 #!/bin/bash
-# spin.bash RIGTWIN_SPIN -- the states, requests and reasons of the controller (firmware/loop/mode.hpp, trip.hpp), printed as a Promela model by
+# spin.bash RIGTWIN_SPIN -- the states, requests and reasons of the controller (firmware/loop/common/mode.hpp, trip.hpp), printed as a Promela model by
 # rigtwin_spin and explored whole by SPIN: power never without arming, a press always ends in no power and in safe, which is so a way from every
 # state, and the first reason is kept. A model that cannot fail proves nothing: each property is also broken once, and must be missed.
 . "$(dirname "$0")/common.bash"

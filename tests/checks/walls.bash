@@ -57,11 +57,13 @@ forbid 'the truth generator shares nothing with what it judges' '"(model|hal|fir
 forbid 'what is compiled for one kind of processor shares no inline code with other sources (host_sim/comparison/README.md)' \
   '(<(algorithm|functional|map|memory|optional|set|string|vector)>|"(firmware|hal)/)' $(in_room 'host_sim/comparison/lane')
 
+order model numerics components effects laws rig
 order firmware loop description recording simulation controller
-order firmware/loop compensation kalman duct_control
+order firmware/loop common compensation kalman duct_control guards estimator reference
 order firmware/description text table laws values
 order firmware/controller real_time safety devices reference recording publishing
 order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability compensation frf show paper identification plan replicate transfer sweep watch new_effect manual commands
+order host_sim/commands common
 order host_sim/recording_files tables text binary export
 order host_sim/stability roots margins map report
 order host_sim/identification common prepare predict noise parity estimate select learn assess report

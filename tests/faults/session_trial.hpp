@@ -7,7 +7,7 @@
 
 #include "firmware/controller/run.hpp"
 #include "firmware/description/rig_description.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/common/trip.hpp"
 #include "hal/simulated/fault_plan.hpp"
 
 namespace faults {

@@ -15,7 +15,7 @@
 #include "firmware/simulation/simulated_rig.hpp"
 #include "hal/simulated/rig.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
-#include "model/road_filter.hpp"
+#include "model/components/road_filter.hpp"
 #include "tests/support/rig_texts.hpp"
 
 namespace energy_guard_test {

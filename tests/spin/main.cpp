@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/loop/mode.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/common/mode.hpp"
+#include "firmware/loop/common/trip.hpp"
 
 namespace {
 
@@ -232,7 +232,7 @@ active proctype controller() {
 }  // namespace
 
 int main() {
-  std::puts("/* Printed from firmware/loop/mode.hpp and trip.hpp by tests/spin/main.cpp. */");
+  std::puts("/* Printed from firmware/loop/common/mode.hpp and trip.hpp by tests/spin/main.cpp. */");
   print_names("M_", Mode::safe);
   print_names("E_", last_event);
   std::printf("#define E_NONE 255\n");

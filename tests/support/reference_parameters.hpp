@@ -1,7 +1,7 @@
 // The paper's rigs with the project's reference FDVA, as parameters of the model.
 #pragma once
 
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace support {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/motion.hpp"
-#include "model/road_filter.hpp"
+#include "model/components/road_filter.hpp"
+#include "model/numerics/motion.hpp"
 
 namespace support {
 

@@ -9,7 +9,7 @@
 
 #include "firmware/controller/devices/options.hpp"
 #include "firmware/description/rig_description.hpp"
-#include "firmware/loop/mode.hpp"
+#include "firmware/loop/common/mode.hpp"
 #include "hal/rig.hpp"
 
 namespace firmware::controller {

@@ -10,7 +10,7 @@
 
 #include "firmware/description/control_settings.hpp"
 #include "firmware/description/text/input_error.hpp"
-#include "firmware/loop/reference_player.hpp"
+#include "firmware/loop/reference/reference_player.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/simulation/simulated_setup.hpp"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "model/require.hpp"
+#include "model/numerics/require.hpp"
 
 namespace firmware::controller {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "firmware/description/rig_description.hpp"
+#include "firmware/loop/common/trip.hpp"
 #include "firmware/loop/refusals.hpp"
-#include "firmware/loop/trip.hpp"
 
 namespace firmware::controller {
 

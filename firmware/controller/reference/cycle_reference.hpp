@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "firmware/loop/reference.hpp"
+#include "firmware/loop/reference/reference.hpp"
 
 namespace firmware::controller {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "firmware/controller/reference/cycle_reference.hpp"
-#include "model/require.hpp"
+#include "model/numerics/require.hpp"
 
 namespace firmware::controller {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "firmware/loop/reference.hpp"
+#include "firmware/loop/reference/reference.hpp"
 
 namespace firmware::controller {
 

@@ -4,7 +4,7 @@
 
 #include "firmware/description/programme.hpp"
 #include "firmware/description/text/input_error.hpp"
-#include "firmware/loop/reference_player.hpp"
+#include "firmware/loop/reference/reference_player.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/simulation/road_choice.hpp"
 #include "firmware/simulation/run_objection.hpp"

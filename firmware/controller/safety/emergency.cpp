@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "firmware/controller/safety/systemd_notify.hpp"
-#include "firmware/loop/ramp.hpp"
+#include "firmware/loop/reference/ramp.hpp"
 #include "hal/linux/clock.hpp"
 
 namespace firmware::controller {

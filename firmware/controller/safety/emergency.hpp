@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "firmware/loop/settings.hpp"
+#include "firmware/loop/common/settings.hpp"
 #include "hal/clock.hpp"
 #include "hal/command_output.hpp"
 #include "hal/rig.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 

@@ -5,7 +5,7 @@
 
 #include "firmware/description/laws/law_description.hpp"
 #include "firmware/description/table/rig_description_table.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 

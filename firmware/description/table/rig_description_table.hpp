@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/description/text/spelling.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace firmware {
 

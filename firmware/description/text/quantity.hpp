@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace firmware {
 

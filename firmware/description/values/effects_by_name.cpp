@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace firmware {
 namespace {

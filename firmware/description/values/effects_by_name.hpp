@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 #include "model/effects/effect.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace firmware {
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "firmware/description/text/number_text.hpp"
-#include "model/air_spring.hpp"
-#include "model/lever_at_rest.hpp"
+#include "model/components/air_spring.hpp"
+#include "model/rig/lever_at_rest.hpp"
 
 namespace firmware {
 namespace {

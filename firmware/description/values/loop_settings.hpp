@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/loop/settings.hpp"
+#include "firmware/loop/common/settings.hpp"
 
 namespace firmware {
 

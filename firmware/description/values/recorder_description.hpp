@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace firmware {
 

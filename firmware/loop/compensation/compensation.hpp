@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "hal/command_output.hpp"
-#include "model/motion.hpp"
+#include "model/numerics/motion.hpp"
 
 namespace firmware {
 

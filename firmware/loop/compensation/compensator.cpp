@@ -1,7 +1,7 @@
 #include "firmware/loop/compensation/compensator.hpp"
 
 #include "firmware/loop/compensation/arithmetic.hpp"
-#include "model/require.hpp"
+#include "model/numerics/require.hpp"
 
 namespace firmware::compensation {
 bool Compensator::fits(const Settings& settings, double period) {

@@ -1,6 +1,6 @@
 #include "firmware/loop/compensation/lead_polynomial.hpp"
 
-#include "model/require.hpp"
+#include "model/numerics/require.hpp"
 
 namespace firmware::compensation {
 namespace {

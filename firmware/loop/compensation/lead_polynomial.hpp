@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "model/delay_line.hpp"
+#include "model/numerics/delay_line.hpp"
 
 namespace firmware::compensation {
 

@@ -1,7 +1,7 @@
 #include "firmware/loop/compensation/settings.hpp"
 
 #include "firmware/loop/compensation/arithmetic.hpp"
-#include "model/elementary.hpp"
+#include "model/numerics/elementary.hpp"
 
 namespace firmware::compensation {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <string_view>
 
-#include "model/fdva.hpp"
-#include "model/subsystems.hpp"
+#include "model/components/fdva.hpp"
+#include "model/components/subsystems.hpp"
 
 namespace firmware::compensation {
 

@@ -1,7 +1,7 @@
 // A low-pass whose states are the derivatives of its output.
 #pragma once
 
-#include "model/exact_discretisation.hpp"
+#include "model/numerics/exact_discretisation.hpp"
 
 namespace firmware::compensation {
 

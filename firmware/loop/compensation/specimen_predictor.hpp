@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "firmware/loop/compensation/settings.hpp"
-#include "model/delay_line.hpp"
-#include "model/machine.hpp"
+#include "model/components/machine.hpp"
+#include "model/numerics/delay_line.hpp"
 
 namespace firmware::compensation {
 

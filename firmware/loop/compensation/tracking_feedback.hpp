@@ -2,7 +2,7 @@
 #pragma once
 
 #include "firmware/loop/compensation/settings.hpp"
-#include "model/exact_discretisation.hpp"
+#include "model/numerics/exact_discretisation.hpp"
 
 namespace firmware::compensation {
 

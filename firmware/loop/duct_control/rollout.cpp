@@ -1,7 +1,7 @@
 #include "firmware/loop/duct_control/rollout.hpp"
 
 #include "firmware/loop/kalman/square_matrices.hpp"
-#include "model/fdva.hpp"
+#include "model/components/fdva.hpp"
 
 namespace firmware {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "model/require.hpp"
+#include "model/numerics/require.hpp"
 
 namespace firmware {
 namespace {

@@ -6,12 +6,12 @@
 #include <string_view>
 
 #include "firmware/loop/kalman/kalman_settings.hpp"
-#include "model/channel.hpp"
-#include "model/duct_flows.hpp"
-#include "model/exact_discretisation.hpp"
-#include "model/rig_equations.hpp"
-#include "model/road_filter.hpp"
-#include "model/sensors.hpp"
+#include "model/components/channel.hpp"
+#include "model/components/duct_flows.hpp"
+#include "model/components/road_filter.hpp"
+#include "model/components/sensors.hpp"
+#include "model/numerics/exact_discretisation.hpp"
+#include "model/rig/rig_equations.hpp"
 
 namespace firmware {
 

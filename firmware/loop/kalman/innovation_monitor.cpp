@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "model/elementary.hpp"
+#include "model/numerics/elementary.hpp"
 
 namespace firmware {
 namespace {

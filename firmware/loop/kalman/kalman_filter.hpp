@@ -10,7 +10,7 @@
 #include "hal/sensor_source.hpp"
 #include "hal/time.hpp"
 #include "hal/valve_bank.hpp"
-#include "model/duct_flows.hpp"
+#include "model/components/duct_flows.hpp"
 
 namespace firmware {
 

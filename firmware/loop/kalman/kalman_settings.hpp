@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace firmware {
 

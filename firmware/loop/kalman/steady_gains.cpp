@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "firmware/loop/kalman/square_matrices.hpp"
-#include "model/exact_discretisation.hpp"
+#include "model/numerics/exact_discretisation.hpp"
 
 namespace firmware {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "firmware/loop/kalman/estimator_equations.hpp"
-#include "model/fdva.hpp"
+#include "model/components/fdva.hpp"
 
 namespace firmware {
 

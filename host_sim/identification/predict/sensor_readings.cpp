@@ -7,7 +7,7 @@
 
 #include "host_sim/comparison/side_by_side.hpp"
 #include "host_sim/identification/predict/true_input.hpp"
-#include "model/sensors.hpp"
+#include "model/components/sensors.hpp"
 
 namespace host_sim::identification {
 

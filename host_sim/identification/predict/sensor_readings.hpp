@@ -49,7 +49,7 @@ struct SimulatedRig {
 /// True if a channel's samples differ from its true values by a sensor effect or a fault of the recording.
 [[nodiscard]] bool is_altered(const Hypothesis& hypothesis, model::Channel channel);
 
-/// Readings of one channel from its true values: the model's own sensors (model/sensors.hpp) are stepped over one
+/// Readings of one channel from its true values: the model's own sensors (model/components/sensors.hpp) are stepped over one
 /// channel, so a sensor effect costs no simulation. A held channel is renewed where the recording was
 /// (prepare/sample_hold.hpp), with the value of that sample or, by a clock of its own,
 ///

@@ -15,7 +15,7 @@ namespace host_sim::identification {
                                  model::Channel channel);
 
 /// A rig is moved by the true input u; its sensor gave y, and the hypothesis says with which effects
-/// (model/sensors.hpp, in their order gain g, lag T, delay τ, hold). So
+/// (model/components/sensors.hpp, in their order gain g, lag T, delay τ, hold). So
 ///
 ///   (0)  y(t) between renewals of a hold  by before_hold() (prepare/sample_hold.hpp)
 ///   (1)  v(t) = y(t + τ)                  on a polynomial of fifth order between samples

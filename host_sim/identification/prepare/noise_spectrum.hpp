@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim::identification {
 

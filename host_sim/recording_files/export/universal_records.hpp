@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "firmware/description/text/quantity.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim::universal {
 

@@ -7,7 +7,7 @@
 
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/description/text/units.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim {
 

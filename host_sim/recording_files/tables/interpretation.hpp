@@ -9,7 +9,7 @@
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/description/values/channel_map.hpp"
 #include "host_sim/recording_files/tables/raw_table.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim {
 

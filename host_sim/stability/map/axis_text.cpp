@@ -10,7 +10,7 @@
 #include "host_sim/stability/map/stability_map.hpp"
 #include "host_sim/stability/margins/crossings.hpp"
 #include "host_sim/stability/margins/sensitivity.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace host_sim::stability {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "firmware/description/text/input_error.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace host_sim::stability {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host_sim/stability/roots/linear_rig.hpp"
-#include "model/channel.hpp"
+#include "model/components/channel.hpp"
 
 namespace host_sim::stability {
 

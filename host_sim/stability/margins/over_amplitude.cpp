@@ -11,11 +11,11 @@
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/margins/analysis.hpp"
+#include "model/components/quarter_car.hpp"
 #include "model/laws/branch.hpp"
 #include "model/laws/curve.hpp"
 #include "model/laws/surface.hpp"
-#include "model/quarter_car.hpp"
-#include "model/rig_equations.hpp"
+#include "model/rig/rig_equations.hpp"
 
 namespace host_sim::stability {
 namespace {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "model/components/machine.hpp"
+#include "model/components/subsystems.hpp"
 #include "model/laws/surface.hpp"
-#include "model/lever_at_rest.hpp"
-#include "model/machine.hpp"
-#include "model/rig_equations.hpp"
-#include "model/subsystems.hpp"
+#include "model/rig/lever_at_rest.hpp"
+#include "model/rig/rig_equations.hpp"
 
 namespace host_sim::stability {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host_sim/stability/roots/delay_equation.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim::stability {
 

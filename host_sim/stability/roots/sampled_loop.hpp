@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host_sim/stability/roots/polynomial.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim::stability {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "model/lever.hpp"
+#include "model/components/lever.hpp"
 
 namespace host_sim::stability {
 namespace {

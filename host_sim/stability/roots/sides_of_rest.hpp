@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim::stability {
 

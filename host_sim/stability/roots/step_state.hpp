@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace host_sim::stability {
 

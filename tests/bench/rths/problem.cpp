@@ -9,7 +9,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "model/exact_discretisation.hpp"
+#include "model/numerics/exact_discretisation.hpp"
 
 namespace rths {
 namespace {

@@ -1,7 +1,7 @@
 // A quarter car rolls over a kerb of 20 mm that is 2 m long, at 10 m/s: the peak of the wheel load.
 #include <algorithm>
 #include <cstdio>
-#include <model/rig_model.hpp>
+#include <model/rig/rig_model.hpp>
 
 int main() {
   model::RigParameters<double> rig;  // a quarter_car unless it says otherwise

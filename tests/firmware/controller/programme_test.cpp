@@ -12,7 +12,7 @@
 #include "firmware/controller/devices/devices.hpp"
 #include "firmware/controller/reference/programme_reference.hpp"
 #include "firmware/description/text/input_error.hpp"
-#include "firmware/loop/reference_player.hpp"
+#include "firmware/loop/reference/reference_player.hpp"
 
 namespace {
 

@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "firmware/description/text/sha256.hpp"
-#include "firmware/loop/mode.hpp"
-#include "firmware/loop/trip.hpp"
+#include "firmware/loop/common/mode.hpp"
+#include "firmware/loop/common/trip.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "host_sim/closed_loop/closed_loop.hpp"
@@ -412,15 +412,26 @@ TEST(RigController, LostRecordsEndTheRun) {
               AllOf(HasSubstr(" lost records: the disk is too slow; valves safe, command at rest")));
 }
 
+/// Until a run has written rows: a signal before power is on ends it where it stands.
+void wait_until_it_moves(const std::string& recording) {
+  std::error_code none;
+  for (int i = 0; i < 1000; ++i) {
+    const auto bytes = std::filesystem::file_size(recording, none);
+    if (!none && bytes > 20'000) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
 // Every signal that can be caught ends a run in good order.
 TEST(RigController, EverySignalEndsARunInGoodOrder) {
   const TemporaryFolder folder;
-  const std::string rig = patient_rig(folder);
+  const std::string rig = patient_rig(folder, "1000.0");
   for (const int signal :
        {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGUSR2, SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGPWR, SIGRTMIN}) {
-    Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--out",
-                        folder / (std::to_string(signal) + ".csv")});
+    const std::string recording = folder / (std::to_string(signal) + ".csv");
+    Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "600", "--out", recording});
     ASSERT_TRUE(running.says("running: "));
+    wait_until_it_moves(recording);
     ::kill(running.program.id(), signal);
     const Ended ended = running.program.wait();
     EXPECT_EQ(ended.status, 0) << signal;
@@ -740,9 +751,7 @@ TEST(RigController, ReplaysStopsAndLimits) {
   const std::string rig = patient_rig(folder);
   Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "60", "--out", folder / "run.csv"});
   ASSERT_TRUE(running.says("running: "));
-  for (int i = 0; i < 1000 && std::filesystem::file_size(folder / "run.csv") < 20'000; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  wait_until_it_moves(folder / "run.csv");
   ::kill(running.program.id(), SIGTERM);
   ASSERT_EQ(running.program.wait().status, 0);
   const Ended stopped = controller({"--rig", rig, "--replay", folder / "run.csv", "--out", folder / "replayed.csv"});
@@ -839,9 +848,7 @@ TEST(RigController, EndsSafeAfterAStopOfTheProcess) {
   const std::string out = folder / "run.csv";
   Controller running({"--rig", rig, "--simulated", "--no-realtime", "--duration", "60", "--out", out});
   ASSERT_TRUE(running.says("running: "));
-  for (int i = 0; i < 1000 && std::filesystem::file_size(out) < 20'000; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  wait_until_it_moves(out);
   ::kill(running.program.id(), SIGSTOP);
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   ::kill(running.program.id(), SIGCONT);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "firmware/loop/motion_guard.hpp"
+#include "firmware/loop/guards/motion_guard.hpp"
 #include "tests/firmware/loop/rig_under_test.hpp"
 #include "tests/firmware/loop/silent_sensors.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "firmware/loop/control_loop.hpp"
 #include "hal/simulated/rig.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace rig_under_test {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "firmware/loop/mode.hpp"
+#include "firmware/loop/common/mode.hpp"
 #include "firmware/recording/recording_csv.hpp"
 #include "firmware/recording/recording_file.hpp"
 #include "tests/support/temporary_folder.hpp"

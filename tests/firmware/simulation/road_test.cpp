@@ -10,7 +10,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/signal/spectrum.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 #include "tests/support/rig_texts.hpp"
 
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace side_by_side_test {
 namespace {

@@ -19,7 +19,7 @@
 #include "host_sim/stability/margins/frequency_response.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "host_sim/stability/roots/sampled_loop.hpp"
-#include "model/lever_at_rest.hpp"
+#include "model/rig/lever_at_rest.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -8,7 +8,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/stability/margins/analysis.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
 namespace pairs_of_parts_test {

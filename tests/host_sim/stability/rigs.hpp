@@ -6,7 +6,7 @@
 #include <random>
 
 #include "firmware/description/rig_description.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace stability_tests {
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <string_view>
 
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace {
 

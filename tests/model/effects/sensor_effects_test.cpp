@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 
 namespace sensor_effects_test {
 namespace {

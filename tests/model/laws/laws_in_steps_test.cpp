@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 #include "tests/support/reference_parameters.hpp"
 
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "firmware/loop/kalman/steady_gains.hpp"
-#include "model/rig_model.hpp"
-#include "model/road_filter.hpp"
+#include "model/components/road_filter.hpp"
+#include "model/rig/rig_model.hpp"
 #include "tests/firmware/loop/kalman/linear_car.hpp"
 #include "tests/support/without_heap.hpp"
 

@@ -14,7 +14,7 @@
 
 #include "firmware/loop/kalman/kalman_settings.hpp"
 #include "hal/sensor_source.hpp"
-#include "model/rig_parameters.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace support {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "firmware/description/text/input_error.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
 namespace over_amplitude_test {

@@ -12,7 +12,7 @@
 #include "host_sim/stability/roots/characteristic_roots.hpp"
 #include "host_sim/stability/roots/eigenvalues.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "host_sim/stability/margins/analysis.hpp"
-#include "model/rig_model.hpp"
+#include "model/rig/rig_model.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
 namespace {

@@ -1,7 +1,0 @@
-#include "model/rig_model.hpp"
-
-namespace model {
-
-template class RigModel<double, 512, ModelVariant::virtual_car>;
-
-}  // namespace model
