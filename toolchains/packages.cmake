@@ -3,6 +3,7 @@
 #   rig-controller   component controller    of every build that has rig_controller: a board's, and this PC's
 #   rigtwin          component program       the workbench: program, FMU libraries, rigs, manual pages, completion, manual
 #   rigtwin-dev      component development   model/ as a library for other programs: find_package(rigtwin)
+#   python3-rigtwin  component python        the module of notebooks
 #
 #   cmake --build build/host --target packages            all three, in build/host/packages
 #   cpack --config build/aarch64/CPackConfig.cmake        a board's
@@ -12,6 +13,9 @@ if(TARGET rig_controller)
 endif()
 if(TARGET rigtwin)
   list(APPEND components program development)
+endif()
+if(TARGET rigtwin_python)
+  list(APPEND components python)
 endif()
 if(NOT components)
   return()
@@ -53,6 +57,10 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "The model of rigtwin as a C++ library")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, g++")
 
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-rigtwin)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "rigtwin in notebooks: recordings as pandas frames, analyses as objects")
+
 # What rigtwin depends on is read off the program when the package is made: names and versions differ between releases of Debian.
 # (CPack's own way looks at every library, and takes the FMU's for another machine for one of this.)
 if(TARGET rigtwin)
@@ -66,11 +74,12 @@ if(NOT found MATCHES "shlibs:Depends=(.+)")
   message(FATAL_ERROR "dpkg-shlibdeps cannot tell what ${program} needs: is it built, is dpkg-dev installed?")
 endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${CMAKE_MATCH_1}")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "rigtwin, python3, python3-pandas, ${CMAKE_MATCH_1}")
 ]=])
   add_custom_target(packages
     COMMAND "${CMAKE_CPACK_COMMAND}" --config "${PROJECT_BINARY_DIR}/CPackConfig.cmake" -B "${PROJECT_BINARY_DIR}/packages"
     DEPENDS rigtwin_documents model COMMENT "Debian packages in ${PROJECT_BINARY_DIR}/packages" VERBATIM)
-  foreach(target rigtwin_fmu rigtwin_fmu_aarch64 rig_controller)
+  foreach(target rigtwin_fmu rigtwin_fmu_aarch64 rig_controller rigtwin_python)
     if(TARGET ${target})
       add_dependencies(packages ${target})
     endif()

@@ -16,6 +16,7 @@
 #include "firmware/description/version.hpp"
 #include "host_sim/commands/channels_command.hpp"
 #include "host_sim/commands/common/commit.hpp"
+#include "host_sim/commands/common/emphasis.hpp"
 #include "host_sim/commands/common/how_made.hpp"
 #include "host_sim/commands/common/verbosity.hpp"
 #include "host_sim/commands/compare_command.hpp"
@@ -45,7 +46,8 @@ namespace {
 constexpr std::string_view unwritable_output = "standard output: cannot be written, expected room for the results";
 
 int fail(firmware::ExitStatus status, std::string_view message) {
-  std::fprintf(stderr, "rigtwin: %s\n", firmware::one_line(message).c_str());
+  std::fprintf(stderr, "%s %s\n", emphasised("rigtwin:", Emphasis::error, stderr).c_str(),
+               firmware::one_line(message).c_str());
   return static_cast<int>(status);
 }
 

@@ -14,6 +14,7 @@
 #include "firmware/description/text/spelling.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "firmware/recording/recording.hpp"
+#include "host_sim/commands/common/emphasis.hpp"
 #include "host_sim/commands/common/how_made.hpp"
 #include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/commands/common/progress.hpp"
@@ -62,7 +63,7 @@ void print_rivals(const std::vector<identification::Alternative>& alternatives) 
 }
 
 void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
-  std::printf("%s\n", identification::sentence(diagnosis).c_str());
+  std::printf("%s\n", emphasised(identification::sentence(diagnosis), Emphasis::bold, stdout).c_str());
   for (const identification::NamedEffect& named : diagnosis.effects) {
     std::printf("  %s", identification::words(named.effect).c_str());
     for (std::size_t p = 0; p < named.parameters.size(); ++p) {

@@ -19,7 +19,7 @@ complain() {
 
 (
   flock 9
-  cmake --build "$host" --parallel "$jobs" --target rigtwin rigtwin_fmu rig_controller model rigtwin_documents
+  cmake --build "$host" --parallel "$jobs" --target rigtwin rigtwin_fmu rig_controller model rigtwin_documents rigtwin_python
 ) 9>"$builds/host.lock"
 arm=
 if command -v aarch64-linux-gnu-g++ >/dev/null; then  # as the target packages does
@@ -33,14 +33,15 @@ architecture=$(dpkg --print-architecture)
 program=$(echo "$folder"/rigtwin_*_"$architecture".deb)
 development=$(echo "$folder"/rigtwin-dev_*_"$architecture".deb)
 controller=$(echo "$folder"/rig-controller_*_"$architecture".deb)
-for package in "$program" "$development" "$controller"; do
+notebooks=$(echo "$folder"/python3-rigtwin_*_"$architecture".deb)
+for package in "$program" "$development" "$controller" "$notebooks"; do
   [ -f "$package" ] || { ls "$folder"; echo "a package is missing"; exit 1; }
   dpkg-deb -x "$package" "$folder/root"
 done
 dpkg-deb -I "$program" | grep -E 'Depends|Version|Description'
 for file in bin/rigtwin bin/rig_controller lib/rigtwin/fmu/linux64/rigtwin.so $arm share/rigtwin/rigs/paper_hil_fdva.toml \
   share/man/man1/rigtwin.1 share/man/man1/rig_controller.1 share/bash-completion/completions/rigtwin share/doc/rigtwin/LICENSE \
-  share/doc/rigtwin/manual.html share/doc/rigtwin/tour.sh lib/rigtwin/libmodel.a lib/cmake/rigtwin/rigtwin-config.cmake \
+  share/doc/rigtwin/manual.html share/doc/rigtwin/tour.sh lib/python3/dist-packages/rigtwin/__init__.py lib/rigtwin/libmodel.a lib/cmake/rigtwin/rigtwin-config.cmake \
   include/rigtwin/model/rig/rig_model.hpp include/rigtwin/model/laws/placed_laws.hpp; do
   [ -s "$folder/root/usr/$file" ] || complain "/usr/$file is missing"
 done
