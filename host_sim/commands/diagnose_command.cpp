@@ -18,6 +18,7 @@
 #include "host_sim/commands/common/how_made.hpp"
 #include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/commands/common/progress.hpp"
+#include "host_sim/commands/diagnose_campaign.hpp"
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
@@ -220,8 +221,9 @@ void run_diagnosis(const DiagnoseOptions& options) {
     }
     return;
   }
+  if (!options.campaign.empty()) return run_campaign(options);
   if (options.rig.empty() || options.data.empty() || options.out.empty()) {
-    throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --explain EFFECT");
+    throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --campaign, or --explain EFFECT");
   }
   const firmware::RigDescription description = firmware::read_rig(options.rig);
   firmware::refuse_compensation(description, "diagnose");
@@ -271,6 +273,12 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
   command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
   add_json_option(*command, options.json, "the verdict, or the card of --explain,");
   command->add_option("--keep-law", options.keep_law, "Name of a learned law in rig.toml, as [laws.NAME]");
+  command->add_option("--campaign", options.campaign,
+                      "Many recordings, each alone: a folder, or a list of [[record]] (TOML) with data and rig. --out "
+                      "then gets a folder for "
+                      "each, campaign.csv, campaign.json and report.html; what is there already is not done again");
+  command->add_option("--shard", options.shard, "Of a campaign: i/n, the share of this process");
+  command->add_option("--against", options.against, "Of a campaign: the results of an earlier one, to stand beside");
   command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
   command->callback([&options] { run_diagnosis(options); });
 }

@@ -14,9 +14,11 @@ namespace host_sim {
 struct DiagnoseOptions {
   std::filesystem::path rig, out;
   std::vector<std::filesystem::path> data, holdout;
-  std::string keep_law;  ///< name under which a learned law stands in rig.toml; empty: law_1
-  std::string json;      ///< file for the verdict, - for standard output
-  std::string explain;   ///< name of an effect; the other options are then unused
+  std::string keep_law;                     ///< name under which a learned law stands in rig.toml; empty: law_1
+  std::string json;                         ///< file for the verdict, - for standard output
+  std::filesystem::path campaign, against;  ///< folder or list of recordings; results of an earlier campaign
+  std::string shard;                        ///< "i/n" of a campaign
+  std::string explain;                      ///< name of an effect; the other options are then unused
 };
 void run_diagnosis(const DiagnoseOptions& options);
 

@@ -106,18 +106,19 @@ HowMade::HowMade() : origin_(std::async(std::launch::async, origin).share()) {}
 
 std::string HowMade::in(std::string page) const { return report::with_origin(std::move(page), origin_.get()); }
 
-std::string HowMade::json(const nlohmann::ordered_json& result) const {
-  const report::Origin& origin = origin_.get();
+std::string json_text(const report::Origin& origin, const std::string& schema, const nlohmann::ordered_json& result) {
   nlohmann::ordered_json inputs = nlohmann::ordered_json::array();
   for (const report::Origin::Input& input : origin.inputs) {
     inputs.push_back({{"name", input.file}, {"sha256", input.sha256}});
   }
-  nlohmann::ordered_json text{{"schema", "rigtwin/" + name_of_command() + "/1"},
-                              {"version", firmware::version},
-                              {"command", origin.command},
-                              {"inputs", std::move(inputs)}};
+  nlohmann::ordered_json text{
+      {"schema", schema}, {"version", firmware::version}, {"command", origin.command}, {"inputs", std::move(inputs)}};
   text.update(result);
   return text.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string HowMade::json(const nlohmann::ordered_json& result) const {
+  return json_text(origin_.get(), "rigtwin/" + name_of_command() + "/1", result);
 }
 
 std::string with_how_made(std::string page) { return HowMade().in(std::move(page)); }

@@ -31,6 +31,10 @@ class HowMade {
   std::shared_future<report::Origin> origin_;
 };
 
+/// The JSON text of a result of that origin behind its head, as HowMade::json() writes it.
+[[nodiscard]] std::string json_text(const report::Origin& origin, const std::string& schema,
+                                    const nlohmann::ordered_json& result);
+
 /// The same, read when it is called.
 [[nodiscard]] std::string with_how_made(std::string page);
 [[nodiscard]] std::string json_text(const nlohmann::ordered_json& result);

@@ -1,0 +1,197 @@
+#include "host_sim/commands/diagnose_campaign.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "firmware/description/compensation_setup.hpp"
+#include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/input_error.hpp"
+#include "firmware/description/text/sha256.hpp"
+#include "firmware/description/version.hpp"
+#include "firmware/recording/output_file.hpp"
+#include "host_sim/campaign/campaign_list.hpp"
+#include "host_sim/campaign/campaign_result.hpp"
+#include "host_sim/commands/common/emphasis.hpp"
+#include "host_sim/commands/common/how_made.hpp"
+#include "host_sim/commands/common/json_output.hpp"
+#include "host_sim/commands/common/progress.hpp"
+#include "host_sim/identification/common/parallel.hpp"
+#include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "host_sim/identification/report/verdict_json.hpp"
+#include "host_sim/recording_files/recording_files.hpp"
+#include "host_sim/sweep/shard.hpp"
+
+namespace host_sim {
+namespace {
+
+namespace fs = std::filesystem;
+using campaign::CampaignRecord;
+using nlohmann::ordered_json;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// The files that a verdict is made of.
+report::Origin origin_of(const CampaignRecord& record) {
+  report::Origin origin{"rigtwin diagnose --rig " + record.rig.string() + " --data " + record.data.string()};
+  std::vector<fs::path> files{record.rig, record.data};
+  try {
+    for (const fs::path& table : firmware::referenced_files(firmware::read_rig(record.rig))) files.push_back(table);
+  } catch (const firmware::InputError&) {  // its line is the record's
+  }
+  for (const fs::path& file : files) origin.inputs.push_back({file.string(), firmware::sha256(text_of(file))});
+  return origin;
+}
+
+/// Of a record that is done, beside its verdict.json: {"made_of": "…", "seconds": …, "failure": "…"}. Written last.
+struct Done {
+  ordered_json state, verdict;
+};
+
+fs::path folder_of(const DiagnoseOptions& options, const CampaignRecord& record) {
+  return options.out / "records" / record.name;
+}
+
+/// Version and contents: what is made of the same is not made again.
+std::string fingerprint(const report::Origin& origin) {
+  std::string text(firmware::version);
+  for (const report::Origin::Input& input : origin.inputs) text += " " + input.sha256;
+  return text;
+}
+
+std::optional<Done> known(const fs::path& folder, const report::Origin& origin) {
+  Done done{ordered_json::parse(text_of(folder / "state.json"), nullptr, false),
+            ordered_json::parse(text_of(folder / "verdict.json"), nullptr, false)};
+  if (!done.state.is_object() || done.state.value("made_of", "") != fingerprint(origin)) return std::nullopt;
+  if (!done.verdict.is_object()) done.verdict = ordered_json::object();
+  return done;
+}
+
+/// Diagnoses one record. What is wrong with it is its state, and no error of the campaign.
+void diagnose_record(const CampaignRecord& record, const report::Origin& origin, const fs::path& folder) {
+  const auto begun = std::chrono::steady_clock::now();
+  ordered_json state{{"made_of", fingerprint(origin)}};
+  fs::create_directories(folder);
+  try {
+    const firmware::RigDescription description = firmware::read_rig(record.rig);
+    firmware::refuse_compensation(description, "diagnose");
+    std::vector<identification::Record> records;
+    for (firmware::Recording& part :
+         read_parts(record.data, description.channels, description.sample_rate, description.rig.kind)) {
+      records.push_back({std::move(part), identification::Use::shared});
+    }
+    const identification::Diagnosis diagnosis = identification::diagnose(description, std::move(records));
+    firmware::write_file(folder / "verdict.json",
+                         json_text(origin, "rigtwin/diagnose/1", identification::to_json(diagnosis)));
+    firmware::write_file(folder / "rig.toml",
+                         identification::result_rig(diagnosis.rig, description, record.rig.filename().string()));
+  } catch (const firmware::InputError& error) {
+    std::error_code none;
+    fs::remove(folder / "verdict.json", none);
+    state["failure"] = error.what();
+  }
+  state["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  firmware::write_file(folder / "state.json",
+                       state.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+void prepare_results(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder / "records", error);
+  if (error) {
+    throw firmware::OutputError(folder.string(), "cannot be created: " + error.message(),
+                                "a folder that may be written");
+  }
+}
+
+/// Every record of this shard, on all processors.
+void diagnose_shard(const DiagnoseOptions& options, const std::vector<CampaignRecord>& records,
+                    const sweep::Shard& shard) {
+  std::vector<std::size_t> mine;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (shard.holds(i)) mine.push_back(i);
+  }
+  Progress progress("diagnose --campaign");
+  std::mutex showing;
+  std::size_t done = 0;
+  identification::for_all(mine.size(), [&](std::size_t i) {
+    const CampaignRecord& record = records[mine[i]];
+    const report::Origin origin = origin_of(record);
+    const fs::path folder = folder_of(options, record);
+    if (!known(folder, origin)) diagnose_record(record, origin, folder);
+    const std::lock_guard lock(showing);
+    ++done;
+    progress.show(static_cast<double>(done) / static_cast<double>(mine.size()),
+                  std::to_string(done) + " of " + std::to_string(mine.size()) + ": " + record.name);
+  });
+}
+
+void write_results(const DiagnoseOptions& options, const campaign::Campaign& result) {
+  std::optional<campaign::Campaign> earlier;
+  if (!options.against.empty()) {
+    const fs::path file = options.against / "campaign.json";
+    earlier = campaign::read_campaign(text_of(file), file.string());
+  }
+  const HowMade how_made;
+  ordered_json json = campaign::to_json(result);
+  json["schema"] = "rigtwin/campaign/1";
+  firmware::OutputFile table(options.out / "campaign.csv"), page(options.out / "report.html"),
+      all(options.out / "campaign.json");
+  table.write(campaign::to_csv(result));
+  page.write(how_made.in(campaign::campaign_page(result, earlier)));
+  all.write(how_made.json(json));
+  table.commit();
+  page.commit();
+  all.commit();
+  if (write_json(options.json, json)) return;
+  std::printf("%s\n", emphasised(campaign::sentence(result), Emphasis::bold, stdout).c_str());
+  for (std::size_t i = 0; i < result.outliers.size(); ++i) {
+    std::printf("  %s: %s\n", result.rows[result.outliers[i]].name.c_str(), result.why[i].c_str());
+  }
+  for (const auto& [name, q] : result.quantities) {
+    std::printf("  %-40s %12.5g ± %.2g, from record to record %.2g%s\n", name.c_str(), q.mean, q.mean_deviation,
+                q.spread, q.drifts() ? ", drifts" : "");
+  }
+  std::printf("%s: campaign.csv, campaign.json, report.html\n", options.out.c_str());
+}
+
+}  // namespace
+
+void run_campaign(const DiagnoseOptions& options) {
+  if (options.out.empty()) throw firmware::UsageError("diagnose --campaign: --out is needed");
+  if (!options.data.empty() || !options.holdout.empty()) {
+    throw firmware::UsageError("diagnose --campaign: --data and --holdout are for a single diagnosis");
+  }
+  const sweep::Shard shard = options.shard.empty() ? sweep::Shard{} : sweep::parse_shard(options.shard);
+  const std::vector<CampaignRecord> records = campaign::campaign_records(
+      options.campaign, options.rig.empty() ? std::nullopt : std::optional<fs::path>(options.rig));
+  prepare_results(options.out);
+  diagnose_shard(options, records, shard);
+  std::vector<campaign::Row> rows;
+  std::size_t missing = 0;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const auto done = known(folder_of(options, records[i]), origin_of(records[i]));
+    if (done) rows.push_back(campaign::row_of(done->verdict, done->state, i, records[i].name));
+    missing += done ? 0 : 1;
+  }
+  if (missing > 0) {
+    std::printf("%zu of %zu records are there; the shard that completes them writes the campaign\n",
+                records.size() - missing, records.size());
+    return;
+  }
+  write_results(options, campaign::campaign_of(std::move(rows)));
+}
+
+}  // namespace host_sim
