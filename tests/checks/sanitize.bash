@@ -30,7 +30,7 @@ Uncertainty.HoldsTheTruth* UnitCheck.AreNotSeen* UnitCheck.FindTheChannel*
 END
 )
 # And the rooms that compute: without optimisation they take minutes, and fuzz.diagnose runs them.
-computing=$(grep -rhoE '^TEST(_F|_P)?\(\w+' tests/host_sim/{identification,comparison,transfer,plan,stability,compensation,replicate,paper,sweep,show} \
+computing=$(grep -rhoE '^TEST(_F|_P)?\(\w+' tests/host_sim/{identification,comparison,transfer,plan,stability,compensation,replicate,paper,sweep,show,campaign} \
   tests/host_sim/commands tests/host_sim/manual tests/journeys | sed 's/.*(//; s/^/*/; s/$/.*/' | sort -u | tr '\n' ':')
 LEFT_OUT+=:${computing%:}
 export LEFT_OUT
