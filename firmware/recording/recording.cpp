@@ -3,6 +3,7 @@
 #include <string>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/recording/unread_columns.hpp"
 
 namespace firmware {
 namespace {
@@ -19,7 +20,7 @@ auto& column_of(AnyRecording& recording, Quantity quantity) {
 const std::vector<double>& Recording::required(model::Channel channel, std::string_view purpose) const {
   if (!has(channel)) {
     throw InputError(source, 0, "there is no channel " + std::string(model::name(channel)),
-                     "that channel: it " + std::string(purpose));
+                     "that channel: it " + std::string(purpose) + unread_columns(*this, channel));
   }
   return (*this)[channel];
 }

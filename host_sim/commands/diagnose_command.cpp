@@ -20,6 +20,7 @@
 #include "host_sim/commands/common/progress.hpp"
 #include "host_sim/commands/diagnose_campaign.hpp"
 #include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/confidence_text.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/identification/report/shape_words.hpp"
@@ -73,13 +74,14 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                   identification::unit_of(named.effect, p).c_str(), named.parameters[p].lower,
                   named.parameters[p].upper);
     }
-    std::printf("   confidence %.3f\n", named.confidence);
+    std::printf("   confidence %s\n", identification::confidence_text(named.confidence).c_str());
     const std::string shape = identification::shape_words(named.effect, diagnosis.rig.rig);
     if (!shape.empty()) std::printf("    %s\n", shape.c_str());
     print_rivals(named.alternatives);
   }
   for (const identification::DescribedLaw& law : diagnosis.laws) {
-    std::printf("  law at the %s   confidence %.3f\n", identification::words(law).c_str(), law.confidence);
+    std::printf("  law at the %s   confidence %s\n", identification::words(law).c_str(),
+                identification::confidence_text(law.confidence).c_str());
     for (const identification::LawNumber& number : law.numbers) {
       if (!std::isfinite(number.value) || !std::isfinite(number.lower) || !std::isfinite(number.upper)) continue;
       const std::string unit = identification::unit_of(law, number);
@@ -91,7 +93,8 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
     std::printf("  %s is %.6g (%.6g … %.6g), described as %.6g", off.path.c_str(), off.value.value, off.value.lower,
                 off.value.upper, off.described);
     if (off.tolerance > 0.0) std::printf(" ± %.3g %%", 100.0 * off.tolerance);
-    std::printf("%s   confidence %.3f\n", off.tolerance > 0.0 ? "" : " without a tolerance", off.confidence);
+    std::printf("%s   confidence %s\n", off.tolerance > 0.0 ? "" : " without a tolerance",
+                identification::confidence_text(off.confidence).c_str());
     print_rivals(off.alternatives);
   }
   for (const identification::RecordingFault& fault : diagnosis.recording_faults) {

@@ -1,6 +1,7 @@
 #include "host_sim/commands/import_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fstream>
@@ -104,6 +105,14 @@ void print_listing(const FileListing& listing, const ImportOptions& options) {
     std::printf("%s\n", firmware::one_line(line).c_str());
   }
   print_left_out(stdout, listing.left_out);
+  const auto unread = std::find_if(listing.columns.begin(), listing.columns.end(),
+                                   [](const ListedColumn& column) { return column.quantity.empty(); });
+  if (unread != listing.columns.end()) {
+    const std::string line = "  a column that is no channel becomes one by --map 'F=" + unread->name +
+                             "', or by a line under [channels] of the rig description: F = { column = \"" +
+                             unread->name + "\", scale = 1.0 }; rigtwin channels lists the channels";
+    std::printf("%s\n", firmware::one_line(line).c_str());
+  }
   for (const std::string& note : listing.notes) std::printf("  note: %s\n", firmware::one_line(note).c_str());
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware/description/text/input_error.hpp"
+#include "firmware/recording/unread_columns.hpp"
 #include "host_sim/comparison/model_rate.hpp"
 #include "host_sim/comparison/start_state.hpp"
 
@@ -84,7 +85,8 @@ ComparedRecording::ComparedRecording(const firmware::RigDescription& description
     throw firmware::InputError(
         recording_.source, 0,
         "nothing is measured that a " + std::string(model::name(description.rig.kind)) + " answers with",
-        "at least one of " + wanted);
+        "at least one of " + wanted +
+            firmware::unread_columns(recording_, response_channels(description.rig.kind, input_).front()));
   }
   at_rest_ = choice == StartChoice::rest ||
              (choice == StartChoice::automatic && begins_at_rest(description.rig, input_, simulated_));

@@ -7,6 +7,7 @@
 
 #include "firmware/description/rig_writer.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "host_sim/identification/report/confidence_text.hpp"
 #include "host_sim/identification/report/edited_rig.hpp"
 #include "host_sim/identification/report/law_figure.hpp"
 #include "host_sim/identification/report/shape_words.hpp"
@@ -27,13 +28,6 @@ using report::Table;
 std::string with_interval(const Interval& v, const std::string& unit) {
   return figure_text(v.value, 5) + (unit.empty() ? "" : " " + unit) + " (" + figure_text(v.lower, 5) + " … " +
          figure_text(v.upper, 5) + ")";
-}
-
-/// "0.83", "below 0.001": a confidence is known no better.
-std::string confidence_text(double confidence) {
-  constexpr double none = 0.001;
-  if (confidence < none) return "below 0.001";
-  return figure_text(confidence, 3);
 }
 
 /// How firmly a headline may say a thing of this confidence: of a hundred that are said plainly, ninety are right.
@@ -373,6 +367,21 @@ std::string lacking(const std::vector<std::string>& certain, const std::vector<s
   return text;
 }
 
+/// What an effect makes of a parameter that the rig has anyway: ": suspension.damping is 1800, not 1500". Only a law
+/// that is a straight line at the suspension adds to one; where the description has none of it, nothing is said.
+std::string as_parameter(const NamedEffect& named, const firmware::RigDescription& found) {
+  const model::ForceForm& force = named.effect.entry->force;
+  const bool damper = force.is_power(model::Over::velocity, 1.0), spring = force.is_power(model::Over::deflection, 1.0);
+  if (named.effect.entry->subsystem != model::Subsystem::suspension || !(damper || spring)) return {};
+  const double described = damper ? found.rig.suspension.damping : found.rig.suspension.stiffness;
+  if (!(described > 0.0) || named.parameters.size() != 1) return {};
+  const std::string path = damper ? "suspension.damping" : "suspension.stiffness";
+  const std::string sum = figure_text(described + named.parameters.front().value, 4);
+  const auto tolerance = found.tolerance.find(path);
+  const bool is_fitted = tolerance != found.tolerance.end() && tolerance->second > 0.0;
+  return ": " + path + " is " + sum + (is_fitted ? ", beyond its tolerance" : ", not " + figure_text(described, 4));
+}
+
 /// The law and an effect of the same place and kind are one law: " (with coulomb_friction, 45 N in all)", where both
 /// are a force that does not grow with the motion.
 std::string split_of(const DescribedLaw& law, const std::vector<NamedEffect>& effects) {
@@ -415,7 +424,8 @@ std::string sentence(const Diagnosis& diagnosis) {
     std::string text = words(named.effect);
     if (!named.parameters.empty()) {
       const std::string unit = unit_of(named.effect, 0);
-      text += " (" + figure_text(named.parameters.front().value, 4) + (unit.empty() ? "" : " " + unit) + ")";
+      text += " (" + figure_text(named.parameters.front().value, 4) + (unit.empty() ? "" : " " + unit) +
+              as_parameter(named, diagnosis.rig) + ")";
     }
     text += or_parameter(named.alternatives);
     const Firmness firmness = firmness_of(named, diagnosis.relations);

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "host_sim/identification/report/confidence_text.hpp"
+
 namespace host_sim::identification {
 namespace {
 
@@ -167,10 +169,10 @@ void add_laws(report::Report& page, const std::vector<DescribedLaw>& laws) {
     for (const LawNumber& number : law.numbers) {
       table.rows.push_back({first ? words(law) : "", number.name, unit_of(law, number), figure_text(number.value, 4),
                             figure_text(number.lower, 4), figure_text(number.upper, 4),
-                            first ? figure_text(law.confidence, 3) : ""});
+                            first ? confidence_text(law.confidence) : ""});
       first = false;
     }
-    if (law.numbers.empty()) table.rows.push_back({words(law), "–", "", "", "", "", figure_text(law.confidence, 3)});
+    if (law.numbers.empty()) table.rows.push_back({words(law), "–", "", "", "", "", confidence_text(law.confidence)});
   }
   page.add_table(table);
   for (const DescribedLaw& law : laws) {

@@ -522,6 +522,17 @@ TEST(RecordingFile, SaysWhatAMissingChannelIsNeededFor) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "REC.csv: there is no channel z_r, expected that channel: it drives the simulation");
   }
+  // Columns that nobody could name: with the line that would.
+  const Recording unread = parse_recording_csv("t,F,Road mm,a,b,c,d\n0,1,2,3,4,5,6\n1,2,3,4,5,6,7\n", "REC.csv");
+  try {
+    static_cast<void>(unread.required(Channel::z_r, "drives the simulation"));
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("no channel: Road mm, a, b, c and 1 more; under [channels] z_r = { column = \"Road mm\""),
+              std::string::npos)
+        << text;
+  }
 }
 
 // Law. The ends of a long recording come in parts, as the whole does; text of other programs is read whole.

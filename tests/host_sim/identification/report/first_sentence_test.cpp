@@ -120,6 +120,19 @@ TEST(FirstSentence, IsAsFirmAsItsConfidence) {
   EXPECT_THAT(words(fault), HasSubstr("confidence below 0.001"));
 }
 
+// One language: what adds to a parameter of the description is said in its words, too.
+TEST(FirstSentence, SaysWhatAnEffectMakesOfAParameter) {
+  NamedEffect damper{
+      {firmware::find_effect("viscous_damping"), std::nullopt, {300.0}}, {{300.0, 299.0, 301.0}}, 0.99, {}, {}};
+  Diagnosis found = with({damper});
+  found.rig.rig.suspension.damping = 1500.0;
+  EXPECT_THAT(sentence(found), HasSubstr("viscous_damping (300 N s/m: suspension.damping is 1800, not 1500)"));
+  found.rig.tolerance["suspension.damping"] = 0.05;
+  EXPECT_THAT(sentence(found), HasSubstr("suspension.damping is 1800, beyond its tolerance)"));
+  found.rig.rig.suspension.damping = 0.0;  // the description has no damper: the effect is one
+  EXPECT_THAT(sentence(found), HasSubstr("viscous_damping (300 N s/m)"));
+}
+
 // One law at one place: an effect and a law that both are a force of the suspension are said as one.
 TEST(FirstSentence, JoinsAnEffectAndALawOfOnePlace) {
   Diagnosis found = with({friction(0.95)});

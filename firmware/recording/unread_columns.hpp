@@ -1,0 +1,14 @@
+// What is said of the columns of a recording that are no channel.
+#pragma once
+
+#include <string>
+
+#include "firmware/recording/recording.hpp"
+
+namespace firmware {
+
+/// "; columns that are no channel: Fz, Temp 3; under [channels] F = { column = "Fz", scale = 1.0 } takes one". Empty
+/// where every column is one. At most four are named.
+[[nodiscard]] std::string unread_columns(const Recording& recording, model::Channel wanted);
+
+}  // namespace firmware
