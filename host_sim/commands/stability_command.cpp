@@ -252,7 +252,8 @@ void print_compensated(const compensation::CompensatedStability& s) {
 }
 
 void write_limits(const firmware::RigDescription& description, const std::string& json) {
-  const firmware::LoopLimits limits{.delay = allowed_delay(description), .gain = allowed_gain(description)};
+  const double delay = allowed_delay(description);
+  const firmware::LoopLimits limits{.delay = delay, .gain = allowed_gain(description, delay)};
   firmware::RigDescription proven = description;
   proven.hardware.schedule.allowed_delay = limits.delay;
   proven.hardware.schedule.allowed_gain = limits.gain;

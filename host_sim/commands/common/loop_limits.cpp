@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "firmware/description/text/input_error.hpp"
@@ -95,27 +96,53 @@ double allowed_delay(const firmware::RigDescription& description) {
   return allowed;
 }
 
-double allowed_gain(const firmware::RigDescription& description) {
-  constexpr double most = 100.0, allowed_gain_step = 1e-3;  // rounded down to
-  double border = most;
-  for (const int open : compensation::duct_counts(description)) {
-    firmware::RigDescription with = description;
-    with.rig.fdva.open_ducts = open;
+namespace {
+
+/// The description with a constant delay: `outside` for samples, transport and computation, the machine's mean.
+firmware::RigDescription at_constant_delay(firmware::RigDescription description, double outside) {
+  description.delay_budget = {.sensor_age = outside, .transport = 0.0, .computation = 0.0};
+  description.rig.delay_variation = {};
+  return description;
+}
+
+/// The border of the gain at each of these delays outside the machine; none: no border.
+std::optional<double> gain_border(const firmware::RigDescription& with, const std::set<double>& delays) {
+  std::optional<double> border;
+  for (const double outside : delays) {
     std::optional<double> gain;
     if (with.compensation) {
-      gain = compensation::compensated_stability(with, with.delay_budget.sum()).upper_gain;
+      gain = compensation::compensated_stability(with, outside).upper_gain;
     } else {
-      const stability::StabilityAnalysis a = stability::analyse(with);
+      const stability::StabilityAnalysis a = stability::analyse(at_constant_delay(with, outside));
       const auto& margin = a.sampled_margins ? a.sampled_margins->upper_gain : a.margins.upper_gain;
       if (margin) gain = margin->factor;
     }
-    if (gain) border = std::min(border, 1.0 + share_of_border * (*gain - 1.0));
+    if (gain && (!border || *gain < *border)) border = gain;
   }
-  border = std::floor(border / allowed_gain_step + 1e-9) * allowed_gain_step;
-  if (!(border > 1.0)) {
+  return border;
+}
+
+}  // namespace
+
+double allowed_gain(const firmware::RigDescription& description, double allowed_delay) {
+  constexpr double most = 100.0, allowed_gain_step = 1e-3;  // rounded down to
+  const auto& budget = description.delay_budget;
+  const double varies = description.rig.delay_variation.farthest();
+  const double longest = budget.transport + varies + allowed_delay;
+  std::set<double> delays{budget.sum(), longest};
+  if (description.compensation) delays.insert(budget.transport - varies);  // it may lead by too much there
+  double allowed = most;
+  for (const int open : compensation::duct_counts(description)) {
+    firmware::RigDescription with = description;
+    with.rig.fdva.open_ducts = open;
+    const auto border = gain_border(with, delays);
+    if (border) allowed = std::min(allowed, 1.0 + share_of_border * (*border - 1.0));
+  }
+  allowed = std::floor(allowed / allowed_gain_step + 1e-9) * allowed_gain_step;
+  if (!(allowed > 1.0)) {
     refuse_limits(description, "the loop bears no more force than described", "less delay or more damping");
   }
-  return std::round(border * 1e3) / 1e3;
+  return std::round(allowed * 1e3) / 1e3;
 }
 
 }  // namespace host_sim

@@ -9,7 +9,9 @@
 #include "firmware/description/loop_proof.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "host_sim/compensation/compensated_stability.hpp"
 #include "host_sim/stability/margins/analysis.hpp"
+#include "model/effects/catalogue.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -109,13 +111,46 @@ TEST(StabilityCommand, WritesForWhichLoopItHolds) {
   ASSERT_TRUE(analysis.sampled && analysis.sampled->critical_delay);
   EXPECT_NEAR(rig.hardware.schedule.allowed_delay, 0.8 * (*analysis.sampled->critical_delay - 0.010), 1e-6);
 
-  ASSERT_TRUE(analysis.sampled_margins && analysis.sampled_margins->upper_gain);
-  const double border = analysis.sampled_margins->upper_gain->factor;
+  firmware::RigDescription late = rig;
+  late.delay_budget.sensor_age = rig.hardware.schedule.allowed_delay;
+  const auto latest = host_sim::stability::analyse(late);
+  ASSERT_TRUE(latest.sampled_margins && latest.sampled_margins->upper_gain);
+  const double border = latest.sampled_margins->upper_gain->factor;
   EXPECT_NEAR(rig.hardware.schedule.allowed_gain, 1.0 + 0.8 * (border - 1.0), 1e-3);
   EXPECT_LE(rig.hardware.schedule.allowed_gain, border);
 
   ASSERT_EQ(rigtwin({"stability", "--write-limits", file}).status, 0);
   EXPECT_EQ(support::TemporaryFolder::read(file), written) << "a second time there is nothing to change";
+}
+
+// Law. A loop that has both, all of its allowed delay and all of its allowed gain, is stable, with and without
+// compensation; so is one with either alone. The gain that it would bear at the described delays alone is too much for
+// the longest: both borders, each four fifths of the way to its own, are unstable together.
+TEST(StabilityCommand, DelayAndGainAreAllowedTogether) {
+  const support::TemporaryFolder folder;
+  const std::string text = support::TemporaryFolder::read(rig_file("paper_hil_fdva"));
+  const auto stable = [](const firmware::RigDescription& rig, double delay, double gain) {
+    firmware::RigDescription at = rig;
+    at.rig.effects.add<model::SensorGain>(model::Channel::F, {.gain = gain});
+    if (!at.compensation) at.delay_budget.sensor_age = delay;
+    if (at.compensation) return host_sim::compensation::compensated_radius(at, delay) < 1.0;
+    return host_sim::stability::analyse(at).stable_as_run();
+  };
+  for (const char* compensation : {"", "\n[compensation]\nkind = \"inverse\"\n"}) {
+    const std::string file = folder.write("rig.toml", text + compensation).string();
+    const Ended ended = rigtwin({"stability", "--write-limits", file});
+    ASSERT_EQ(ended.status, 0) << ended.errors;
+    const firmware::RigDescription rig = firmware::read_rig(file);
+    const double delay = rig.hardware.schedule.allowed_delay, gain = rig.hardware.schedule.allowed_gain;
+    EXPECT_GT(gain, 1.0);
+    EXPECT_TRUE(stable(rig, delay, gain)) << delay << " s, " << gain;
+    EXPECT_TRUE(stable(rig, 0.0, gain)) << gain;
+    if (rig.compensation) continue;
+    const auto analysis = host_sim::stability::analyse(rig);
+    const double alone = 1.0 + 0.8 * (analysis.sampled_margins->upper_gain->factor - 1.0);
+    EXPECT_TRUE(stable(rig, 0.0, alone)) << alone;
+    EXPECT_FALSE(stable(rig, delay, alone)) << delay << " s, " << alone;
+  }
 }
 
 // Each number of ducts that the plan of the valves opens must be stable; where one is not, nothing is written.
