@@ -22,10 +22,11 @@ using support::RunningProgram;
 using support::TemporaryFolder;
 using testing::HasSubstr;
 
-/// The paper's rig on a machine that may be busy: late samples and late periods end nothing.
+/// The paper's rig on a machine that may be busy: neither late periods end a run, nor the delay that they are in the loop.
 std::string patient_rig(const TemporaryFolder& folder) {
   return folder.write("patient.toml", TemporaryFolder::read(support::rig_file("paper_hil_fdva")) +
-                                          "\n[supervision]\ngap = 1.0\n[controller]\nlate_in_a_row = 1000000\n");
+                                          "\n[supervision]\ngap = 1.0\ngrowth_time = 2.0\nenergy_cycles = "
+                                          "1000\n[controller]\nlate_in_a_row = 1000000\n");
 }
 
 Ended run_controller(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {

@@ -328,10 +328,13 @@ struct StalledDisk {
     int bytes = 0;
     return ::ioctl(end, FIONREAD, &bytes) == 0 ? bytes : 0;
   }
-  /// Until nothing more has gone in for a tenth of a second, in which a run at 1 kHz writes 15 kB.
+  /// Until nothing more has gone in for a second, in which a run at 1 kHz writes 150 kB; a busy machine may stall a
+  /// writer for a moment.
   void wait_until_full() const {
-    for (int before = -1, i = 0; i < 1000 && (bytes() < 16'384 || bytes() != before); ++i) {
-      before = bytes();
+    for (int before = -1, same = 0, i = 0; i < 1000 && same < 10; ++i) {
+      const int now = bytes();
+      same = now >= 16'384 && now == before ? same + 1 : 0;
+      before = now;
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }
@@ -412,14 +415,23 @@ TEST(RigController, LostRecordsEndTheRun) {
               AllOf(HasSubstr(" lost records: the disk is too slow; valves safe, command at rest")));
 }
 
-/// Until a run has written rows: a signal before power is on ends it where it stands.
-void wait_until_it_moves(const std::string& recording) {
-  std::error_code none;
-  for (int i = 0; i < 1000; ++i) {
-    const auto bytes = std::filesystem::file_size(recording, none);
-    if (!none && bytes > 20'000) return;
+/// Until this holds, for a minute at most: a machine may be busy.
+template <class Condition>
+bool comes(const Condition& condition) {
+  for (int i = 0; i < 6000; ++i) {
+    if (condition()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
+  return false;
+}
+
+/// Until a run has written rows: a signal before power is on ends it where it stands.
+void wait_until_it_moves(const std::string& recording) {
+  EXPECT_TRUE(comes([&] {
+    std::error_code none;
+    const auto bytes = std::filesystem::file_size(recording, none);
+    return !none && bytes > 20'000;
+  }));
 }
 
 // Every signal that can be caught ends a run in good order.
@@ -453,11 +465,10 @@ TEST(RigController, IsNotEndedByItsReaders) {
     const auto bytes = std::filesystem::file_size(folder / "run.csv", none);
     return none ? std::uintmax_t{0} : bytes;
   };
-  for (int i = 0; i < 1000 && size() < 10'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(comes([&] { return size() >= 10'000; }));
   for (const int signal : {SIGUSR1, SIGPIPE, SIGTSTP, SIGTTOU, SIGTTIN}) ::kill(running.program.id(), signal);
   const auto before = size();
-  for (int i = 0; i < 1000 && size() < before + 10'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  EXPECT_GE(size(), before + 10'000) << "the run goes on";
+  EXPECT_TRUE(comes([&] { return size() >= before + 10'000; })) << "the run goes on";
   ::kill(running.program.id(), SIGTERM);
   EXPECT_EQ(running.program.wait().status, 0);
 }
@@ -476,11 +487,10 @@ TEST(RigController, AnAbortWaitsForTheReturnToRest) {
   Controller running({"--rig", patient_rig(folder), "--simulated", "--no-realtime", "--road",
                       folder.write("hill.csv", road), "--out", folder / "run.csv"});
   ASSERT_TRUE(running.says("running: "));
-  for (int i = 0; i < 1000; ++i) {
+  ASSERT_TRUE(comes([&] {
     const std::string text = TemporaryFolder::read(folder / "run.csv");
-    if (std::count(text.begin(), text.end(), '\n') > 250) break;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+    return std::count(text.begin(), text.end(), '\n') > 350;  // 2 s of the road, behind the comments
+  }));
   systemd.forget();
   ::kill(running.program.id(), SIGABRT);
   EXPECT_TRUE(systemd.hears("EXTEND_TIMEOUT_USEC=10500000")) << "8.5 s and a margin of 2 s";
@@ -510,6 +520,14 @@ std::vector<double> column(const std::string& file, const std::string& name) {
     for (int i = 0; i <= wanted; ++i) std::getline(fields, field, ',');
     values.push_back(std::strtod(field.c_str(), nullptr));
   }
+  return values;
+}
+
+/// Of a recording that is being written: without a row that may be torn. 1.0 as long as there is none.
+std::vector<double> whole_rows(const std::string& file, const std::string& name) {
+  std::vector<double> values = column(file, name);
+  if (!values.empty()) values.pop_back();
+  if (values.empty()) values.push_back(1.0);
   return values;
 }
 
@@ -771,20 +789,20 @@ TEST(RigController, ReplaysLevelAndHold) {
   ASSERT_TRUE(rig.comes_to("armed"));
   EXPECT_EQ(rig.ask("start").status, 0);
   ASSERT_TRUE(rig.comes_to("running"));
+  const std::string run = rig.folder / "run.csv", again = rig.folder / "again.csv";
   EXPECT_EQ(rig.ask("level 0.6").status, 0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  ASSERT_TRUE(comes([&] { return whole_rows(run, "level").back() == 0.6; }));
   EXPECT_EQ(rig.ask("hold").status, 0);
   ASSERT_TRUE(rig.comes_to("holding"));
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   EXPECT_EQ(rig.ask("resume").status, 0);
   EXPECT_EQ(rig.ask("level 1.2").status, 0);
-  std::this_thread::sleep_for(
-      std::chrono::milliseconds(1500));  // it begins when the reference is under way, after a second
+  // It begins when the reference is under way, after a second.
+  ASSERT_TRUE(comes([&] { return whole_rows(run, "level").back() > 0.6; }));
   EXPECT_EQ(rig.ask("stop").status, 0);
   ASSERT_TRUE(rig.comes_to("safe"));
   ::kill(rig.running.program.id(), SIGTERM);
   ASSERT_EQ(rig.running.program.wait().status, 0);
-  const std::string run = rig.folder / "run.csv", again = rig.folder / "again.csv";
   const auto level = column(run, "level");
   ASSERT_GT(level.size(), 150U);
   EXPECT_GT(std::count(level.begin(), level.end(), 0.6), 10);
