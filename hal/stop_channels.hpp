@@ -24,6 +24,12 @@ class StopChannels {
     return differ_since_ == never || now - differ_since_ <= tolerance;
   }
 
+  /// Whether contacts that opened last at these times, or `never`, did so at one press.
+  [[nodiscard]] static constexpr bool one_press(Time first, Time second) {
+    if (first == never || second == never) return false;
+    return first < second ? second - first <= tolerance : first - second <= tolerance;
+  }
+
  private:
   Time differ_since_ = never;
 };

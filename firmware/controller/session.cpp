@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "firmware/controller/instance.hpp"
 #include "firmware/controller/real_time/delay_check.hpp"
@@ -39,9 +40,9 @@ hal::Rig remembering(const hal::Rig& opened, RememberedCommand& command) {
           opened.heartbeat, opened.drive_enable, opened.interlocks, opened.area, opened.high_pressure};
 }
 
-Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles, bool devices) {
+Settings fitting_settings(const RigDescription& rig, const hal::Rig& roles, bool looks) {
   Settings settings = control_settings(rig);
-  if (devices) settings.arming = arming_settings(rig);
+  if (looks) settings.arming = arming_settings(rig);
   if (const auto wrong = ControlLoop::check(settings, rig.rig, roles, valve_plan(rig)); !wrong.empty()) {
     throw InputError(rig.source, 0, "the description does not fit the devices", wrong);
   }
@@ -68,13 +69,19 @@ double longest_return(const RigDescription& rig) { return 3.0 * rig.controller.s
 double longest_stop(const RigDescription& rig) { return longest_return(rig) + 2.0 * disk_patience.seconds(); }
 
 Session::Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict)
+    : Session(options, rig, devices, verdict, lead_of(options, devices.replayed()),
+              !options.simulated && options.replay.empty()) {}
+
+Session::Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict,
+                 std::unique_ptr<Lead> lead, bool looks)
     : options_(options),
       rig_(rig),
       devices_(devices),
       verdict_(verdict),
       realtime_(options.realtime && !options.virtual_time),
-      operated_(options.wait || !(options.start || options.simulated || !options.replay.empty())),
-      settings_(fitting_settings(rig, devices.roles(), !options.simulated && options.replay.empty())),
+      operated_(is_operated(options)),
+      lead_(std::move(lead)),
+      settings_(fitting_settings(rig, devices.roles(), looks)),
       instance_(new_instance(rig)),
       opened_(devices.roles()),
       command_(opened_.command),
@@ -196,7 +203,7 @@ bool Session::open_recording() {
   for (const auto& [name, sentence] : rig_.waivers) setup.comments.push_back("WAIVER " + name + ": " + sentence);
   setup.overwrite = options_.overwrite;
   setup.inputs = files_read(options_, rig_);
-  setup.several_runs = operated_;
+  setup.several_runs = lead_->goes_on(0);
   setup.rows_per_part = rows_per_part(options_.part_minutes, rig_.sample_rate);
   setup.cycle_samples = road_.cycle_samples();
   setup.programme = options_.programme;
@@ -244,7 +251,7 @@ void Session::drive() {
   seal_heap(true);
   for (;;) {
     const hal::Time seen = await_period();
-    lead();
+    lead_->ask(loop_, progress_.periods.load(std::memory_order_relaxed));
     loop_.step();
     if (broken_seals() > 0) supervisor_->end_run(Cause::heap);
     spans_->step.add((machine_.now() - woken_).ns);
@@ -279,32 +286,8 @@ bool Session::is_over(hal::Time seen) {
   const std::uint64_t periods = progress_.periods.load(std::memory_order_relaxed);
   if (replayed != nullptr) return periods >= replayed->rows;  // what was recorded, and no more
   if (safe_since_ == hal::never) safe_since_ = seen;
-  if (operated_ && supervisor_->cause() == Cause::none && !trapped()) return false;
+  if (lead_->goes_on(periods) && supervisor_->cause() == Cause::none && !trapped()) return false;
   return loop_.at_rest() || (seen - safe_since_).seconds() > longest_return_;
-}
-
-/// Asks the loop for what leads to a run, or for what led the recording that is replayed.
-void Session::lead() {
-  const auto row = static_cast<std::size_t>(progress_.periods.load(std::memory_order_relaxed));
-  const Mode mode = loop_.mode();
-  const ReplayedRun* replayed = devices_.replayed();
-  if (operated_) return;
-  if (replayed == nullptr || replayed->modes.empty()) {
-    if (row == 0) loop_.arm();
-    if (row == 0 || mode == Mode::armed) loop_.start();
-    return;
-  }
-  if (row == replayed->stop_requested) loop_.stop();
-  for (const LevelChange& change : replayed->levels) {
-    if (change.row == row) static_cast<void>(loop_.level(change.level));
-  }
-  if (row >= replayed->modes.size()) return;
-  const Mode next = replayed->modes[row];
-  const bool goes = next == Mode::ready || next == Mode::running;
-  if (mode == Mode::idle && next != Mode::idle) loop_.arm();
-  if (goes && (mode == Mode::idle || mode == Mode::arming || mode == Mode::armed)) loop_.start();
-  if (mode == Mode::running && next == Mode::holding) loop_.hold();
-  if (mode == Mode::holding && next == Mode::running) loop_.resume();
 }
 
 /// Sleeps until the period is due. With warm-up: sleeps until a moment before, warms the caches over and over while

@@ -11,6 +11,7 @@
 #include "firmware/controller/control_socket.hpp"
 #include "firmware/controller/devices/devices.hpp"
 #include "firmware/controller/devices/options.hpp"
+#include "firmware/controller/lead.hpp"
 #include "firmware/controller/publishing/publisher.hpp"
 #include "firmware/controller/real_time/auxiliary_thread.hpp"
 #include "firmware/controller/real_time/cache_warmup.hpp"
@@ -51,6 +52,9 @@ void drain(const hal::Rig& roles, hal::Time period);
 class Session {
  public:
   Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict);
+  /// Led by somebody else. `looks`: arming checks the rig as the description says; else nothing is looked at.
+  Session(const Options& options, const RigDescription& rig, Devices& devices, Verdict& verdict,
+          std::unique_ptr<Lead> lead, bool looks);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session() = default;
@@ -68,7 +72,6 @@ class Session {
   [[nodiscard]] bool open_socket();
   [[nodiscard]] bool is_over(hal::Time seen);
   void publish();
-  void lead();
   [[nodiscard]] hal::Time await_period();
   void wait_for_recording() const;
   [[nodiscard]] Status finish();
@@ -82,6 +85,7 @@ class Session {
   Verdict& verdict_;
   const bool realtime_;
   const bool operated_;  ///< somebody arms and starts by the socket
+  const std::unique_ptr<Lead> lead_;
   const Settings settings_;
   const std::string instance_;
   const hal::Rig opened_;

@@ -279,6 +279,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_delay_budget(top, description.rig.kind, description.delay_budget);
   description.compensation = read_compensation(top, description.rig);
   read_hardware(top, description.rig, description.period(), description.waivers, description.hardware);
+  check_stop_test(top, description);
   read_tolerances(top, description);
   top.finish();
   check_physics(top_table, description);

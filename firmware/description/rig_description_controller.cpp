@@ -372,6 +372,12 @@ void read_hardware(DescriptionTable& top, const model::RigParameters<double>& ri
   }
 }
 
+void check_stop_test(const DescriptionTable& top, const RigDescription& description) {
+  if (description.controller.arming.stop_test <= 0.0) return;
+  if (description.hardware.gpio && !description.hardware.gpio->stop.empty()) return;
+  top.fail("arming", "arming.stop_test asks for a press of a button that is not there", "its line, [gpio] stop");
+}
+
 void check_wiring(const RigDescription& description) {
   if (!description.hardware.gpio) {
     throw InputError(description.source, 0, "no table [gpio]", "the lines of stop, heartbeat, enable and valves");

@@ -26,5 +26,7 @@ void read_arming(DescriptionTable& top, const std::map<std::string, std::string>
                  ControllerDescription& controller);
 void read_hardware(DescriptionTable& top, const model::RigParameters<double>& rig, double period,
                    const std::map<std::string, std::string>& waivers, HardwareDescription& hardware);
+/// A test of the stop button needs one.
+void check_stop_test(const DescriptionTable& top, const RigDescription& description);
 
 }  // namespace firmware

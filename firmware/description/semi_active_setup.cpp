@@ -79,7 +79,8 @@ std::unique_ptr<Companion> companion(const RigDescription& description) {
     }
   }
   const auto gains = std::make_unique<SteadyGains>(equations, description.period());
-  auto result = std::make_unique<SemiActive>(equations, *gains, description.controller.ducts, description.period());
+  auto result = std::make_unique<SemiActive>(equations, *gains, description.controller.ducts, description.period(),
+                                             description.controller.loop.supervision);
   refuse_unobservable(description, equations, result->filter());
   return result;
 }

@@ -42,6 +42,8 @@ constexpr std::array usual_settings{
     Usual{"supervision", "unpowered_way", 0.0, 0.01},
     Usual{"supervision", "force_share", 0.01, 0.5},  // 0: a force is never implausible
     Usual{"supervision", "force_way", 0.0, 0.01},
+    Usual{"supervision", "innovation_noise", 1.0, 12.0},
+    Usual{"supervision", "innovation_share", 0.05, 0.8},  // 1: a sensor that is torn off
     Usual{"supervision", "growth_time", 0.0, 0.4},
 };
 

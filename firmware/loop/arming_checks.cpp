@@ -114,9 +114,11 @@ void ArmingChecks::judge_place(const Seen& seen) {
 void ArmingChecks::compare(const Seen& seen) {
   const double tolerance = settings_.position_tolerance;
   const bool differs = tolerance > 0.0 && seen.read_back && size_of(*seen.read_back - seen.command) > tolerance;
-  if (differs && (seen.now - since_).seconds() < patience) return;
-  if (differs) {
-    refuse(Reason::arming_read_back, std::nullopt, *seen.read_back - seen.command, tolerance, seen.now);
+  const bool silent = tolerance > 0.0 && seen.silent;
+  if ((differs || silent) && (seen.now - since_).seconds() < patience) return;
+  if (differs || silent) {
+    const double away = silent ? never_reached : *seen.read_back - seen.command;
+    refuse(Reason::arming_read_back, std::nullopt, away, tolerance, seen.now);
   }
   judge_place(seen);
   if (failures_ == 0) enter(rest_periods_ > 0 ? Step::rest : Step::done);

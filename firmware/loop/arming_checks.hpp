@@ -18,7 +18,8 @@ namespace firmware {
 
 /// What an engineer does before a run, one step after the other, one period a call:
 ///
-///   compare    converter against last command, measured position against command, while the drive has no power. A
+///   compare    converter against last command, measured position against command, while the drive has no power. Of a
+///              converter that answers too late nothing is known: it is asked again, as one that differs. A
 ///              first arming begins in the middle: off it a wrong sign of x_act would throw the drive to the other side
 ///   rest       power on; force and position averaged for tare_time: nothing may move
 ///   probe      a small move, 16 a s²(1 − s)² over 1 s: its answer shows signs and sizes
@@ -69,7 +70,8 @@ class ArmingChecks {
   struct Seen {
     hal::Time now{};
     double command = 0.0;               ///< for this instant [m]
-    std::optional<double> read_back{};  ///< of the converter [m]
+    std::optional<double> read_back{};  ///< of the converter [m]; one that cannot tell has none
+    bool silent = false;                ///< it can tell, and has not answered in time
     std::optional<double> position{};   ///< [m]
     std::optional<double> force{};      ///< as read [N]
   };

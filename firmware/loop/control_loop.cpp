@@ -73,9 +73,12 @@ void ControlLoop::step() {
   keep_time(now);
   set_low_limits();
   samples_.take(rig_.sensors.read(), now);
-  estimator_.step(samples_);
-  if (Companion* companion = companion_.get()) companion->follow(samples_, now);
+  estimate(now);
   watch_motion(now);
+  if (Companion* companion = companion_.get()) {
+    const std::optional<Trip> implausible = companion->look(in_run(mode_), now);
+    if (!motion_hazard_) motion_hazard_ = implausible;
+  }
 
   const unsigned requests = requests_.exchange(0);
   if ((requests & level_request) != 0) player_.level(static_cast<double>(wanted_level_.load()) / 1e6);
@@ -130,6 +133,11 @@ void ControlLoop::step() {
   if (const Companion* companion = companion_.get()) record.openings = companion->standing();
   record.counters = counters_;
   journal_.push(record);
+}
+
+void ControlLoop::estimate(hal::Time now) {
+  estimator_.step(samples_);
+  if (Companion* companion = companion_.get()) companion->follow(samples_, now);
 }
 
 void ControlLoop::keep_time(hal::Time now) {
@@ -213,7 +221,6 @@ std::optional<Trip> ControlLoop::find_stop(hal::Time now) {
     return Trip{.reason = contradiction ? Reason::stop_channels : Reason::stop_button_lost, .time = now};
   }
   if (!*pressed) return std::nullopt;
-  stop_tested_ = rig_.stop_button.pressed_at();  // it is latched: `now` would be that of the acknowledge
   return Trip{.reason = Reason::stop_button, .value = (now - rig_.stop_button.pressed_at()).seconds(), .time = now};
 }
 
@@ -237,7 +244,8 @@ bool ControlLoop::wants_hold_to_run(unsigned requests) const {
 std::optional<Trip> ControlLoop::find_untested_stop(hal::Time now) const {
   const double allowed = settings_.arming.stop_test;
   if (allowed <= 0.0 || arming_.powered()) return std::nullopt;
-  const double since = stop_tested_ == hal::never ? never_reached : (now - stop_tested_).seconds();
+  const hal::Time tested = rig_.stop_button.tested_at();
+  const double since = tested == hal::never ? never_reached : (now - tested).seconds();
   if (since <= allowed) return std::nullopt;
   return Trip{.reason = Reason::arming_stop_untested, .value = since, .limit = allowed, .time = now};
 }
@@ -346,6 +354,10 @@ void ControlLoop::begin_arming(hal::Time now) {
     if (shown) home = *shown;
   }
   begin_at_rest(home);
+  // A recording begins here: what the estimators saw before would be missing in its replay.
+  estimator_.restart();
+  if (Companion* companion = companion_.get()) companion->restart();
+  estimate(now);
   arming_.begin(home, now, sign_shown_ || power_.always());
 }
 
@@ -355,6 +367,7 @@ std::optional<Trip> ControlLoop::look_at_arming(hal::Time now, std::optional<Tri
   if (settings_.arming.position_tolerance > 0.0) {
     const hal::Result<double> shown = rig_.command.read_back();
     if (shown) seen.read_back = *shown;
+    seen.silent = !shown && shown.fault() == hal::Fault::timeout;
     if (!hazard && !shown && shown.fault() == hal::Fault::disconnected) {
       hazard = Trip{.reason = Reason::command_failed, .time = now};
     }

@@ -153,6 +153,7 @@ class ControlLoop {
   [[nodiscard]] std::optional<double> place() const;
 
   void keep_time(hal::Time now);
+  void estimate(hal::Time now);
   void set_low_limits();
   void watch_motion(hal::Time now);
   [[nodiscard]] std::optional<Trip> find_hazard(hal::Time now);
@@ -219,15 +220,14 @@ class ControlLoop {
   Mode mode_ = Mode::idle;
   Trip trip_{};
   Trip second_{};
-  bool held_ = false;                   ///< in safe: stays where it stopped
-  bool expects_trip_ = false;           ///< in safe: the hazard of trip_ may last while the command returns to rest
-  bool proven_ = false;                 ///< arming has passed, and nothing has happened since that takes an arming
-  bool place_shown_ = false;            ///< the last arming has found the drive where its command is
-  bool sign_shown_ = false;             ///< of the measured position, by a probe of this program
-  bool led_back_ = false;               ///< in safe: somebody's `rest` leads the way to rest
-  bool hand_wanted_ = false;            ///< contacts that are held by hand matter in this period
-  hal::Time stop_tested_ = hal::never;  ///< the stop button was pressed, last
-  bool starved_ = false;                ///< no heartbeat until somebody has acknowledged why
+  bool held_ = false;          ///< in safe: stays where it stopped
+  bool expects_trip_ = false;  ///< in safe: the hazard of trip_ may last while the command returns to rest
+  bool proven_ = false;        ///< arming has passed, and nothing has happened since that takes an arming
+  bool place_shown_ = false;   ///< the last arming has found the drive where its command is
+  bool sign_shown_ = false;    ///< of the measured position, by a probe of this program
+  bool led_back_ = false;      ///< in safe: somebody's `rest` leads the way to rest
+  bool hand_wanted_ = false;   ///< contacts that are held by hand matter in this period
+  bool starved_ = false;       ///< no heartbeat until somebody has acknowledged why
   Counters counters_{};
   hal::Time due_ = hal::never;
   hal::Time lateness_{};  ///< of this period

@@ -5,17 +5,20 @@
 
 #include "firmware/loop/companion.hpp"
 #include "firmware/loop/duct_control/duct_policy.hpp"
+#include "firmware/loop/guards/innovation_guard.hpp"
 #include "firmware/loop/kalman/kalman_filter.hpp"
 
 namespace firmware {
 
-/// Velocities and wheel load from the filter, ducts from the policy. Both know where late valves stand.
+/// Velocities and wheel load from the filter, ducts from the policy. Both know where late valves stand. What a sensor
+/// shows against all others ends a run (InnovationGuard).
 class SemiActive final : public Companion {
  public:
   /// Settings that pass EstimatorEquations::check() and DuctPolicy::check(); `gains` is room for the construction. A
   /// rig without FDVA has no policy.
-  SemiActive(const EstimatorEquations& equations, SteadyGains& gains, const DuctPolicySettings& policy, double period)
-      : filter_(equations, gains, period) {
+  SemiActive(const EstimatorEquations& equations, SteadyGains& gains, const DuctPolicySettings& policy, double period,
+             const Supervision& supervision)
+      : filter_(equations, gains, period), guard_(supervision, equations, period) {
     if (equations.ducts() > 0) policy_.emplace(equations, gains, policy, period);
   }
 
@@ -29,8 +32,17 @@ class SemiActive final : public Companion {
   [[nodiscard]] hal::Openings standing() const override { return policy_ ? policy_->standing() : hal::Openings{}; }
 
  private:
+  void do_restart() override {
+    filter_.restart();
+    filter_.switch_to({});
+  }
   void do_follow(const SampleGuard& samples, hal::Time now) override {
     filter_.step(samples.frame(), samples.bridged(), now);
+  }
+  std::optional<Trip> do_look(bool runs, hal::Time now) override {
+    if (runs) return guard_.follow(filter_, now);
+    guard_.start();
+    return std::nullopt;
   }
   hal::Openings do_choose(hal::Openings planned) override {
     return policy_ ? policy_->choose(filter_.state(), planned) : planned;
@@ -42,6 +54,7 @@ class SemiActive final : public Companion {
   }
 
   KalmanFilter filter_;
+  InnovationGuard guard_;
   std::optional<DuctPolicy> policy_{};
 };
 

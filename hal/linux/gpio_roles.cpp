@@ -17,7 +17,7 @@ Result<StopButton::Level> GpioStopButton::do_read() {
   if (!first->active && !second->active) return Level{};
   Time began = first->active ? since(*first) : since(*second);
   if (second->active && since(*second) < began) began = since(*second);
-  return Level{true, began};
+  return Level{true, began, second_ != nullptr && !StopChannels::one_press(opened_.first, opened_.second)};
 }
 
 Result<bool> GpioDriveEnable::do_feedback() {

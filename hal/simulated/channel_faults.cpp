@@ -14,7 +14,8 @@ Frame ChannelFaults::apply(const Frame& shown, Time instant) {
   std::array<bool, channel_capacity> freezing{};
   for (const ChannelFault& fault : plan_.channels) {
     if (!fault.window.contains(instant)) continue;
-    freezing[fault.channel] = freezing[fault.channel] || fault.kind == ChannelFault::Kind::freeze;
+    freezing[fault.channel] =
+        freezing[fault.channel] || fault.kind == ChannelFault::Kind::freeze || fault.kind == ChannelFault::Kind::repeat;
     apply(fault, delivered.channels[fault.channel]);
   }
   for (std::size_t i = 0; i < channel_capacity; ++i) {
@@ -25,10 +26,12 @@ Frame ChannelFaults::apply(const Frame& shown, Time instant) {
 
 void ChannelFaults::apply(const ChannelFault& fault, Reading& reading) {
   using Kind = ChannelFault::Kind;
-  if (fault.kind == Kind::freeze) {
+  if (fault.kind == Kind::freeze || fault.kind == Kind::repeat) {
     std::optional<Reading>& frozen = frozen_[fault.channel];
     if (!frozen) frozen = reading;
+    const Time taken = reading.taken;
     reading = *frozen;
+    if (fault.kind == Kind::repeat) reading.taken = taken;
     return;
   }
   if (fault.probability < 1.0) {
@@ -54,6 +57,7 @@ void ChannelFaults::apply(const ChannelFault& fault, Reading& reading) {
       break;
     }
     case Kind::freeze:
+    case Kind::repeat:
       break;
   }
 }

@@ -32,6 +32,7 @@ struct ChannelFault {
     not_a_number,  ///< NaN
     spike,         ///< `spike` added
     bit_flip,      ///< one bit of the value turned over: `bit`, or one drawn anew each time
+    repeat,  ///< the first value of the window again and again, with new stamps: the converter works, the sensor does not
   };
 
   Kind kind = Kind::drop;
@@ -40,7 +41,7 @@ struct ChannelFault {
   unsigned delay_samples = 0;  ///< below delay_capacity
   double spike = 0.0;          ///< [unit of the channel]
   int bit = -1;                ///< 0…63 of the 64-bit value, 63 is its sign; −1: drawn
-  double probability = 1.0;    ///< share of the samples in the window that are hit, drawn; freeze always hits
+  double probability = 1.0;    ///< share of the samples in the window that are hit, drawn; freeze and repeat always hit
 };
 
 /// A device that answers with a fault while the window lasts. A faulty output keeps what it was told before.
@@ -96,6 +97,12 @@ struct StuckFeedback {
   Window window{};
 };
 
+/// The drive stands where it is during the window, with its power and whatever it is told: a seized spool, a lost pilot
+/// pressure.
+struct StuckDrive {
+  Window window{};
+};
+
 /// The drive is pushed with this velocity while it has no power: a hand, a load that sinks.
 struct Push {
   double velocity = 0.0;  ///< [m/s]
@@ -128,6 +135,7 @@ struct FaultPlan {
   std::span<const StuckFeedback> stuck_feedbacks{};
   std::span<const Push> pushes{};
   std::span<const Suspension> suspensions{};
+  std::span<const StuckDrive> stuck_drives{};
 
   /// What is wrong with the plan itself, or an empty text.
   [[nodiscard]] std::string_view check() const;

@@ -66,6 +66,11 @@ bool Rig::contact_closed() const {
 bool Rig::powered() const { return !construction_.drive_enable || (contact_closed() && !watchdog_has_acted()); }
 
 void Rig::move_drive() {
+  for (const StuckDrive& stuck : plan_.stuck_drives) {
+    if (!stuck.window.contains(now_)) continue;
+    drive_.velocity = drive_.acceleration = 0.0;
+    return;
+  }
   if (powered()) {
     drive_ = held_command_;
     return;
@@ -179,10 +184,12 @@ Result<StopButton::Level> Rig::ButtonRole::do_read() {
   for (const Press& press : rig.plan_.presses) {
     const bool began = press.window.from <= rig.now_;
     const bool seen_before = press.window.until <= last_read;
-    if (began && !seen_before && (!level.pressed || press.window.from < level.since)) {
-      level = {true, press.window.from};
-    }
+    if (!began || seen_before) continue;
+    if (!level.pressed || press.window.from < level.since) level = {true, press.window.from};
+    if (press.contacts != Press::Contacts::second) first_opened = press.window.from;
+    if (press.contacts != Press::Contacts::first) second_opened = press.window.from;
   }
+  level.one_contact = !StopChannels::one_press(first_opened, second_opened);
   last_read = rig.now_;
   bool first = false, second = false;
   for (const Press& press : rig.plan_.presses) {

@@ -90,6 +90,7 @@ class Rig {
     Result<Level> do_read() override;
     Rig& rig;
     Time last_read = never;
+    Time first_opened = never, second_opened = never;  ///< its contacts, last
     StopChannels channels{};
   };
   struct HeartbeatRole final : Heartbeat {

@@ -304,6 +304,25 @@ TEST(SimulatedStopButton, ComparesItsContacts) {
   EXPECT_TRUE(roles.stop_button.pressed()) << "they agree again";
 }
 
+// Fault. A press that one contact shows is a press and no test of the button: the other one may be welded. Nor do two
+// of them make one test, a contact each, a second apart.
+TEST(SimulatedStopButton, IsTestedByBothContacts) {
+  const std::array presses{Press{{ms * 2, ms * 50}, Press::Contacts::first},
+                           Press{{ms * 1002, ms * 1050}, Press::Contacts::second}, Press{{ms * 2002, ms * 2050}}};
+  CountingPlant plant;
+  simulated::Rig rig(plant, two_channels(), {.presses = presses});
+  const hal::Rig roles = rig.roles();
+  for (const int at : {3, 1003}) {
+    roles.clock.sleep_until(ms * at);
+    EXPECT_TRUE(*roles.stop_button.pressed()) << at;
+    EXPECT_EQ(roles.stop_button.tested_at(), never) << at;
+  }
+  roles.clock.sleep_until(ms * 2003);
+  EXPECT_TRUE(*roles.stop_button.pressed());
+  EXPECT_EQ(roles.stop_button.tested_at(), ms * 2002);
+  EXPECT_EQ(roles.stop_button.pressed_at(), ms * 2) << "latched by the first";
+}
+
 // Without its enable a drive coasts to a stop, whatever it is told; with it, it is where it is told.
 TEST(SimulatedDrive, MovesOnlyWithItsEnable) {
   CountingPlant plant;

@@ -39,6 +39,9 @@ std::string_view check_motion(const Limits& limits, const Supervision& supervisi
     return "supervision.force_share: expected a share of 0 to 0.5";
   }
   if (!positive_or_never(supervision.force_way)) return "supervision.force_way: expected a distance above 0 m";
+  if (!positive(supervision.innovation_noise) || !positive(supervision.innovation_share)) {
+    return "supervision.innovation_noise, innovation_share: expected numbers above 0";
+  }
   if (!positive_or_never(supervision.growth_time)) return "supervision.growth_time: expected a time above 0 s";
   return {};
 }

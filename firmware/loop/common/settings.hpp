@@ -70,6 +70,8 @@ struct Supervision {
   double unpowered_way = 2e-3;       ///< a drive without power that moves so far, or by so much a second, trips [m]
   double force_share = 0.1;          ///< F is implausible below so much of the spring's force; 0: not judged
   double force_way = 2e-3;           ///< … while the machine moves by more than this, rms [m]
+  double innovation_noise = 3.0;     ///< a Kalman filter's sensor may have so many times the noise described
+  double innovation_share = 0.5;     ///< … and differ by so much of what the filter expects it to show
   double growth_time = 0.1;          ///< a hil interface that pushes outwards for so long trips [s]
 };
 

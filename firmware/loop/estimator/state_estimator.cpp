@@ -59,6 +59,10 @@ double StateEstimator::follow(VelocityObserver& observer, const Place& place) {
   return observer.step(place.displacement.value_or(0.0), place.acceleration.value_or(0.0));
 }
 
+void StateEstimator::restart() {
+  for (VelocityObserver* observer : {&foot_point_, &wheel_, &body_, &deflection_}) observer->restart();
+}
+
 void StateEstimator::step(const SampleGuard& samples) {
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     if (samples.fitted(model::channel_at(i)) && !samples.seen(model::channel_at(i))) return;

@@ -29,6 +29,8 @@ class StateEstimator {
 
   /// Once a period, after the samples were taken; waits until every fitted channel has shown a good one.
   void step(const SampleGuard& samples);
+  /// What was seen before counts for nothing: the next step starts at rest.
+  void restart();
 
   [[nodiscard]] const Velocities& velocities() const { return velocities_; }
   [[nodiscard]] double wheel_load() const { return wheel_load_; }  ///< (4) [N]; NaN without deflection or tyre

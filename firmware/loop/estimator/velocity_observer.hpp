@@ -46,6 +46,12 @@ class VelocityObserver {
   /// what has been wrong there is forgotten with time constant 1/ω. An input that is not used may hold any number.
   double step(double displacement, double acceleration);
 
+  /// The next call starts at rest again.
+  void restart() {
+    started_ = false;
+    state_.setZero();
+  }
+
   [[nodiscard]] Inputs inputs() const { return inputs_; }
   [[nodiscard]] double velocity() const { return state_(1); }
 

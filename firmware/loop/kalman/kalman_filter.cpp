@@ -226,8 +226,10 @@ void KalmanFilter::correct(EstimatorVector& x, EstimatorMatrix& p, const Slot& a
       }
     }
     if (monitor == nullptr) continue;
-    const double normalised = innovation / std::sqrt(variance);
+    deviation_[c] = std::sqrt(variance);
+    const double normalised = innovation / deviation_[c];
     innovation_[c] = normalised;
+    expected_[c] = expected / deviation_[c];
     nis += normalised * normalised;
     ++innovations;
     monitor->take(i, normalised);

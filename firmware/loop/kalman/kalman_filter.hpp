@@ -66,6 +66,9 @@ class KalmanFilter {
   [[nodiscard]] double nis() const { return nis_; }
   [[nodiscard]] int innovations() const { return innovation_count_; }
   [[nodiscard]] double innovation(int channel) const { return innovation_[static_cast<std::size_t>(channel)]; }
+  /// Of the channel's last sample: what was expected of it, in terms of its deviation(), which is √s [unit of the channel].
+  [[nodiscard]] double expected(int channel) const { return expected_[static_cast<std::size_t>(channel)]; }
+  [[nodiscard]] double deviation(int channel) const { return deviation_[static_cast<std::size_t>(channel)]; }
   [[nodiscard]] const InnovationMonitor& monitor() const { return monitor_; }
   [[nodiscard]] std::uint32_t too_old() const { return too_old_; }  ///< samples
   [[nodiscard]] int longest_lag() const { return longest_lag_; }
@@ -127,7 +130,7 @@ class KalmanFilter {
   EstimatorMatrix work_1_, work_2_;                       ///< not on the stack of a board
   double nis_ = 0.0;
   int innovation_count_ = 0;
-  std::array<double, estimator_channels> innovation_{};
+  std::array<double, estimator_channels> innovation_{}, expected_{}, deviation_{};
   std::uint32_t too_old_ = 0;
 };
 

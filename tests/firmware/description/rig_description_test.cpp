@@ -492,6 +492,8 @@ TEST(RigDescription, RefusesAControllerThatCannotWork) {
   expect_refused(text(gpio + "high_pressure = \"h\""), "high_pressure", "a second stage without a first one");
   expect_refused(text(gpio + "hold_to_run = \"door\""), "hold_to_run", "is no interlock");
   expect_refused(text("[arming]\nstop_test = 1e5"), "stop_test", "does not fit");
+  expect_refused(text("[arming]\nstop_test = 12"), "[arming]", "asks for a press of a button that is not there");
+  expect_refused(text(gpio + "[arming]\nstop_test = 12"), "[arming]", "its line, [gpio] stop");
   expect_refused(text("[controller]\nallowed_gain = 0.9"), "allowed_gain", "allowed_gain");
   expect_refused(text("[limits]\nramp = 0.8"), "ramp", "limits.ramp is faster than limits.speed");
   expect_refused(text("[limits]\nspeed = 0.01"), "speed = 0.01", "limits.ramp is faster than limits.speed");

@@ -19,6 +19,8 @@ TEST(WideLimits, NeedWords) {
         std::tuple("limits", "ramp = 0.21", "limits.ramp"), std::tuple("limits", "low_speed = 0.3", "limits.low_speed"),
         std::tuple("limits", "low_force = 20e3", "limits.low_force"),
         std::tuple("supervision", "force_share = 0.0", "supervision.force_share"),
+        std::tuple("supervision", "innovation_share = 1.0", "supervision.innovation_share"),
+        std::tuple("supervision", "innovation_noise = 100.0", "supervision.innovation_noise"),
         std::tuple("limits", "acceleration = 1e5", "limits.acceleration"),
         std::tuple("limits", "following = 0.1", "limits.following"),
         std::tuple("limits", "energy_gain = 50.0", "limits.energy_gain"),

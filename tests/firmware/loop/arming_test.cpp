@@ -304,6 +304,42 @@ TEST(Arming, RefusesAForceThatTheLoopDoesNotBear) {
   }
 }
 
+// Fault. The converter shows 20 mm, and answers too late in the very periods of the comparison: that is no agreement. No
+// power until it has answered; one that shows what it was told is armed then.
+TEST(Arming, ComparesWithAConverterThatAnswersLate) {
+  const hal::simulated::DeviceFault late{
+      hal::simulated::DeviceFault::Device::command, hal::Fault::timeout, {ms * 50, ms * 52}};
+  const hal::simulated::ReadBackError error{0.02, {hal::Time{}}};
+  for (const bool lies : {true, false}) {
+    Scene scene = checked(RigKind::component_bench);
+    scene.faults.devices = {&late, 1};
+    if (lies) scene.faults.read_back_errors = {&error, 1};
+    Journey run{scene};
+    run.periods(50);
+    run.loop.arm();
+    run.periods(2);
+    EXPECT_FALSE(run.rig.enabled()) << "not yet compared";
+    run.periods(1500);
+    EXPECT_EQ(run.rig.enabled(), !lies);
+    EXPECT_EQ(run.loop.trip().reason, lies ? Reason::arming_read_back : Reason::none);
+  }
+}
+
+// Fault. The position moves by 0.8 mm while it should rest: within the tolerance of the place, beyond `wander`.
+TEST(Arming, RefusesADriveThatWanders) {
+  const hal::simulated::ChannelFault nudge{.kind = hal::simulated::ChannelFault::Kind::spike,
+                                           .channel = model::index(Channel::x_act),
+                                           .window = {ms * 60, ms * 70},
+                                           .spike = 0.8e-3};
+  Scene scene = checked(RigKind::component_bench);
+  scene.faults.channels = {&nudge, 1};
+  Journey run{scene};
+  arm(run);
+  EXPECT_EQ(run.loop.trip().reason, Reason::arming_not_at_rest) << name(run.loop.trip().reason);
+  EXPECT_EQ(run.loop.trip().channel, Channel::x_act);
+  EXPECT_NEAR(run.loop.trip().value, 0.8e-3, 1e-9);
+}
+
 // A stop during arming acts as in any other state.
 TEST(Arming, EndsAtAPress) {
   for (const int period : {60, 400, 800, 1200, 2500}) {

@@ -162,6 +162,30 @@ TEST(LowEnergy, TheStopButtonIsTried) {
   EXPECT_NEAR(run.loop.trip().value, 4.2, 0.02) << "from the press on, not from its acknowledge";
 }
 
+// Fault. One contact of the button is welded: the other one stops the rig at once, and has not tested it.
+TEST(LowEnergy, OneContactIsNoTestOfTheStopButton) {
+  Scene scene = looked_at(RigKind::component_bench);
+  scene.settings.arming.stop_test = 3600.0;
+  for (const auto contacts : {Press::Contacts::first, Press::Contacts::second, Press::Contacts::both}) {
+    const Press press{{ms * 100, ms * 200}, contacts};
+    scene.faults.presses = {&press, 1};
+    Journey run{scene};
+    until(run, 150);
+    EXPECT_EQ(run.loop.trip().reason, Reason::stop_button);
+    until(run, 300);
+    run.loop.acknowledge();
+    run.periods(2);
+    run.loop.arm();
+    run.periods(10);
+    if (contacts == Press::Contacts::both) {
+      EXPECT_EQ(run.loop.mode(), Mode::arming);
+    } else {
+      EXPECT_EQ(run.loop.trip().reason, Reason::arming_stop_untested);
+      EXPECT_FALSE(run.rig.enabled());
+    }
+  }
+}
+
 /// Where a drive that runs away at this speed from a command that stands is noticed [m].
 double runaway(double speed, bool slow, int calm, Reason& reason) {
   hal::SensorSetup setup;
@@ -202,6 +226,30 @@ TEST(LowEnergy, ASlowMotionIsSlow) {
   EXPECT_DOUBLE_EQ(settings.highest_low_speed(), 0.5);
   settings.limits.low_speed = 0.45;
   EXPECT_NE(settings.check(), "") << "a ramp that trips itself";
+}
+
+// Point. In the loop: a position that steps by 4 mm within a sample moves by 0.4 m/s over the guard's 10 ms. An armed rig
+// trips by that, a run with its limit of 0.875 m/s does not.
+TEST(LowEnergy, TheLoopKnowsWhichMotionsAreSlow) {
+  for (const bool in_a_run : {false, true}) {
+    const hal::simulated::ChannelFault step{.kind = hal::simulated::ChannelFault::Kind::spike,
+                                            .channel = model::index(Channel::x_act),
+                                            .window = {ms * 5000, ms * 5020},
+                                            .spike = 4e-3};
+    Scene scene = looked_at(RigKind::component_bench, 9000);
+    scene.reference.assign(9000, Motion{});
+    scene.faults.channels = {&step, 1};
+    Journey run{scene};
+    run.loop.arm();
+    until(run, 3000);
+    ASSERT_EQ(run.loop.mode(), Mode::armed) << name(run.loop.trip().reason);
+    if (in_a_run) run.loop.start();
+    until(run, 5030);
+    EXPECT_EQ(run.loop.trip().reason, in_a_run ? Reason::none : Reason::measured_speed);
+    if (!in_a_run) {
+      EXPECT_EQ(run.loop.trip().limit, 0.25);
+    }
+  }
 }
 
 // Point. A drive that moves without power is said, whatever happened before: as the second reason, where another one
