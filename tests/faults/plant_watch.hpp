@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -23,7 +25,10 @@ namespace faults {
 ///   force     what is beyond its limit for 150 ms does not grow by a twentieth while the drive has power; on the way back
 ///             to rest, half of the limit and a tenth of it
 ///   standing  nobody acknowledges a rig that moves or has power
-///   trips     each fault of must_trip() leads to safe within its time where the program leads the drive
+///   trips     each fault of must_trip() leads to safe within its time where the program leads the drive; so do, outside
+///             an arming, a drive that stays 11 mm and more away from its command for 70 ms, or stands still while twice
+///             the error that is allowed comes together within 1.5 s; and a sensor that repeats itself for 220 ms while the
+///             drive moves by 2.5 mm
 ///
 /// 80 ms: braking from 0.7 m/s at 20 m/s² takes 35, two periods that begin 20 ms late 40, 5 are left. A contact that is
 /// welded without anything that shows it is nobody's fault; what shows it (enable_feedback) has 0.2 s, the watchdog 20
@@ -58,6 +63,7 @@ class PlantWatch {
     look_at_pushes();
     look_at_rest();
     look_for_missed_trips();
+    look_at_standstill();
     const double moved = std::abs(journey_.rig.drive().position - place_);
     if (mode_ == Mode::safe && mode == Mode::idle && ((had_power_ && scenario_.scene.drive_enable) || moved > 1e-9) &&
         !scenario_.moves_by_itself()) {
@@ -174,7 +180,7 @@ class PlantWatch {
     // The contact is not as the enable says, and shows it.
     const bool closed = powered || (welded() && !journey_.rig.watchdog_has_acted());
     differs_ = closed && !journey_.rig.enabled() && scenario_.scene.enable_feedback ? differs_ + 1 : 0;
-    if (differs_ > 300) violate("a welded contact keeps its supply [periods]", differs_, 300.0);
+    if (differs_ > 320) violate("a welded contact keeps its supply [periods]", differs_, 320.0);
   }
 
   /// What is there now makes the power of a watchdog, or of a line, unknown.
@@ -195,7 +201,8 @@ class PlantWatch {
     using Device = hal::simulated::DeviceFault::Device;
     const Mode mode = journey_.loop.mode();
     if (in_safe_ == 1) from_ = mode_;
-    const bool blind = scenario_.fails(Device::command) || scenario_.fails(Device::drive_enable) || welded();
+    const bool blind = scenario_.fails(Device::command) || scenario_.fails(Device::drive_enable) || welded() ||
+                       !scenario_.stuck_drives.empty();
     const bool powered = scenario_.scene.drive_enable && journey_.rig.powered();
     const bool moves = std::abs(journey_.rig.drive().position - place_) > 1e-12;
     standing_ = in_safe_ > 0 && powered && !moves ? standing_ + 1 : 0;
@@ -216,13 +223,13 @@ class PlantWatch {
 
   /// A drive without power that is pushed for 0.4 s is noticed, and the watchdog takes its supply.
   void look_at_pushes() {
-    const bool pushed = scenario_.scene.drive_enable && !journey_.rig.powered() && !scenario_.position_lies() &&
-                        !scenario_.fails(hal::simulated::DeviceFault::Device::sensors) &&
-                        std::any_of(scenario_.pushes.begin(), scenario_.pushes.end(), [&](const auto& f) {
-                          return f.window.contains(now()) && std::abs(f.velocity) > 0.02;
-                        });
+    const bool pushed =
+        scenario_.scene.drive_enable && !journey_.rig.powered() && !scenario_.position_lies() &&
+        !scenario_.fails(hal::simulated::DeviceFault::Device::sensors) && !any(scenario_.stuck_drives) &&
+        std::any_of(scenario_.pushes.begin(), scenario_.pushes.end(),
+                    [&](const auto& f) { return f.window.contains(now()) && std::abs(f.velocity) > 0.02; });
     pushed_ = pushed ? pushed_ + 1 : 0;
-    if (pushed_ > 430 && !journey_.rig.watchdog_has_acted()) violate("pushed without power [periods]", pushed_, 430.0);
+    if (pushed_ > 450 && !journey_.rig.watchdog_has_acted()) violate("pushed without power [periods]", pushed_, 450.0);
   }
 
   void look_at_force() {
@@ -257,6 +264,52 @@ class PlantWatch {
     }
   }
 
+  /// A drive that does not go where it is told, and a sensor that does not follow it.
+  void look_at_standstill() {
+    const auto& loop = journey_.loop;
+    const bool led = leads_drive(loop.mode()) && loop.mode() != Mode::arming && journey_.rig.powered();
+    const double there = journey_.rig.drive().position, error = commanded_ - there;
+    const double velocity = (loop.command().position - commanded_) / h;
+    commanded_ = loop.command().position;
+    away_ = led && std::abs(error) > 11e-3 ? away_ + 1 : 0;
+    const bool blind = scenario_.position_lies() || scenario_.fails(hal::simulated::DeviceFault::Device::sensors);
+    if (away_ > 70 && !blind) violate("away from its command [periods]", away_, 70.0);
+
+    look_at_repeated(led, there);
+    if (scenario_.stuck_drives.empty()) return;
+    errors_.push_back(led && any(scenario_.stuck_drives) ? error * error : 0.0);
+    const double allowed = 1e-3 + 14e-3 * std::abs(velocity) + 0.05 * std::abs(commanded_);
+    allowed_.push_back(allowed * allowed);
+    if (errors_.size() > 1500) {
+      errors_.pop_front();
+      allowed_.pop_front();
+    }
+    const double squares = std::accumulate(errors_.begin(), errors_.end(), 0.0);
+    const double most = 4.0 * std::accumulate(allowed_.begin(), allowed_.end(), 0.0);
+    const bool whole = led && errors_.size() == 1500 && errors_.front() > 0.0;
+    if (whole && squares > most && !blind) violate("a stuck drive [m²]", squares, most);
+  }
+
+  void look_at_repeated(bool led, double there) {
+    for (const auto& fault : scenario_.channels) {
+      const auto channel = model::channel_at(fault.channel);
+      using rig_under_test::Channel;
+      const bool positional = channel == Channel::x_act || channel == Channel::z_r || channel == Channel::F;
+      const auto also = [&](const auto& f) { return f.channel == fault.channel; };
+      const bool alone = std::count_if(scenario_.channels.begin(), scenario_.channels.end(), also) == 1;
+      if (fault.kind != hal::simulated::ChannelFault::Kind::repeat || !positional || !alone) continue;
+      const bool repeats = led && fault.window.contains(now());
+      if (!repeats) repeated_ = 0;
+      if (!repeats) continue;
+      if (repeated_ == 0) lowest_ = highest_ = there;
+      ++repeated_;
+      lowest_ = std::min(lowest_, there);
+      highest_ = std::max(highest_, there);
+      if (repeated_ > 220 && highest_ - lowest_ > 2.5e-3)
+        violate("a sensor repeats itself [periods]", repeated_, 220.0);
+    }
+  }
+
   const Scenario& scenario_;
   const rig_under_test::Journey& journey_;
   std::string violated_;
@@ -276,8 +329,13 @@ class PlantWatch {
   int standing_ = 0;         ///< periods in safe with power and without motion
   int pushed_ = 0;
   int differs_ = 0;
-  int above_ = 0;         ///< periods beyond the limit of force
-  double reached_ = 0.0;  ///< [N]
+  int away_ = 0;                         ///< periods away from the command
+  double commanded_ = 0.0;               ///< for this instant [m]
+  std::deque<double> errors_, allowed_;  ///< of a stuck drive, squares [m²]
+  int repeated_ = 0;                     ///< periods
+  double lowest_ = 0.0, highest_ = 0.0;  ///< of the drive meanwhile [m]
+  int above_ = 0;                        ///< periods beyond the limit of force
+  double reached_ = 0.0;                 ///< [N]
   std::vector<Must> musts_;
 };
 

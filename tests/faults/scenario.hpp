@@ -47,6 +47,7 @@ struct Scenario {
     draw_requests();
     if (whole(2) == 0) scene.settings.arming.force_ramp = 0.1;
     draw_ways_to_power();
+    draw_what_stands_still();
     scene.faults.channels = channels;
     scene.faults.devices = devices;
     scene.faults.presses = presses;
@@ -57,19 +58,21 @@ struct Scenario {
     scene.faults.stuck_enables = stuck_enables;
     scene.faults.stuck_feedbacks = stuck_feedbacks;
     scene.faults.pushes = pushes;
+    scene.faults.stuck_drives = stuck_drives;
   }
   Scenario(const Scenario&) = delete;
   Scenario& operator=(const Scenario&) = delete;
 
   [[nodiscard]] bool faultless() const {
     return channels.empty() && devices.empty() && presses.empty() && late.empty() && open_interlocks.empty() &&
-           read_back_errors.empty() && !moves_by_itself() && !low_limit && !torn && !wild && !offset && !off_centre();
+           read_back_errors.empty() && stuck_drives.empty() && !moves_by_itself() && !low_limit && !torn && !wild &&
+           !offset && !off_centre();
   }
   /// Nothing that is injected reaches the motion: neither samples, nor commands, nor time.
   [[nodiscard]] bool moves_as_described() const {
     using Device = hal::simulated::DeviceFault::Device;
-    return channels.empty() && late.empty() && !fails(Device::sensors) && !fails(Device::command) &&
-           !moves_by_itself() && !low_limit && !torn && !wild && !offset;
+    return channels.empty() && late.empty() && stuck_drives.empty() && !fails(Device::sensors) &&
+           !fails(Device::command) && !moves_by_itself() && !low_limit && !torn && !wild && !offset;
   }
   /// Where an arming refuses it.
   [[nodiscard]] bool off_centre() const { return scene.drive_at && !scene.settings.arming.off_centre; }
@@ -107,6 +110,7 @@ struct Scenario {
     add("stuck enable", stuck_enables);
     add("stuck feedback", stuck_feedbacks);
     add("push", pushes);
+    add("stuck drive", stuck_drives);
     if (low_limit) line += "; low limit of force";
     if (offset) line += "; offset of the force";
     if (wild) line += "; beyond the limits";
@@ -141,15 +145,37 @@ struct Scenario {
   std::vector<hal::simulated::StuckEnable> stuck_enables;
   std::vector<hal::simulated::StuckFeedback> stuck_feedbacks;
   std::vector<hal::simulated::Push> pushes;
-  bool low_limit = false;  ///< of the force: a run may reach it
-  bool offset = false;     ///< the force at rest is beyond `preload`
-  bool wild = false;       ///< the reference goes beyond the limits
-  bool torn = false;       ///< the load cell, at some sample
+  std::vector<hal::simulated::StuckDrive> stuck_drives;  ///< for good: a drive that lets go would jump
+  bool low_limit = false;                                ///< of the force: a run may reach it
+  bool offset = false;                                   ///< the force at rest is beyond `preload`
+  bool wild = false;                                     ///< the reference goes beyond the limits
+  bool torn = false;                                     ///< the load cell, at some sample
   std::vector<Request> requests;
 
   static constexpr int periods = 6000;
 
  private:
+  /// A sensor that repeats itself, a drive that does not move; drawn last of all.
+  void draw_what_stands_still() {
+    constexpr hal::Time for_good = hal::milliseconds(1'000'000);
+    if (whole(8) == 0) {
+      hal::simulated::ChannelFault fault;
+      fault.kind = hal::simulated::ChannelFault::Kind::repeat;
+      fault.channel = draw_fitted();
+      fault.window = draw_window();
+      channels.push_back(fault);
+    }
+    if (whole(8) != 0) return;
+    const hal::Time from = hal::milliseconds(whole(4500));
+    stuck_drives.push_back({{from, for_good}});
+  }
+  std::size_t draw_fitted() {
+    std::vector<std::size_t> fitted;
+    for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
+      if (scene.sensors[i].fitted) fitted.push_back(i);
+    }
+    return fitted[static_cast<std::size_t>(whole(static_cast<int>(fitted.size())))];
+  }
   // The distributions of the standard library differ between libraries; these do not.
   int whole(int below) { return static_cast<int>(generator() % static_cast<std::uint64_t>(below)); }
   double real(double low, double high) {
@@ -172,13 +198,9 @@ struct Scenario {
     using Device = hal::simulated::DeviceFault::Device;
     const int kind = whole(8);
     if (kind < 3) {
-      std::vector<std::size_t> fitted;
-      for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
-        if (scene.sensors[i].fitted) fitted.push_back(i);
-      }
       ChannelFault fault;
       fault.kind = static_cast<ChannelFault::Kind>(whole(6));
-      fault.channel = fitted[static_cast<std::size_t>(whole(static_cast<int>(fitted.size())))];
+      fault.channel = draw_fitted();
       fault.window = draw_window();
       fault.delay_samples = static_cast<unsigned>(1 + whole(20));
       fault.spike = real(-1.0, 1.0) * scene.sensors[fault.channel].highest;

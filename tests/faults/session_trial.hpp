@@ -28,7 +28,8 @@ constexpr double session_length = 1.5;  ///< of the run [s]
                                                           const std::filesystem::path& file);
 
 /// Runs the session of the program itself – loop, threads, recording – on the simulated rig in virtual time, and looks
-/// at what it leaves. What it prints is dropped.
-[[nodiscard]] SessionEnd play_session(std::uint64_t seed);
+/// at what it leaves. What it prints is dropped. `operated`: an operator who is drawn leads it through several armings,
+/// with all their checks, and runs; else it arms and starts by itself.
+[[nodiscard]] SessionEnd play_session(std::uint64_t seed, bool operated);
 
 }  // namespace faults

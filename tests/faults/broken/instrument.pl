@@ -1,4 +1,4 @@
-# instrument.pl TABLE FOLDER -- in FOLDER (a copy of firmware/loop) the broken text of each place of the table stands behind a switch: where
+# instrument.pl TABLE FOLDER -- in FOLDER (a copy of the tree's rooms) the broken text of each place of the table stands behind a switch: where
 # rigtwin_broken is the number of its line. Prints the names in their order. How lines are broken and indented does not count.
 use strict;
 use warnings;
