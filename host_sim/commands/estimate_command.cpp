@@ -37,6 +37,7 @@ ordered_json json_of(const Estimate& estimate, const std::vector<WheelLoad>& loa
   json["model_wrong"] = wrong ? ordered_json(*wrong) : ordered_json(nullptr);  // null: not judged
   json["alarms"] = estimate.alarms;
   json["blocks"] = estimate.blocks;
+  json["road_otherwise"] = estimate.wide_share();
   ordered_json sources = ordered_json::object();
   for (const WheelLoad& load : loads) {
     if (load.error_rms) sources[load.name] = {{"error_rms", *load.error_rms}};

@@ -133,8 +133,13 @@ hal::Openings openings_of(const firmware::Recording& recording, std::size_t k, h
 
 std::string words(const firmware::InnovationMonitor& monitor, const EstimatorEquations& equations) {
   const auto& alarm = monitor.last();
-  constexpr std::array<const char*, 4> tests{"", "level", "variance", "colour"};
-  char text[128];
+  constexpr std::array<const char*, 5> tests{"", "level", "variance", "colour", "road"};
+  char text[160];
+  if (alarm.test == firmware::InnovationMonitor::Test::road) {
+    std::snprintf(text, sizeof text, "the road moves otherwise than described, in %.0f %% of a block's samples of %s",
+                  100.0 * alarm.statistic, std::string(model::name(equations.channel(alarm.channel))).c_str());
+    return text;
+  }
   std::snprintf(text, sizeof text, "%s of the innovations of %s, %.3g standard deviations (limit %.3g)",
                 tests[static_cast<std::size_t>(alarm.test)],
                 std::string(model::name(equations.channel(alarm.channel))).c_str(), alarm.statistic, monitor.limit());
@@ -188,6 +193,7 @@ Estimate run_filter(const firmware::RigDescription& description, const std::vect
       innovations += static_cast<std::size_t>(filter->innovations());
       filter->switch_to(open);
     }
+    result.wide_rows += filter->wide_periods();
     result.alarms += filter->monitor().alarms();
     result.blocks += filter->monitor().blocks();
     if (filter->monitor().alarms() > 0) result.last_alarm = words(filter->monitor(), equations);

@@ -35,6 +35,10 @@ struct Estimate {
   std::size_t alarms = 0, blocks = 0;
   std::string last_alarm;  ///< empty: none
   std::size_t too_old = 0;
+  std::size_t wide_rows = 0;  ///< in which the road moved otherwise than described (KalmanFilter (5))
+  [[nodiscard]] double wide_share() const {
+    return time.empty() ? 0.0 : static_cast<double>(wide_rows) / static_cast<double>(time.size());
+  }
 
   /// Whether the innovations contradict the model; nullopt: not judged, no block of innovations was full.
   [[nodiscard]] std::optional<bool> model_wrong() const {

@@ -106,7 +106,11 @@ std::string sentence(const Estimate& estimate) {
   }
   if (*wrong) return "The model is wrong for this recording: " + estimate.last_alarm + ".";
   return "The innovations do not contradict the model: " + std::to_string(estimate.blocks) +
-         (estimate.blocks == 1 ? " block" : " blocks") + " judged.";
+         (estimate.blocks == 1 ? " block" : " blocks") + " judged." +
+         (estimate.wide_rows == 0 ? ""
+                                  : " In " + report::figure_text(100.0 * estimate.wide_share(), 2) +
+                                        " % of the rows the road moved otherwise than described (a limited command, a "
+                                        "step, a pothole, another shape); these are not judged.");
 }
 
 std::string report_page(const firmware::RigDescription& description, const firmware::Recording& recording,

@@ -3,7 +3,7 @@
 //
 // The same source with RIGTWIN_SEMI_ACTIVE is a second program, of a larger board: the quarter car with Kalman filter
 // and rollout beside the loop, and the hil rig with each compensation of its machine's delay, within 192 KiB of flash
-// and 336 KiB of RAM (semi_active.ld).
+// and 416 KiB of RAM (semi_active.ld).
 #include <optional>
 
 #include "tests/board/run.hpp"

@@ -37,7 +37,6 @@ InnovationMonitor::InnovationMonitor(int channels, double period, double false_a
   constexpr double tests = 2.0 + static_cast<double>(shifts.size());
   const double share = false_alarms * block * period / 3600.0 / (tests * channels);
   limit_ = normal_quantile(0.5 * (share < 0.5 ? share : 0.5));
-  skew_ = (limit_ * limit_ - 1.0) * std::sqrt(8.0 / block) / 6.0;
 }
 
 void InnovationMonitor::take(int channel, double innovation) {
@@ -50,22 +49,32 @@ void InnovationMonitor::take(int channel, double innovation) {
   }
   c.newest = (c.newest + 1) % static_cast<int>(kept);
   c.past[static_cast<std::size_t>(c.newest)] = innovation;
-  if (++c.taken == block) judge(channel);
+  if (++c.taken + c.aside == block) judge(channel);
+}
+
+void InnovationMonitor::set_aside(int channel) {
+  PerChannel& c = channels_[static_cast<std::size_t>(channel)];
+  if (++c.aside + c.taken == block) judge(channel);
 }
 
 void InnovationMonitor::judge(int channel) {
   PerChannel& c = channels_[static_cast<std::size_t>(channel)];
   if (c.blocks == settling) {
-    const double root = std::sqrt(static_cast<double>(block));
     ++blocks_;
-    compare(Test::level, channel, c.sum / root, -limit_, limit_);
-    compare(Test::variance, channel, (c.squares - block) / std::sqrt(2.0 * block), skew_ - limit_, skew_ + limit_);
-    for (const double products : c.products) compare(Test::colour, channel, products / root, -limit_, limit_);
+    if (c.aside > block / 2) {
+      compare(Test::road, channel, c.aside / static_cast<double>(block), 0.0, 0.5);
+    } else {
+      const auto n = static_cast<double>(c.taken);
+      const double root = std::sqrt(n), skew = (limit_ * limit_ - 1.0) * std::sqrt(8.0 / n) / 6.0;
+      compare(Test::level, channel, c.sum / root, -limit_, limit_);
+      compare(Test::variance, channel, (c.squares - n) / std::sqrt(2.0 * n), skew - limit_, skew + limit_);
+      for (const double products : c.products) compare(Test::colour, channel, products / root, -limit_, limit_);
+    }
   }
   if (c.blocks < settling) ++c.blocks;
   c.sum = c.squares = 0.0;
   c.products.fill(0.0);
-  c.taken = 0;
+  c.taken = c.aside = 0;
 }
 
 void InnovationMonitor::compare(Test test, int channel, double statistic, double lower, double upper) {

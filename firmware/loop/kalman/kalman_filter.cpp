@@ -11,6 +11,10 @@ using model::Channel;
 using model::CoreIndex;
 constexpr int slot_count = SteadyGains::lags + 1;
 
+// (5): thresholds in README.md.
+constexpr double widest_noise = 5.0;  // m
+constexpr double wide_time = 0.05;    // [s] that jumps are expected to go on
+
 }  // namespace
 
 KalmanFilter::KalmanFilter(const EstimatorEquations& equations, SteadyGains& gains, double period)
@@ -58,6 +62,7 @@ KalmanFilter::KalmanFilter(const EstimatorEquations& equations, SteadyGains& gai
       }
     }
     m.noise = gains.noise();
+    if (open == 0) describe_jumps(equations, gains.stationary());
     m.linear = open > 0 ? gains.transition() : m.transition;
     const int piston = core_[CoreIndex::piston_velocity];
     for (int j = 0; j < states_ && open == 0 && piston >= 0; ++j) m.linear(piston, j) = m.linear(j, piston) = 0.0;
@@ -69,8 +74,70 @@ KalmanFilter::KalmanFilter(const EstimatorEquations& equations, SteadyGains& gai
   }
 }
 
+/// J = T S Tᵀ: S the road's own covariance, T takes heights relative to the foot point, and the foot point's velocity
+/// times a period in place of its height. A road of one state has white velocity: its foot point moves by Q.
+void KalmanFilter::describe_jumps(const EstimatorEquations& equations, const EstimatorMatrix& stationary) {
+  using Road = model::RoadFilter<double>;
+  jumps_.setZero();
+  const int first = equations.road(), foot = equations.foot_point();
+  if (foot == first) {
+    jumps_(foot, foot) = by_count_[0].noise(foot, foot);
+  } else {
+    model::Block<double, estimator_states, Road::states> t;
+    t.setZero();
+    for (int i = 0; i < Road::states; ++i) t(first + i, i) = 1.0;
+    t(first + Road::road, Road::foot_point) = t(first + Road::contact, Road::foot_point) = -1.0;
+    t(foot, Road::foot_point) = 0.0;
+    t(foot, Road::foot_point_velocity) = period_;
+    for (int l = 0; l < Road::states; ++l) {
+      for (int k = 0; k < Road::states; ++k) {
+        const double covariance = stationary(first + k, first + l);
+        for (int j = 0; j < states_; ++j) {
+          for (int i = 0; i < states_; ++i) jumps_(i, j) += t(i, k) * covariance * t(j, l);
+        }
+      }
+    }
+  }
+  for (int i = 0; i < channels_; ++i) {
+    const auto c = static_cast<std::size_t>(i);
+    const Channel channel = equations.channel(i);
+    jumps_seen_[c].setZero();
+    if (channel != Channel::z_r && channel != Channel::zdd_r) continue;
+    const EstimatorVector row = equations.row(channel, 0, true);
+    for (int j = 0; j < states_; ++j) {
+      for (int k = 0; k < states_; ++k) jumps_seen_[c](k) += jumps_(k, j) * row(j);
+    }
+    jumps_variance_[c] = dot(row, jumps_seen_[c]);
+  }
+}
+
+/// a of the jumps that are expected in this period.
+double KalmanFilter::expected_jumps() const { return expected_jumps_ * wide_left_ * period_ / wide_time; }
+
+void KalmanFilter::add_jumps(EstimatorMatrix& p, double factor) const {
+  constexpr int first = 4;  // the car's states come first, and J is that of the road
+  for (int j = first; j < states_; ++j) {
+    for (int i = first; i < states_; ++i) p(i, j) += factor * jumps_(i, j);
+  }
+}
+
+/// (5)
+double KalmanFilter::widen(std::size_t channel, double innovation, double variance, EstimatorMatrix& p,
+                           EstimatorVector& projected) const {
+  const double seen = jumps_variance_[channel];
+  const double excess = innovation * innovation / (widest_noise * widest_noise) - variance;
+  const bool jumped = seen > 0.0 && excess > 0.0;
+  const double growth = jumped ? excess / seen : 0.0;
+  add_jumps(p, growth);
+  for (int k = 0; k < states_; ++k) projected(k) += growth * jumps_seen_[channel](k);
+  return growth;
+}
+
 void KalmanFilter::restart() {
   started_ = false;
+  expected_jumps_ = 0.0;
+  wide_left_ = 0;
+  wide_periods_ = 0;
   anchor_ = newest_ = {};
   nis_ = 0.0;
   innovation_count_ = 0;
@@ -118,6 +185,7 @@ void KalmanFilter::step(const hal::Frame& frame, std::uint32_t bad, hal::Time no
   for (int lag = longest_lag_ - 1; lag >= 0; --lag) {
     advance(newest_, slot(lag + 1), slot(lag));
     work_1_ = by_count_[static_cast<std::size_t>(count(slot(lag).open))].priors[static_cast<std::size_t>(lag)];
+    add_jumps(work_1_, expected_jumps());
     correct(newest_.x, work_1_, slot(lag), nullptr);
   }
 }
@@ -137,8 +205,12 @@ void KalmanFilter::push(double actuator) {
 void KalmanFilter::move_anchor() {
   advance(anchor_, slot(longest_lag_ + 1), slot(longest_lag_));
   predict_covariance(slot(longest_lag_ + 1));
+  add_jumps(covariance_, expected_jumps());
   innovation_.fill(0.0);
   correct(anchor_.x, covariance_, slot(longest_lag_), &monitor_);
+  if (wide_left_ == 0) return;
+  --wide_left_;
+  ++wide_periods_;
 }
 
 /// (4)
@@ -213,10 +285,17 @@ void KalmanFilter::correct(EstimatorVector& x, EstimatorMatrix& p, const Slot& a
       const double factor = row[0](j);
       for (int k = 0; k < states_; ++k) projected(k) += p(k, j) * factor;
     }
-    const double variance = dot(row[0], projected) + variance_[c];
+    double variance = dot(row[0], projected) + variance_[c];
     const double delta = at.offset[c];
     const double expected = dot(row[0], x) + delta * (dot(row[1], x) + delta * dot(row[2], x));
     const double innovation = at.value[c] - expected - feedthrough_[c] * at.actuator;
+    const double growth = widen(c, innovation, variance, p, projected);
+    variance = dot(row[0], projected) + variance_[c];
+    if (monitor != nullptr && growth > 0.0) {
+      const double level = expected_jumps();
+      expected_jumps_ = growth > level ? growth : level;
+      wide_left_ = static_cast<int>(wide_time / period_ + 0.5);
+    }
     EstimatorVector gain = EstimatorVector::Zero();
     for (int j = 0; j < states_; ++j) gain(j) = projected(j) / variance;
     for (int j = 0; j < states_; ++j) {
@@ -232,7 +311,11 @@ void KalmanFilter::correct(EstimatorVector& x, EstimatorMatrix& p, const Slot& a
     expected_[c] = expected / deviation_[c];
     nis += normalised * normalised;
     ++innovations;
-    monitor->take(i, normalised);
+    if (wide_left_ > 0) {
+      monitor->set_aside(i);
+    } else {
+      monitor->take(i, normalised);
+    }
   }
   if (monitor == nullptr) return;
   nis_ = nis;

@@ -23,8 +23,14 @@ namespace firmware {
 ///
 ///   (4)  predict  P ← Φ_n P Φ_nᵀ + Q_n             losses linearised; no duct open: a piston that stands still
 ///
+///   (5)  widen    P ← P + a J,  a = max(0, (e²/m² − s)/(c_iᵀ J c_i)), m = 5    of z_r and zdd_r, before (3)
+///
 /// The anchor's P is carried along by (3) and (4), from the steady state's: after lost samples and after a switch of
-/// ducts the innovations are as large as their s says. (3) in the form
+/// ducts the innovations are as large as their s says. (5): an innovation of the foot point's own sensors beyond m
+/// standard deviations is no noise of the described road. It was a limited command, a step, a pothole, a road of another
+/// shape: the road has jumped, and P grows until the jump is one of m standard deviations. J is the covariance of the
+/// described road's own motion relative to its foot point, of which the foot point moves as far as it gets in a period.
+/// The jumps are expected to go on: a J/`wide_time` less each period. (3) in the form
 /// of Joseph, P ← P − k qᵀ − q kᵀ + k s kᵀ with q = P c. From the anchor to the present P begins every period at the
 /// steady state's for the lag and the number of ducts: what is missing there leaves the others the gains that they have
 /// without it.
@@ -71,6 +77,8 @@ class KalmanFilter {
   [[nodiscard]] double deviation(int channel) const { return deviation_[static_cast<std::size_t>(channel)]; }
   [[nodiscard]] const InnovationMonitor& monitor() const { return monitor_; }
   [[nodiscard]] std::uint32_t too_old() const { return too_old_; }  ///< samples
+  /// Periods since the start in which the road moved otherwise than described: (5).
+  [[nodiscard]] std::uint64_t wide_periods() const { return wide_periods_; }
   [[nodiscard]] int longest_lag() const { return longest_lag_; }
 
  private:
@@ -103,6 +111,12 @@ class KalmanFilter {
   void place(const hal::Frame& frame, std::uint32_t bad, hal::Time now);
   void advance(Estimate& estimate, const Slot& from, const Slot& to) const;
   void predict_covariance(const Slot& from);
+  void describe_jumps(const EstimatorEquations& equations, const EstimatorMatrix& stationary);
+  [[nodiscard]] double expected_jumps() const;
+  void add_jumps(EstimatorMatrix& p, double factor) const;
+  /// (5) for a channel with this innovation, expected with this variance: what P and `projected` = P c gain. Returns a.
+  double widen(std::size_t channel, double innovation, double variance, EstimatorMatrix& p,
+               EstimatorVector& projected) const;
   /// The samples of one channel after the other; `p`: P before them, and after them.
   void correct(EstimatorVector& x, EstimatorMatrix& p, const Slot& at, InnovationMonitor* monitor);
 
@@ -115,6 +129,12 @@ class KalmanFilter {
   std::array<double, estimator_channels> variance_{}, feedthrough_{};   ///< r², of F_act
   std::array<PerCount, SteadyGains::counts> by_count_{};
   EstimatorVector wheel_load_row_, foot_velocity_row_;
+  EstimatorMatrix jumps_;                                         ///< J of (5)
+  std::array<EstimatorVector, estimator_channels> jumps_seen_{};  ///< J c
+  std::array<double, estimator_channels> jumps_variance_{};       ///< cᵀ J c; 0: no sensor of the foot point
+  double expected_jumps_ = 0.0;                                   ///< a of (5) when the road last jumped
+  int wide_left_ = 0;                                             ///< periods
+  std::uint64_t wide_periods_ = 0;
   Unobservable unobservable_{};
   InnovationMonitor monitor_;
   double false_alarms_;

@@ -56,4 +56,24 @@ TEST(InnovationMonitor, SeesLevelVarianceAndColour) {
   EXPECT_EQ(found(0.0, 1.0, 0.2), InnovationMonitor::Test::colour);
 }
 
+// Law. What is set aside is not judged, and the rest is judged as it would be alone; a block most of which is set aside
+// says that the road is another. A sixth of the samples that are ten times too large would be a variance of 17.
+TEST(InnovationMonitor, DoesNotJudgeWhatIsSetAside) {
+  for (const int every : {6, 0}) {
+    InnovationMonitor monitor(1, 1e-3, 1e-2);
+    support::Normal normal(23);
+    for (int k = 0; k < (InnovationMonitor::settling + 2) * InnovationMonitor::block; ++k) {
+      const bool aside = every == 0 ? k % 3 != 0 : k % every == 0;
+      if (aside) {
+        monitor.set_aside(0);
+      } else {
+        monitor.take(0, normal());
+      }
+    }
+    EXPECT_EQ(monitor.blocks(), 2U);
+    EXPECT_EQ(monitor.last().test, every == 0 ? InnovationMonitor::Test::road : InnovationMonitor::Test::none);
+    EXPECT_NEAR(monitor.last().statistic, every == 0 ? 2.0 / 3.0 : 0.0, 1e-3);
+  }
+}
+
 }  // namespace
