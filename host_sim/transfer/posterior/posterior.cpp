@@ -214,6 +214,24 @@ std::string unit_of(const FreeParameter& parameter) {
   return "";
 }
 
+/// A learned law of the suspension that holds any multiple of what the parameter does: "velocity", "deflection"; empty:
+/// none. The family of the law decides how much of the force it takes, and no record tells whether the family is right.
+std::string law_beside(const FreeParameter& parameter, const Hypothesis& hypothesis) {
+  using identification::CurveOver;
+  if (parameter.role != Role::tolerated) return "";
+  const bool of_damper = parameter.path == "suspension.damping";
+  const bool of_spring = parameter.path == "suspension.stiffness";
+  for (const identification::PlacedLaw& law : hypothesis.laws) {
+    if (law.place != identification::CurvePlace::suspension) continue;
+    const bool over_velocity = law.over == CurveOver::velocity || law.family == identification::LawFamily::along_stroke;
+    const bool over_deflection = law.over == CurveOver::deflection || has_memory(law.family);
+    const bool both = law.family == identification::LawFamily::free_surface;
+    if (of_damper && (over_velocity || both)) return "velocity";
+    if (of_spring && (over_deflection || both)) return "deflection";
+  }
+  return "";
+}
+
 void describe(Posterior& posterior) {
   const ComponentModel& model = posterior.diagnosed();
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
@@ -226,6 +244,14 @@ void describe(Posterior& posterior) {
     LearnedValue learned{
         name_of(parameter, model.hypothesis), unit_of(parameter), bands.median, bands.low95, bands.high95,
         travels(parameter, model.hypothesis)};
+    if (const auto law = law_beside(parameter, model.hypothesis); !law.empty()) {
+      learned.lower = parameter.value(parameter.lower);
+      learned.upper = parameter.value(parameter.upper);
+      posterior.confounded = 1.0;
+      posterior.warnings.push_back(parameter.path + " and the learned law over the " + law +
+                                   " are one force: only their sum is known and travels, and of " + parameter.path +
+                                   " alone no more than its tolerance");
+    }
     posterior.learned.push_back(learned);
     if (parameter.role != Role::tolerated) continue;
     double near = 0.0;
@@ -344,7 +370,8 @@ ChainReport sample_model(const IdentificationProblem& problem, double temper, co
 Posterior find_posterior(const firmware::RigDescription& /*from*/, const identification::Identified& first,
                          std::size_t draws, std::uint64_t seed, const TransferProgress& progress) {
   Posterior posterior;
-  const IdentificationProblem& problem = first.problem;
+  // The diagnosis has chosen; the second rig validates. Nothing need be held out any more.
+  const IdentificationProblem problem = first.problem.with_all_fitted();
   const identification::SearchSpace space = identification::untied(first.space, first.found.freed);
   const Fit& best = first.found.best.fit;
   Fit fit = identification::fit(problem, best.hypothesis, best.parameters);

@@ -49,6 +49,19 @@ int digits_of(const LearnedValue& value) {
   return std::clamp(static_cast<int>(std::ceil(std::log10(std::abs(value.value) / width))) + 2, 4, 8);
 }
 
+/// The bands fail by what the second rig has of its own, and by nothing else.
+bool second_rig_explains(const Transfer& t) {
+  return t.validation && !t.validation->holds && t.overlap.least() >= thresholds::least_overlap &&
+         !t.both.second_only.empty() && t.with_own && t.with_own->validation && t.with_own->validation->holds;
+}
+
+/// What holds at the end comes first: no band blames the component for what is not its own.
+std::string second_rig_text(const Transfer& t) {
+  return "The component's model holds with what the second rig has of its own: " + joined_words(t.both.second_only) +
+         ". With it the bands hold (" + lines_text(*t.with_own->validation) +
+         "). The prediction, made without it, does not hold: ";
+}
+
 std::string prediction_text(const Transfer& t) {
   const Bands load = t.prediction.quantity(Quantity::rms_F_w);
   const Budget& budget = t.prediction.budget[0];
@@ -165,12 +178,13 @@ std::string verdict_text(const Transfer& t) {
     const bool shown = t.overlap.least() >= thresholds::least_overlap;
     text = !shown    ? "The first rig was not excited where the second one moves: no verdict on the component. "
            : v.holds ? "The prediction holds: "
-                     : "The prediction does not hold: ";
+           : second_rig_explains(t) ? second_rig_text(t)
+                                    : "The prediction does not hold: ";
     std::string sentences;
     for (std::size_t r = 0; r < 2; ++r) {
       for (const std::string& sentence : range_sentences(v, r)) sentences += (sentences.empty() ? "" : "; ") + sentence;
     }
-    if (shown) text += sentences + ". ";
+    if (shown && !second_rig_explains(t)) text += sentences + ". ";
     text += lines_text(v) + ". " + prediction_text(t);
     const Bands load = t.prediction.quantity(Quantity::rms_F_w);
     const double measured = v.measured.quantity[0];
@@ -181,13 +195,12 @@ std::string verdict_text(const Transfer& t) {
   }
   if (!t.both.travels.empty()) text += " What travels: " + joined_words(t.both.travels) + ".";
   if (!t.both.stays.empty()) text += " What stays on the first rig: " + joined_words(t.both.stays) + ".";
-  if (!t.both.second_only.empty()) {
+  if (!t.both.second_only.empty() && !second_rig_explains(t)) {
     text += " On the second rig alone: " + joined_words(t.both.second_only) + ".";
     if (t.with_own && t.with_own->validation) {
-      text += t.with_own->validation->holds
-                  ? " With it the bands hold (" + lines_text(*t.with_own->validation) +
-                        "): the component's model is not what was wrong."
-                  : " With it the bands still do not hold (" + lines_text(*t.with_own->validation) + ").";
+      text += std::string(t.with_own->validation->holds ? " With it the bands hold ("
+                                                        : " With it the bands still do not hold (") +
+              lines_text(*t.with_own->validation) + ").";
     }
   }
   if (!t.both.component_on_second_only.empty()) {

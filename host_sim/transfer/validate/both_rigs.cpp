@@ -35,6 +35,19 @@ OwnedEffect owned(const identification::ParameterOff& off) {
           {{"value", "", off.value.value, off.value.lower, off.value.upper, travels(off.path)}}};
 }
 
+OwnedEffect owned(const identification::DescribedLaw& law) {
+  const bool own = law.law.place == identification::CurvePlace::suspension;
+  OwnedEffect effect{"law",
+                     "",
+                     "a law at the " + std::string(identification::name(law.law.place)) + ", " + law.shape +
+                         (law.words.empty() ? "" : ": " + law.words),
+                     {}};
+  for (const identification::LawNumber& n : law.numbers) {
+    effect.parameters.push_back({n.name, "", n.value, n.lower, n.upper, own});
+  }
+  return effect;
+}
+
 bool is_positive(const FreeParameter& parameter) {
   return parameter.logarithmic || parameter.role == FreeParameter::Role::tolerated;
 }
@@ -82,6 +95,10 @@ BothRigs sort_effects(const identification::Identified& first, const Posterior& 
   }
   for (const identification::ParameterOff& off : first.diagnosis.parameters_off) {
     (travels(off.path) ? both.travels : both.stays).push_back(owned(off));
+  }
+  for (const identification::DescribedLaw& law : first.diagnosis.laws) {
+    const bool own = law.law.place == identification::CurvePlace::suspension;
+    (own ? both.travels : both.stays).push_back(owned(law));
   }
   for (OwnedEffect& effect : both.travels) {  // as the draws have them
     for (LearnedValue& value : effect.parameters) {
