@@ -46,19 +46,62 @@ Rollout::Rollout(const EstimatorEquations& equations, SteadyGains& gains, const 
   peak_per_velocity_ = fdva.oil_density * (slow < sound ? slow : sound) * fdva.piston_area / area;
   const EstimatorMatrix c = cost_matrix(equations, settings);
   const int horizon = nearest_periods(settings.horizon, period);
-  EstimatorMatrix half, transposed, step;
+  change_ = nearest_periods(change_after, period);
+  if (change_ > horizon) change_ = horizon;
   for (int open = 0; open <= ducts_; ++open) {
-    PerCount& m = by_count_[static_cast<std::size_t>(open)];
     gains.compute(open);
     EstimatorMatrix a = equations.matrix(open);
     a(piston_, piston_) -= equations.linear_loss(gains.piston_rms(), open);
-    m.transition = model::ExactDiscretisation<double, estimator_states>(a, period).transition();
-    transposed = m.transition.transpose();
-    m.cost.setZero();
-    for (int k = 0; k < horizon; ++k) {  // M ← Φᵀ (C + M) Φ
-      step = m.cost + c;
-      multiply(half, step, m.transition, states_);
-      multiply(m.cost, transposed, half, states_);
+    transition_[static_cast<std::size_t>(open)] =
+        model::ExactDiscretisation<double, estimator_states>(a, period).transition();
+  }
+  compute_forms(c, horizon);
+}
+
+void Rollout::continue_cost(EstimatorMatrix& m, const EstimatorMatrix& c, int open, int periods) const {
+  const EstimatorMatrix& transition = transition_[static_cast<std::size_t>(open)];
+  const EstimatorMatrix transposed = transition.transpose();
+  EstimatorMatrix half;
+  for (int k = 0; k < periods; ++k) {
+    m += c;
+    multiply(half, m, transition, states_);
+    multiply(m, transposed, half, states_);
+  }
+}
+
+void Rollout::keep(Form& form, const EstimatorMatrix& m) const {
+  std::size_t at = 0;
+  for (int j = 0; j < states_; ++j) {
+    for (int i = 0; i <= j; ++i) form[at++] = m(i, j);
+  }
+}
+
+/// Beginning with the ends: M_m of the last H − K periods stands at M_mm until all others have used it.
+void Rollout::compute_forms(const EstimatorMatrix& c, int horizon) {
+  EstimatorMatrix m;
+  const auto form = [this](int open, int later) -> Form& {
+    return forms_[static_cast<std::size_t>(open)][static_cast<std::size_t>(later)];
+  };
+  for (int later = 0; later <= ducts_; ++later) {
+    m.setZero();
+    continue_cost(m, c, later, horizon - change_);
+    keep(form(later, later), m);
+  }
+  for (const bool same : {false, true}) {
+    for (int open = 0; open <= ducts_; ++open) {
+      for (int later = 0; later <= ducts_; ++later) {
+        if ((open == later) != same) continue;
+        const double left = open == 0 ? 0.0 : static_cast<double>(open < later ? open : later) / open;
+        m.setZero();
+        std::size_t at = 0;
+        for (int j = 0; j < states_; ++j) {
+          for (int i = 0; i <= j; ++i) {
+            m(i, j) = m(j, i) = form(later, later)[at++] * (i == piston_ ? left : 1.0) * (j == piston_ ? left : 1.0);
+          }
+        }
+        continue_cost(m, c, open, change_);
+        keep(form(open, later), m);
+      }
     }
   }
 }
@@ -71,7 +114,7 @@ void Rollout::switch_ducts(EstimatorVector& x, hal::Openings before, hal::Openin
 
 void Rollout::advance(EstimatorVector& x, hal::Openings before, hal::Openings open) const {
   switch_ducts(x, before, open);
-  const EstimatorMatrix& transition = by_count_[static_cast<std::size_t>(open_ducts(open))].transition;
+  const EstimatorMatrix& transition = transition_[static_cast<std::size_t>(open_ducts(open))];
   EstimatorVector next = EstimatorVector::Zero();
   for (int j = 0; j < states_; ++j) {
     const double factor = x(j);
@@ -80,13 +123,14 @@ void Rollout::advance(EstimatorVector& x, hal::Openings before, hal::Openings op
   x = next;
 }
 
-double Rollout::cost(const EstimatorVector& x, int open) const {
-  const EstimatorMatrix& m = by_count_[static_cast<std::size_t>(open)].cost;
+double Rollout::cost(const EstimatorVector& x, int open, int later) const {
+  const Form& m = forms_[static_cast<std::size_t>(open)][static_cast<std::size_t>(later)];
   double sum = 0.0;
+  std::size_t at = 0;
   for (int j = 0; j < states_; ++j) {
-    double column = 0.5 * m(j, j) * x(j);  // M is symmetric: the half above the diagonal counts twice
-    for (int i = 0; i < j; ++i) column += m(i, j) * x(i);
-    sum += column * x(j);
+    double column = 0.0;
+    for (int i = 0; i < j; ++i) column += m[at++] * x(i);
+    sum += (column + 0.5 * m[at++] * x(j)) * x(j);  // M is symmetric: the half above the diagonal counts twice
   }
   return 2.0 * sum;
 }
@@ -101,14 +145,16 @@ int Rollout::best(const EstimatorVector& x, hal::Openings open) const {
   const int now = open_ducts(open);
   const bool may_close = pressure_peak(x(piston_), now) <= highest_peak_;
   int chosen = now;
-  double least = cost(x, now);
+  double least = cost(x, now, now);
   for (int n = 0; n <= ducts_; ++n) {
     EstimatorVector begin = x;
     switch_ducts(begin, open, hal::Openings::first(static_cast<std::size_t>(n)));
-    const double there = cost(begin, n);
-    if (!(there < least) || (n < now && !may_close)) continue;
-    least = there;
-    chosen = n;
+    for (int later = 0; later <= ducts_; ++later) {
+      const double there = cost(begin, n, later);
+      if (!(there < least) || (n < now && !may_close)) continue;
+      least = there;
+      chosen = n;
+    }
   }
   return chosen;
 }

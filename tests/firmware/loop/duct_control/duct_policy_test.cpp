@@ -68,8 +68,8 @@ struct Made {
   std::unique_ptr<DuctPolicy> policy;
 };
 
-// Point. The quadratic form is the sum of the cost along the prediction, step by step, for each number of ducts:
-// rounding apart, 1e-9.
+// Point. The quadratic form is the sum of the cost along the prediction, step by step, for each pair of numbers of ducts,
+// the second from K periods on: rounding apart, 1e-9.
 TEST(Rollout, ItsQuadraticFormIsTheSumAlongThePrediction) {
   DuctPolicySettings settings = rollout();
   settings.body_acceleration = 0.5;
@@ -79,12 +79,16 @@ TEST(Rollout, ItsQuadraticFormIsTheSumAlongThePrediction) {
   const Rollout& r = made.policy->rollout();
   EstimatorVector x = EstimatorVector::Zero();
   for (int i = 0; i < made.equations.states(); ++i) x(i) = 0.01 * (i % 3 == 0 ? 1.0 : -0.7) * (i + 1);
-  for (int open = 0; open <= 6; ++open) {
-    const auto ducts = hal::Openings::first(static_cast<std::size_t>(open));
+  ASSERT_EQ(r.change(), 20);
+  for (int pair = 0; pair < 49; ++pair) {
+    const int open = pair / 7, later = pair % 7;
     EstimatorVector along = x;
     double sum = 0.0;
+    auto before = hal::Openings::first(static_cast<std::size_t>(open));
     for (int k = 0; k < 100; ++k) {
-      r.advance(along, ducts, ducts);
+      const auto ducts = hal::Openings::first(static_cast<std::size_t>(k < r.change() ? open : later));
+      r.advance(along, before, ducts);
+      before = ducts;
       const double load = made.equations.output(Channel::F_w, along, open, false) / 500.0;
       const double body = made.equations.output(Channel::zdd_b, along, open, false);
       const double stroke = made.equations.output(Channel::dz_b, along, open, false) / 7e-3;
@@ -93,7 +97,7 @@ TEST(Rollout, ItsQuadraticFormIsTheSumAlongThePrediction) {
       const double component = body - 1140.0 * speed / 290.0;
       sum += load * load + 0.5 * body * body + 0.25 * stroke * stroke + 0.125 * component * component;
     }
-    EXPECT_NEAR(r.cost(x, open) / sum, 1.0, 1e-9) << open;
+    EXPECT_NEAR(r.cost(x, open, later) / sum, 1.0, 1e-9) << open << " then " << later;
   }
 }
 
@@ -246,11 +250,11 @@ TEST(DuctPolicy, ReachesTheNumbersOfAnIndependentCalculation) {
   d.periods = 300'000;
   d.policy.pressure_peak = 1e9;  // not in that calculation
   const Result beside = drive(d);
-  EXPECT_LT(beside.wheel_load, 1.04 * 433.0);
+  EXPECT_LT(beside.wheel_load, 1.04 * 416.5);
   EXPECT_LT(beside.component, 1.04 * 0.915);
   d.damping = 0.0;
   const Result bare = drive(d);
-  EXPECT_LT(bare.wheel_load, 1.04 * 522.0);
+  EXPECT_LT(bare.wheel_load, 1.04 * 491.5);  // with one change within the horizon: that calculation, too
   EXPECT_LT(bare.body, 1.04 * 1.35);
   d.policy.horizon = 0.06;
   d.policy.delay = 0.02;
@@ -267,7 +271,7 @@ TEST(DuctPolicy, ReachesTheNumbersOfAnIndependentCalculation) {
   d.policy.dwell = 1e-3;  // as there: nothing holds switching back
   const Result comfort = drive(d);
   EXPECT_LT(comfort.wheel_load, 1.04 * 429.0);
-  EXPECT_NEAR(comfort.component, 0.645, 0.03 * 0.645);
+  EXPECT_LT(comfort.component, 1.04 * 0.645);
   d.policy.dwell = 0.02;  // costs 4 % at 60 ms, nothing at 40 ms
   d.policy.horizon = 0.04;
   EXPECT_LT(drive(d).component, 1.04 * 0.645);
