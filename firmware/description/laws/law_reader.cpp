@@ -18,6 +18,10 @@ using Rig = model::RigParameters<double>;
 
 constexpr std::string_view places = "suspension, tyre, piston, body_guide, wheel_guide or \"sensor CHANNEL\"";
 
+/// [1] Of the largest force of a table, what it may be at rest: load cells of class 1. At half of it tables with a
+/// reading of nothing would be refused, at twice a damper of 2 kN lets the body sink by 1.3 mm on 31 500 N/m.
+constexpr double most_at_rest = 0.01;
+
 /// Reads one [laws.NAME].
 class LawReader {
  public:
@@ -158,6 +162,7 @@ class LawReader {
     const std::string_view at_key = law_.file.empty() ? "value" : "file";
     if (place_ != LawPlace::sensor) {
       demand_unit(at_key, points.value, law_limits::strongest, "N");
+      take_preload_off(at_key, points);
       if (!law_.feeds_energy) demand_resistance(at_key, points);
     }
     law_.curve = laws.curve_count;
@@ -165,6 +170,28 @@ class LawReader {
     curve = {place_, over_, channel_, static_cast<std::uint8_t>(points.at.size()), {}, {}};
     std::copy(points.at.begin(), points.at.end(), curve.at.begin());
     std::copy(points.value.begin(), points.value.end(), curve.value.begin());
+  }
+
+  /// Forces are dynamic: what a component pushes at rest (the gas of a damper, the load on a spring) carries the body
+  /// already and is no part of the law. A table that has it says so, else the body would begin to sink or rise.
+  void take_preload_off(std::string_view key, LawPoints& points) {
+    const double preload = table_.has("preload") ? table_.number("preload") : 0.0;
+    if (std::abs(preload) > law_limits::strongest) {
+      table_.fail("preload", table_.path("preload") + " = " + shortest(preload) + " N", "a force in N");
+    }
+    double largest = 0.0;
+    for (double& value : points.value) largest = std::max(largest, std::abs(value -= preload));
+    const bool inside = points.at.front() <= 0.0 && points.at.back() >= 0.0;
+    if (rig_.kind == model::RigKind::component_bench || law_.feeds_energy || !inside) return;
+    const double at_rest = model::Curve<double>(points.at, points.value, points.at.size())(0.0);
+    if (std::abs(at_rest) <= most_at_rest * largest) return;
+    const double described = std::round(at_rest + preload);
+    table_.fail(table_.has("preload") ? "preload" : key,
+                "the law " + law_.name + " pushes with " + shortest(std::round(at_rest)) +
+                    " N at rest: the body would not stay where it begins",
+                "preload = " + shortest(described) +
+                    ".0 if the static equilibrium carries that force, as that of a "
+                    "damper's gas, or a table through zero");
   }
 
   /// A law that pushes the way it is pushed: over a cycle between the ends of its table it gives more than it takes.
@@ -190,6 +217,7 @@ class LawReader {
     if (laws.surface_count == laws.surfaces.size()) {
       table_.fail("over", "more than " + std::to_string(laws.surfaces.size()) + " surface", "fewer surfaces");
     }
+    const double preload = table_.has("preload") ? table_.number("preload") : 0.0;
     const auto deflection = ascending("at", model::surface_points, law_limits::farthest, "m");
     const auto velocity = ascending("at_2", model::surface_points, law_limits::fastest, "m/s");
     const toml::node& value = table_.need("value", "a list of numbers over at_2 for each number of at");
@@ -204,7 +232,8 @@ class LawReader {
     std::copy(deflection.begin(), deflection.end(), surface.deflection.begin());
     std::copy(velocity.begin(), velocity.end(), surface.velocity.begin());
     for (std::size_t i = 0; i < deflection.size(); ++i) {
-      const auto row = numbers("value", *rows->get(i), velocity.size(), velocity.size());
+      auto row = numbers("value", *rows->get(i), velocity.size(), velocity.size());
+      for (double& force : row) force -= preload;
       demand_unit("value", row, law_limits::strongest, "N");
       over_ = LawOver::velocity;
       if (!law_.feeds_energy) demand_resistance("value", {velocity, row});

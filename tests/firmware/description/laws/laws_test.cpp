@@ -111,6 +111,22 @@ TEST(Laws, BranchesOfOnePlaceAreOneLaw) {
   EXPECT_EQ(again.laws[1].branches, 1U);
 }
 
+// Law. A damper with gas pushes at rest. What its static equilibrium carries already is no part of the law: said by a key
+// of its own, it is taken off; unsaid, the description is refused on a rig whose body it would move.
+TEST(Laws, GasPreloadIsAKeyOfItsOwn) {
+  const std::string gas =
+      "[laws.d]\nplace = \"suspension\"\nover = \"velocity\"\nat = [-1.0, 0.0, 1.0]\nvalue = [-100.0, 200.0, 700.0]\n";
+  EXPECT_NE(error_of(gas).find("pushes with 200 N at rest"), std::string::npos) << error_of(gas);
+  EXPECT_NE(error_of(gas).find("preload = 200.0"), std::string::npos) << error_of(gas);
+  const RigDescription rig = with(gas + "preload = 200.0\n");
+  EXPECT_EQ(rig.rig.laws.curves[0].value[0], -300.0);
+  EXPECT_EQ(rig.rig.laws.curves[0].value[1], 0.0);
+  EXPECT_EQ(rig.rig.laws.curves[0].value[2], 500.0);
+  const RigDescription again = parse_rig(format_rig(rig), "again.toml");
+  EXPECT_EQ(again.rig.laws.curves[0].value[2], 500.0);
+  EXPECT_EQ(error_of(gas + "feeds_energy = true\n"), "no error");
+}
+
 struct Wrong {
   const char* law;
   const char* message;
