@@ -19,10 +19,11 @@ struct Unit {
   int kg, m, s;
 };
 constexpr std::array units{
-    Unit{"s", 0, 0, 1},     Unit{"1", 0, 0, 0},      Unit{"m", 0, 1, 0},    Unit{"m/s", 0, 1, -1},
-    Unit{"m/s²", 0, 1, -2}, Unit{"N", 1, 1, -2},     Unit{"N/m", 1, 0, -2}, Unit{"N s/m", 1, 0, -1},
-    Unit{"kg", 1, 0, 0},    Unit{"kg/m³", 1, -3, 0}, Unit{"m²", 0, 2, 0},   Unit{"m²/s", 0, 2, -1},
-    Unit{"Hz", 0, 0, -1},
+    Unit{"s", 0, 0, 1},      Unit{"1", 0, 0, 0},        Unit{"m", 0, 1, 0},    Unit{"m/s", 0, 1, -1},
+    Unit{"m/s²", 0, 1, -2},  Unit{"N", 1, 1, -2},       Unit{"N/m", 1, 0, -2}, Unit{"N s/m", 1, 0, -1},
+    Unit{"kg", 1, 0, 0},     Unit{"kg/m³", 1, -3, 0},   Unit{"m²", 0, 2, 0},   Unit{"m²/s", 0, 2, -1},
+    Unit{"Hz", 0, 0, -1},    Unit{"Pa", 1, -1, -2},     Unit{"m³", 0, 3, 0},   Unit{"1/s", 0, 0, -1},
+    Unit{"N/m³", 1, -2, -2}, Unit{"N s²/m²", 1, -1, 0},
 };
 
 std::string escaped(std::string_view text) {
