@@ -294,7 +294,8 @@ void KalmanFilter::correct(EstimatorVector& x, EstimatorMatrix& p, const Slot& a
     if (monitor != nullptr && growth > 0.0) {
       const double level = expected_jumps();
       expected_jumps_ = growth > level ? growth : level;
-      wide_left_ = static_cast<int>(wide_time / period_ + 0.5);
+      const double periods = wide_time / period_ + 0.5;
+      wide_left_ = static_cast<int>(periods);
     }
     EstimatorVector gain = EstimatorVector::Zero();
     for (int j = 0; j < states_; ++j) gain(j) = projected(j) / variance;

@@ -117,7 +117,7 @@ bool ends_well(const Rig& rig, const std::vector<std::string>& words) {
 }
 
 // Law. No pair of parts ends in an internal error or a signal, whatever the command: it is computed or refused in words.
-// RIGTWIN_PAIRS draws more than these few (host_sim/stability/README.md says what came of it).
+// RIGTWIN_PAIRS draws more than these few.
 TEST(PairsOfPartsCommand, EndWellInEveryCommand) {
   const char* const wanted = std::getenv("RIGTWIN_PAIRS");
   const int draws = wanted != nullptr ? std::atoi(wanted) : 6;
