@@ -87,8 +87,8 @@ inline constexpr double continuation_shares[] = {0.1, 0.16, 0.25, 0.35, 0.5, 0.7
 /// 2026120500). Half and twice were not tried.
 inline constexpr double distance_shift = 1.05;
 
-/// Samples that a selection may simulate before its later steps are left out (budget.hpp): some 90 s of one core.
-/// Half: the slowest of the real recordings are told without laws. Twice: twice the time of the slowest.
+/// Samples that a selection may simulate before its later steps are left out (budget.hpp): 90 s of one core (mr_damper_A2
+/// took 19 s for 2.1e8). Half: the slowest real recordings are told without laws. Twice: twice the time of the slowest.
 inline constexpr double most_simulated_samples = 1e9;
 
 // Neighbouring laws ---------------------------------------------------------------------------------------------------
