@@ -17,9 +17,9 @@ AirSpringDiagnosis.* Calibration.* CharacteristicRoots.AgreeWith* Classics.* Com
 CompensatedStability.Says* CompensatedStability.MapOf* CompensationCommand.* DiagnoseCommand.ReadsTheEnds* Diagnosis.DoesNotJudge* Diagnosis.FindsANegative* Diagnosis.IsLess* Diagnosis.Learns* Diagnosis.Names* Diagnosis.Reads* Diagnosis.Refuses*
 Diagnosis.SaysOfNo* Diagnosis.Weighs* DiagnosisAtAnyRate.* DiagnosisWithoutRoad.* DuctPolicy.Beats* DuctPolicy.LosesLittle* DuctPolicy.Reaches*
 Backlash.IsStepped* EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Faults.AHundred* Finite.Verdict* FirstSentence.Agrees* HeldOut.TakesAway* HowMade.*
-*SideBySide.*/Eight Lanes/SideBySide.RigsThatChangeKeepTheirBits/One Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.ReachesTheBounds* LawBand.Holds* LawConstancy.Doubts* LearnLaws.* LowerMinimum.IsFound* Manual.*
+*SideBySide.*/Eight Lanes/SideBySide.RigsThatChangeKeepTheirBits/One Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.FollowsARoad* KalmanFilter.ReachesTheBounds* LawBand.Holds* LawConstancy.Doubts* LearnLaws.* LowerMinimum.IsFound* Manual.*
 ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstReference.Follows*Delay ModelAgainstReference.Follows*Friction
-ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Pages.* PairsOfParts.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N* Plan.P*
+ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Pages.* PairsOfParts.* PairsOfPartsCommand.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N* Plan.P*
 Plan.S* Plan.W* PlanCommand.* Questions/* RecordingFaults.A* RecordingFaults.Damping* RecordingFaults.Delays* RecordingFaults.Hum* RecordingFaults.Mains* RecordingFaults.One*
 RecordingFaults.TheInputs* RecordingFaults.WhatOnly* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.SurvivesAbsurd* Replication.Inverts* Replication.StaysWithin* RivalParameters.* Rest.IsNot* Rths.* SampledLoop.AddsHalf*
 SampledLoop.TendsTo* Search.* SearchApart.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityCommand.LimitsHold* StabilityMap.IsExact* StabilityMap.TakesAny*
