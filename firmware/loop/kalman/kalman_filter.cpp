@@ -121,7 +121,7 @@ void KalmanFilter::add_jumps(EstimatorMatrix& p, double factor) const {
   }
 }
 
-/// (5)
+/// (5), of the anchor and, without memory, of the present.
 double KalmanFilter::widen(std::size_t channel, double innovation, double variance, EstimatorMatrix& p,
                            EstimatorVector& projected) const {
   const double seen = jumps_variance_[channel];
