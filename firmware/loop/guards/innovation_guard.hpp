@@ -30,7 +30,8 @@ namespace firmware {
 /// After a sensor is torn off S grows to Y as 1 − e^(−t/memory): it passes (0.5)² Y after 0.29 memories where the motion
 /// is steady, 0.14 s, and where the last memory was c times as lively as this one after ln(1 + c²/3) of them, 0.7 s for
 /// c = 3. The channel that is named is the farthest beyond its limit: the torn one, unless it leads the filter astray
-/// (z_r, which holds the road).
+/// (z_r, which holds the road). A torn-off zdd_r beside z_r ends no run: the filter takes it for a road that jumps
+/// (KalmanFilter (5)).
 /// Samples that are missing, bad or clipped have no innovation, and leave (1) and (2) as they are: SampleGuard has its
 /// own word for them.
 class InnovationGuard {

@@ -142,6 +142,9 @@ void KalmanFilter::restart() {
   nis_ = 0.0;
   innovation_count_ = 0;
   innovation_.fill(0.0);
+  expected_.fill(0.0);
+  deviation_.fill(0.0);
+  too_old_ = 0;
   monitor_ = InnovationMonitor(channels_, period_, false_alarms_);
 }
 
