@@ -5,7 +5,7 @@
 #   rigtwin-dev      component development   model/ as a library for other programs: find_package(rigtwin)
 #   python3-rigtwin  component python        the module of notebooks
 #
-#   cmake --build build/host --target packages            all three, in build/host/packages
+#   cmake --build build/host --target packages            all of them, in build/host/packages
 #   cpack --config build/aarch64/CPackConfig.cmake        a board's
 set(components "")
 if(TARGET rig_controller)
@@ -74,7 +74,15 @@ if(NOT found MATCHES "shlibs:Depends=(.+)")
   message(FATAL_ERROR "dpkg-shlibdeps cannot tell what ${program} needs: is it built, is dpkg-dev installed?")
 endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${CMAKE_MATCH_1}")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "rigtwin, python3, python3-pandas, ${CMAKE_MATCH_1}")
+file(GLOB module "${CMAKE_CURRENT_LIST_DIR}/../python/rigtwin/_core*.so")
+if(module)
+  string(REGEX REPLACE ".*cpython-3([0-9]+)-.*" "\\1" minor "${module}")
+  math(EXPR next "${minor} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "rigtwin (= ${CPACK_PACKAGE_VERSION}), python3 (>= 3.${minor}), python3 (<< 3.${next}), python3-pandas, ${CMAKE_MATCH_1}")
+else()
+  list(REMOVE_ITEM CPACK_COMPONENTS_ALL python)  # it was not built
+endif()
 ]=])
   add_custom_target(packages
     COMMAND "${CMAKE_CPACK_COMMAND}" --config "${PROJECT_BINARY_DIR}/CPackConfig.cmake" -B "${PROJECT_BINARY_DIR}/packages"

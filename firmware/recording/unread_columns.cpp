@@ -14,7 +14,7 @@ std::string unread_columns(const Recording& recording, model::Channel wanted) {
   for (std::size_t i = 0; i < std::min(most, unread.size()); ++i) names += (i == 0 ? "" : ", ") + unread[i];
   if (unread.size() > most) names += " and " + std::to_string(unread.size() - most) + " more";
   return "; columns that are no channel: " + names + "; under [channels] " + std::string(model::name(wanted)) +
-         " = { column = \"" + unread.front() + "\", scale = 1.0 } takes one";
+         " = { column = \"" + unread.front() + "\" } takes one";
 }
 
 }  // namespace firmware

@@ -7,7 +7,7 @@
 
 namespace firmware {
 
-/// "; columns that are no channel: Fz, Temp 3; under [channels] F = { column = "Fz", scale = 1.0 } takes one". Empty
+/// "; columns that are no channel: Fz, Temp 3; under [channels] F = { column = "Fz" } takes one". Empty
 /// where every column is one. At most four are named.
 [[nodiscard]] std::string unread_columns(const Recording& recording, model::Channel wanted);
 

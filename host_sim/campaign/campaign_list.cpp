@@ -54,9 +54,12 @@ bool in_order(const std::string& a, const std::string& b) {
 std::vector<CampaignRecord> of_folder(const fs::path& folder, const std::optional<fs::path>& rig) {
   if (!rig) throw InputError(folder.string(), 0, "is a folder of recordings without a rig", "--rig RIG.toml");
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  std::error_code error;
+  const fs::directory_iterator entries(folder, error);
+  if (error) throw InputError(folder.string(), 0, "cannot be read: " + error.message(), "a folder that may be read");
+  for (const auto& entry : entries) {
     const std::string name = entry.path().filename().string();
-    if (entry.is_regular_file() && is_recording(entry.path()) && !name.starts_with('.')) names.push_back(name);
+    if (entry.is_regular_file(error) && is_recording(entry.path()) && !name.starts_with('.')) names.push_back(name);
   }
   std::sort(names.begin(), names.end(), in_order);
   std::vector<CampaignRecord> records;

@@ -282,16 +282,20 @@ Campaign read_campaign(const std::string& text, const std::string& source) {
     throw firmware::InputError(source, 0, "is no campaign.json", "the result of rigtwin diagnose --campaign");
   }
   std::vector<Row> rows;
-  for (const ordered_json& one : json["records"]) {
-    Row row;
-    row.name = one.value("name", "");
-    row.verdict = one.value("verdict", "");
-    row.failure = one.value("failure", "");
-    row.effects = one.value("effects", "");
-    for (const auto& [name, value] : part(one, "values").items()) {
-      if (const auto e = estimate_in(value, rows.size())) row.values[name] = *e;
+  try {
+    for (const ordered_json& one : json["records"]) {
+      Row row;
+      row.name = one.value("name", "");
+      row.verdict = one.value("verdict", "");
+      row.failure = one.value("failure", "");
+      row.effects = one.value("effects", "");
+      for (const auto& [name, value] : part(one, "values").items()) {
+        if (const auto e = estimate_in(value, rows.size())) row.values[name] = *e;
+      }
+      rows.push_back(std::move(row));
     }
-    rows.push_back(std::move(row));
+  } catch (const nlohmann::json::exception&) {
+    throw firmware::InputError(source, 0, "is no campaign.json", "the result of rigtwin diagnose --campaign");
   }
   return campaign_of(std::move(rows));
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <iterator>
 #include <mutex>
@@ -74,8 +75,12 @@ std::string fingerprint(const report::Origin& origin) {
 std::optional<Done> known(const fs::path& folder, const report::Origin& origin) {
   Done done{ordered_json::parse(text_of(folder / "state.json"), nullptr, false),
             ordered_json::parse(text_of(folder / "verdict.json"), nullptr, false)};
-  if (!done.state.is_object() || done.state.value("made_of", "") != fingerprint(origin)) return std::nullopt;
-  if (!done.verdict.is_object()) done.verdict = ordered_json::object();
+  if (!done.state.is_object() || done.state.value("made_of", ordered_json()) != fingerprint(origin))
+    return std::nullopt;
+  if (!done.verdict.is_object()) {
+    if (!done.state.contains("failure")) return std::nullopt;
+    done.verdict = ordered_json::object();
+  }
   return done;
 }
 
@@ -83,7 +88,8 @@ std::optional<Done> known(const fs::path& folder, const report::Origin& origin) 
 void diagnose_record(const CampaignRecord& record, const report::Origin& origin, const fs::path& folder) {
   const auto begun = std::chrono::steady_clock::now();
   ordered_json state{{"made_of", fingerprint(origin)}};
-  fs::create_directories(folder);
+  std::error_code none;
+  fs::create_directories(folder, none);
   try {
     const firmware::RigDescription description = firmware::read_rig(record.rig);
     firmware::refuse_compensation(description, "diagnose");
@@ -97,10 +103,15 @@ void diagnose_record(const CampaignRecord& record, const report::Origin& origin,
                          json_text(origin, "rigtwin/diagnose/1", identification::to_json(diagnosis)));
     firmware::write_file(folder / "rig.toml",
                          identification::result_rig(diagnosis.rig, description, record.rig.filename().string()));
+  } catch (const firmware::OutputError&) {
+    throw;
   } catch (const firmware::InputError& error) {
-    std::error_code none;
-    fs::remove(folder / "verdict.json", none);
     state["failure"] = error.what();
+  } catch (const std::exception& error) {
+    state["failure"] = std::string("internal error: ") + error.what();
+  }
+  if (state.contains("failure")) {  // of an earlier recording
+    for (const char* const file : {"verdict.json", "rig.toml"}) fs::remove(folder / file, none);
   }
   state["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   firmware::write_file(folder / "state.json",
@@ -138,12 +149,14 @@ void diagnose_shard(const DiagnoseOptions& options, const std::vector<CampaignRe
   });
 }
 
-void write_results(const DiagnoseOptions& options, const campaign::Campaign& result) {
-  std::optional<campaign::Campaign> earlier;
-  if (!options.against.empty()) {
-    const fs::path file = options.against / "campaign.json";
-    earlier = campaign::read_campaign(text_of(file), file.string());
-  }
+std::optional<campaign::Campaign> earlier_campaign(const fs::path& folder) {
+  if (folder.empty()) return std::nullopt;
+  const fs::path file = folder / "campaign.json";
+  return campaign::read_campaign(text_of(file), file.string());
+}
+
+void write_results(const DiagnoseOptions& options, const campaign::Campaign& result,
+                   const std::optional<campaign::Campaign>& earlier) {
   const HowMade how_made;
   ordered_json json = campaign::to_json(result);
   json["schema"] = "rigtwin/campaign/1";
@@ -171,10 +184,17 @@ void write_results(const DiagnoseOptions& options, const campaign::Campaign& res
 
 void run_campaign(const DiagnoseOptions& options) {
   if (options.out.empty()) throw firmware::UsageError("diagnose --campaign: --out is needed");
-  if (!options.data.empty() || !options.holdout.empty()) {
-    throw firmware::UsageError("diagnose --campaign: --data and --holdout are for a single diagnosis");
+  if (!options.data.empty() || !options.holdout.empty() || !options.keep_law.empty()) {
+    throw firmware::UsageError("diagnose --campaign: --data, --holdout and --keep-law are for a single diagnosis");
   }
-  const sweep::Shard shard = options.shard.empty() ? sweep::Shard{} : sweep::parse_shard(options.shard);
+  std::error_code none;
+  if (fs::equivalent(options.campaign, options.out, none)) {
+    throw firmware::UsageError("diagnose --campaign: --out is the folder of the recordings, expected another one");
+  }
+  const std::optional<campaign::Campaign> earlier = earlier_campaign(options.against);
+  const sweep::Shard shard = options.shard.empty()
+                                 ? sweep::shard_of_engine(sweep::process_environment).value_or(sweep::Shard{})
+                                 : sweep::parse_shard(options.shard);
   const std::vector<CampaignRecord> records = campaign::campaign_records(
       options.campaign, options.rig.empty() ? std::nullopt : std::optional<fs::path>(options.rig));
   prepare_results(options.out);
@@ -191,7 +211,7 @@ void run_campaign(const DiagnoseOptions& options) {
                 records.size() - missing, records.size());
     return;
   }
-  write_results(options, campaign::campaign_of(std::move(rows)));
+  write_results(options, campaign::campaign_of(std::move(rows)), earlier);
 }
 
 }  // namespace host_sim

@@ -225,6 +225,9 @@ void run_diagnosis(const DiagnoseOptions& options) {
     return;
   }
   if (!options.campaign.empty()) return run_campaign(options);
+  if (!options.shard.empty() || !options.against.empty()) {
+    throw firmware::UsageError("diagnose: --shard and --against belong to --campaign");
+  }
   if (options.rig.empty() || options.data.empty() || options.out.empty()) {
     throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --campaign, or --explain EFFECT");
   }

@@ -110,7 +110,7 @@ void print_listing(const FileListing& listing, const ImportOptions& options) {
   if (unread != listing.columns.end()) {
     const std::string line = "  a column that is no channel becomes one by --map 'F=" + unread->name +
                              "', or by a line under [channels] of the rig description: F = { column = \"" +
-                             unread->name + "\", scale = 1.0 }; rigtwin channels lists the channels";
+                             unread->name + "\" }; rigtwin channels lists the channels";
     std::printf("%s\n", firmware::one_line(line).c_str());
   }
   for (const std::string& note : listing.notes) std::printf("  note: %s\n", firmware::one_line(note).c_str());

@@ -127,7 +127,7 @@ void add_left_out(report::Report& page, const std::vector<Shown>& shown) {
     for (const std::string& column : r.ignored_columns) names += (names.empty() ? "" : ", ") + column;
     say(one.name + ": columns that are no channel: " + names +
         ". One of them becomes a channel by a line under [channels] of the rig description, such as F = { column = \"" +
-        r.ignored_columns.front() + "\", scale = 1.0 }; rigtwin channels lists the channels.");
+        r.ignored_columns.front() + "\" }; rigtwin channels lists the channels.");
   }
   if (!any) page.add_text("Nothing.");
 }

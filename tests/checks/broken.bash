@@ -11,6 +11,7 @@ cp -r firmware hal model tests "$folder"
 mapfile -t names < <(perl tests/faults/broken/instrument.pl tests/faults/broken/functions.txt "$folder" || echo FAILED)
 [ "${names[-1]}" != FAILED ] || exit 1
 
+builds=$(realpath "$builds")
 compiler=(g++)
 if command -v ccache >/dev/null; then compiler=(ccache g++); fi
 flags=(-std=c++20 -O1 -w -ffp-contract=off -DEIGEN_DONT_VECTORIZE -isystem "$builds/host/third_party/eigen_headers" -I.)

@@ -45,6 +45,7 @@ for file in bin/rigtwin bin/rig_controller lib/rigtwin/fmu/linux64/rigtwin.so $a
   include/rigtwin/model/rig/rig_model.hpp include/rigtwin/model/laws/placed_laws.hpp; do
   [ -s "$folder/root/usr/$file" ] || complain "/usr/$file is missing"
 done
+ls "$folder"/root/usr/lib/python3/dist-packages/rigtwin/_core*.so >/dev/null || complain "python3-rigtwin has no compiled half"
 
 # The pages as man(1) reads them.
 if command -v groff >/dev/null; then

@@ -185,13 +185,15 @@ class LawReader {
     if (rig_.kind == model::RigKind::component_bench || law_.feeds_energy || !inside) return;
     const double at_rest = model::Curve<double>(points.at, points.value, points.at.size())(0.0);
     if (std::abs(at_rest) <= most_at_rest * largest) return;
-    const double described = std::round(at_rest + preload);
-    table_.fail(table_.has("preload") ? "preload" : key,
-                "the law " + law_.name + " pushes with " + shortest(std::round(at_rest)) +
-                    " N at rest: the body would not stay where it begins",
-                "preload = " + shortest(described) +
-                    ".0 if the static equilibrium carries that force, as that of a "
-                    "damper's gas, or a table through zero");
+    const auto rounded = [](double force) { return std::round(1e3 * force) / 1e3; };
+    std::string described = shortest(rounded(at_rest + preload));
+    if (described.find_first_of(".e") == std::string::npos) described += ".0";
+    table_.fail(
+        table_.has("preload") ? "preload" : key,
+        "the law " + law_.name + " pushes with " + shortest(rounded(at_rest)) +
+            " N at rest: the body would not stay where it begins",
+        "preload = " + described +
+            " if the static equilibrium carries that force, as that of a damper's gas, or a table through zero");
   }
 
   /// A law that pushes the way it is pushed: over a cycle between the ends of its table it gives more than it takes.

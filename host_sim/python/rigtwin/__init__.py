@@ -73,8 +73,8 @@ class Rig:
         return _tomllib.loads(self.text)
 
     def __getattr__(self, name):
-        if name.startswith("_") or name not in self.keys:
-            raise AttributeError(f"{self.source} has no table or key {name!r}")
+        if name.startswith("_") or "text" not in self.__dict__ or name not in self.keys:  # a copy has no text at first
+            raise AttributeError(f"no table or key {name!r}")
         return _Table(self.keys[name])
 
     @property
@@ -88,8 +88,9 @@ class Rig:
         return self.keys.get("effects", {})
 
     def edit(self, changes: dict[str, object]) -> Rig:
-        """A copy with other values: "table.key" → number, text, list; None takes a key away. Comments stay. The first dot separates table
-        and key (of ``effects.NAME.parameter`` the last); InputError where the new description is wrong."""
+        """A copy with other values: "table.key" → number, text, list; None takes a key away. Comments stay. Of ``laws.NAME.at`` and
+        ``effects.NAME.force`` the table is ``laws.NAME``; of ``tolerance.tyre.stiffness`` it is ``tolerance``. InputError where the new
+        description is wrong."""
         text = self.text
         for path, value in changes.items():
             text = _edited(text, path, value)
@@ -130,6 +131,8 @@ def _escaped(text):
 
 
 def _toml(value) -> str:
+    if hasattr(value, "tolist"):  # of numpy
+        value = value.tolist()
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{_json.dumps(k)} = {_toml(v)}" for k, v in value.items()) + " }"
     if isinstance(value, (list, tuple)):
@@ -139,9 +142,15 @@ def _toml(value) -> str:
 
 def _edited(text: str, path: str, value) -> str:
     """The text with one key changed, added or taken away."""
-    table, _, key = path.rpartition(".") if path.startswith("effects.") else path.partition(".")
-    if not key:
-        table, key = "", path
+    heads = [found[1].strip() for found in _re.finditer(r"(?m)^\s*\[([^\[\]\n]+)\]", text)]
+    table = max((head for head in heads if path.startswith(head + ".")), key=len, default=None)
+    if table is not None:
+        key = path[len(table) + 1:]
+    else:
+        named = path.startswith(("effects.", "laws.", "converters.", "lasers."))
+        table, _, key = path.rpartition(".") if named else path.partition(".")
+        if not key:
+            table, key = "", path
     written = key if _re.fullmatch(r"[\w-]+", key) else _json.dumps(key)
     lines, begin, end = text.split("\n"), 0, None
     if table:
@@ -154,7 +163,7 @@ def _edited(text: str, path: str, value) -> str:
         found = _re.match(rf'(\s*(?:{_re.escape(key)}|"{_re.escape(key)}")\s*=\s*)(?:"[^"]*"|\[.*\]|\{{.*\}}|[^#]*?)(\s*(?:#.*)?)$', lines[i])
         if found:
             lines[i:i + 1] = [] if value is None else [found[1] + _toml(value) + found[2]]
-            if value is None and not any("=" in line.partition("#")[0] for line in lines[begin:end - 1]):
+            if value is None and table and not any("=" in line.partition("#")[0] for line in lines[begin:end - 1]):
                 del lines[begin - 1]  # the head of a table without keys
             return "\n".join(lines)
     if value is not None:
@@ -241,17 +250,19 @@ _errors = {2: UsageError, 3: InputError, 4: OutputError, 6: RunStopped}
 def _run(words, progress=None) -> str:
     """Runs the program and gives what it prints; its one line of error as an exception. progress: called with share and words."""
     command = [_program(), *map(str, words), *(["--verbose"] if progress else [])]
-    with _subprocess.Popen(command, stdout=_subprocess.PIPE, stderr=_subprocess.PIPE, text=True) as process:
-        try:
-            remarks = []
-            if progress:
-                for line in process.stderr:
-                    share = _re.match(r"\S+ +(\d+) %(.*)", line)
+    with _tempfile.TemporaryFile() as out:
+        with _subprocess.Popen(command, stdout=out, stderr=_subprocess.PIPE, encoding="utf-8", errors="replace") as process:
+            try:
+                remarks = []
+                for line in process.stderr if progress else ():
+                    share = _re.match(r".*? +(\d+) %(.*)", line)
                     progress(int(share[1]) / 100, share[2].strip()) if share else remarks.append(line)
-            output, rest = process.communicate()
-        except BaseException:
-            process.kill()
-            raise
+                _, rest = process.communicate()
+            except BaseException:
+                process.terminate()  # it takes its unfinished files away
+                raise
+        out.seek(0)
+        output = out.read().decode("utf-8", "replace")
     if process.returncode:
         last = ("".join(remarks) + rest).strip().rpartition("\n")[2].removeprefix("rigtwin: ")
         raise _errors.get(process.returncode, RuntimeError)(last or f"rigtwin ended with status {process.returncode}")
@@ -278,11 +289,11 @@ class _Files:
         source = _pathlib.Path(rig.source)
         if source.exists() and source.read_text(encoding="utf-8") == rig.text:
             return str(source)
-        folder = source.parent if source.exists() else self.path
+        folder = source.parent if source.exists() and _os.access(source.parent, _os.W_OK) else self.path
         handle, name = _tempfile.mkstemp(prefix=".rigtwin-", suffix=".toml", dir=folder)
+        self._beside.append(_pathlib.Path(name))
         with open(handle, "w", encoding="utf-8") as file:
             file.write(rig.text)
-        self._beside.append(_pathlib.Path(name))
         return name
 
     def data(self, frames, option="--data") -> list[str]:
@@ -316,7 +327,7 @@ def _analysis(command, rig, frames, choices, progress=None, report=True, data="-
         words = [command, *(["--rig", files.rig(rig)] if rig is not None else []), *(files.data(frames, data) if frames is not None else [])]
         words += _options(choices) + ["--json", json] + (["--report", page] if report else [])
         text = _run(words, progress)
-        return Result(_json.loads(json.read_text()), page.read_text() if page.exists() else "", text)
+        return Result(_json.loads(json.read_text(encoding="utf-8")), page.read_text(encoding="utf-8") if page.exists() else "", text)
 
 
 def compare(rig: Rig, frames, *, refit: bool = False, progress=None, **options) -> Result:
@@ -330,9 +341,9 @@ def diagnose(rig: Rig, frames, *, holdout=None, progress=None, **options) -> Res
         out = files.path / "diagnosis"
         words = ["diagnose", "--rig", files.rig(rig), *files.data(frames), *(files.data(holdout, "--holdout") if holdout is not None else [])]
         text = _run(words + _options(options) + ["--out", out], progress)
-        result = Result(_json.loads((out / "verdict.json").read_text()), (out / "report.html").read_text(), text)
+        result = Result(_json.loads((out / "verdict.json").read_text(encoding="utf-8")), (out / "report.html").read_text(encoding="utf-8"), text)
         source = rig.source if isinstance(rig, Rig) else str(rig)
-        result.__dict__["rig"] = Rig((out / "rig.toml").read_text(), _pathlib.Path(source).parent / "diagnosed.toml")
+        result.__dict__["rig"] = Rig((out / "rig.toml").read_text(encoding="utf-8"), _pathlib.Path(source).parent / "diagnosed.toml")
         return result
 
 
@@ -357,8 +368,8 @@ def estimate(rig: Rig, frame, *, progress=None, **options) -> Result:
         out, json, page = files.path / "estimates.csv", files.path / "result.json", files.path / "report.html"
         words = ["estimate", "--rig", files.rig(rig), *files.data(frame), *_options(options), "--out", out, "--json", json, "--report", page]
         result = Result({}, text=_run(words, progress))
-        result.update(_json.loads(json.read_text()))
-        result.__dict__.update(report=page.read_text() if page.exists() else "", estimates=read(out))
+        result.update(_json.loads(json.read_text(encoding="utf-8")))
+        result.__dict__.update(report=page.read_text(encoding="utf-8") if page.exists() else "", estimates=read(out))
         return result
 
 
@@ -369,7 +380,7 @@ def transfer(source: Rig, frames, target: Rig, *, progress=None, **options) -> R
         words = ["transfer", "--from", files.rig(source), *files.data(frames), "--to", files.rig(target), "--out", out]
         text = _run(words + _options(options), progress)
         page = out / "report.html"
-        return Result(_json.loads((out / "transfer.json").read_text()), page.read_text() if page.exists() else "", text)
+        return Result(_json.loads((out / "transfer.json").read_text(encoding="utf-8")), page.read_text(encoding="utf-8") if page.exists() else "", text)
 
 
 def replicate(rig: Rig, target, channels, out, *, progress=None, **options) -> Result:
@@ -379,7 +390,7 @@ def replicate(rig: Rig, target, channels, out, *, progress=None, **options) -> R
         words = ["replicate", "--rig", files.rig(rig), *files.data(target, "--target"), "--channels", channels, "--out", out]
         text = _run(words + _options(options), progress)
     page = _pathlib.Path(out) / "report.html"
-    return Result(_json.loads((_pathlib.Path(out) / "replicate.json").read_text()), page.read_text() if page.exists() else "", text)
+    return Result(_json.loads((_pathlib.Path(out) / "replicate.json").read_text(encoding="utf-8")), page.read_text(encoding="utf-8") if page.exists() else "", text)
 
 
 def live(seconds: float = 10.0, *, port: int = 9870, most: int = 100_000) -> _pandas.DataFrame:
@@ -396,7 +407,9 @@ def live(seconds: float = 10.0, *, port: int = 9870, most: int = 100_000) -> _pa
             except TimeoutError:
                 break
             except ValueError:
-                continue  # anybody may send
+                continue
+            if not isinstance(datagram, dict):  # anybody may send
+                continue
             rows.append({k: v for k, v in datagram.items() if isinstance(v, (int, float, str)) and not isinstance(v, bool)})
     frame = _pandas.DataFrame(rows).rename(columns={"timestamp": "t"})
     return frame.set_index("t") if "t" in frame else frame

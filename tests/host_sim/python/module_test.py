@@ -77,6 +77,19 @@ class Module(unittest.TestCase):
         self.assertEqual(caught.exception.file, str(self.file))
         self.assertGreater(caught.exception.line, 1)
 
+    def test_a_rig_is_copied_and_its_inner_tables_are_edited(self):
+        import copy
+        import pickle
+        self.assertEqual(copy.deepcopy(self.rig), self.rig)
+        self.assertEqual(pickle.loads(pickle.dumps(self.rig)), self.rig)
+        with_law = self.rig.edit({"laws.knee.place": "suspension", "laws.knee.over": "velocity", "laws.knee.at": [-1.0, 0.0, 1.0],
+                                  "laws.knee.value": np.array([-100.0, 0.0, 90.0])})
+        self.assertEqual(with_law.edit({"laws.knee.at": [-2.0, 0.0, 2.0]}).keys["laws"]["knee"]["at"], [-2.0, 0.0, 2.0])
+
+    def test_much_output_and_progress_do_not_hold_each_other_up(self):
+        done = rigtwin._run(["effects", "--json", "-"], progress=lambda share, words: None)
+        self.assertGreater(len(done), 10_000)
+
     def test_compare_sees_what_was_changed(self):
         frame = rigtwin.simulate(self.rig.edit({"suspension.stiffness": 1.2 * self.rig.suspension.stiffness}), duration=5)
         same, other = rigtwin.compare(self.rig, rigtwin.simulate(self.rig, duration=5)), rigtwin.compare(self.rig, frame)
