@@ -39,6 +39,13 @@ InnovationMonitor::InnovationMonitor(int channels, double period, double false_a
   limit_ = normal_quantile(0.5 * (share < 0.5 ? share : 0.5));
 }
 
+void InnovationMonitor::restart() {
+  for (PerChannel& channel : channels_) channel = {};
+  wrong_ = false;
+  alarms_ = blocks_ = 0;
+  last_ = {};
+}
+
 void InnovationMonitor::take(int channel, double innovation) {
   PerChannel& c = channels_[static_cast<std::size_t>(channel)];
   c.sum += innovation;

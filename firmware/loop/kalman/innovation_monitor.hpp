@@ -41,6 +41,9 @@ class InnovationMonitor {
 
   InnovationMonitor(int channels, double period, double false_alarms);
 
+  /// As constructed. In place: a second monitor has no room on a board's stack.
+  void restart();
+
   /// One normalised innovation of a channel.
   void take(int channel, double innovation);
   /// One that is not to be judged.

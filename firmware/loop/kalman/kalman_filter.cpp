@@ -22,8 +22,7 @@ KalmanFilter::KalmanFilter(const EstimatorEquations& equations, SteadyGains& gai
       channels_(equations.channels()),
       longest_lag_(gains.longest_lag()),
       period_(period),
-      monitor_(equations.channels(), period, equations.settings().false_alarms),
-      false_alarms_(equations.settings().false_alarms) {
+      monitor_(equations.channels(), period, equations.settings().false_alarms) {
   if (equations.ducts() > 0) flow_step_ = equations.flow_step(period);
   for (int i = 0; i < model::core_states; ++i) core_[static_cast<std::size_t>(i)] = equations.core(i);
   for (int i = 0; i < channels_; ++i) {
@@ -145,7 +144,7 @@ void KalmanFilter::restart() {
   expected_.fill(0.0);
   deviation_.fill(0.0);
   too_old_ = 0;
-  monitor_ = InnovationMonitor(channels_, period_, false_alarms_);
+  monitor_.restart();
 }
 
 double KalmanFilter::dot(const EstimatorVector& a, const EstimatorVector& b) const {

@@ -137,7 +137,6 @@ class KalmanFilter {
   std::uint64_t wide_periods_ = 0;
   Unobservable unobservable_{};
   InnovationMonitor monitor_;
-  double false_alarms_;
 
   bool started_ = false;
   hal::Time last_{};
