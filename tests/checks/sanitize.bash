@@ -16,7 +16,7 @@ LEFT_OUT=-$(xargs <<'END' | tr ' ' ':'
 AirSpringDiagnosis.* Calibration.* CharacteristicRoots.AgreeWith* Classics.* CompensatedStability.Judges* CompensatedStability.Margins*
 CompensatedStability.Says* CompensatedStability.MapOf* CompensationCommand.* DiagnoseCommand.ReadsTheEnds* Diagnosis.DoesNotJudge* Diagnosis.FindsANegative* Diagnosis.IsLess* Diagnosis.Learns* Diagnosis.Names* Diagnosis.Reads* Diagnosis.Refuses*
 Diagnosis.SaysOfNo* Diagnosis.Weighs* DiagnosisAtAnyRate.* DiagnosisWithoutRoad.* DuctPolicy.Beats* DuctPolicy.LosesLittle* DuctPolicy.Reaches*
-Backlash.IsStepped* EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Faults.AHundred* Finite.Verdict* FirstSentence.Agrees* HeldOut.TakesAway* HowMade.*
+Backlash.IsStepped* EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Faults.AHundred* Finite.Verdict* FirstSentence.Agrees* HeldOut.TakesAway* HowMade.* InnovationGuard.LeavesARight* InnovationGuard.Notices*
 *SideBySide.*/Eight Lanes/SideBySide.RigsThatChangeKeepTheirBits/One Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.FollowsARoad* KalmanFilter.ReachesTheBounds* LawBand.Holds* LawConstancy.Doubts* LearnLaws.* LowerMinimum.IsFound* Manual.*
 ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstReference.Follows*Delay ModelAgainstReference.Follows*Friction
 ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Pages.* PairsOfParts.* PairsOfPartsCommand.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N* Plan.P*
