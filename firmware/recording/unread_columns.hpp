@@ -1,4 +1,4 @@
-// What is said of the columns of a recording that are no channel.
+// Advice on the columns of a recording that are no channel.
 #pragma once
 
 #include <string>

@@ -20,7 +20,7 @@ namespace host_sim::campaign {
 /// One row a record: record, verdict, effects, gap, and a column for each quantity with its lower and upper end.
 [[nodiscard]] std::string to_csv(const Campaign& campaign);
 
-/// How often which verdict, what stands out, what drifts; the first sentence of the page and of the command.
+/// The campaign in a sentence: the commonest verdicts with their number, outliers, drifts. Page and command begin with it.
 [[nodiscard]] std::string sentence(const Campaign& campaign);
 
 /// The sentence, outliers first, each quantity over the records with its band, the table. `earlier`: a campaign before a

@@ -1,4 +1,4 @@
-// What the records of a campaign say together: a common distribution of each quantity, its drift, its outliers.
+// Statistics over the records of a campaign: a common distribution of each quantity, drift, outliers.
 #pragma once
 
 #include <cstddef>

@@ -16,7 +16,6 @@
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
-#include "firmware/description/text/sha256.hpp"
 #include "firmware/description/version.hpp"
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/campaign/campaign_list.hpp"
@@ -44,26 +43,28 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// The files that a verdict is made of.
-report::Origin origin_of(const CampaignRecord& record) {
-  report::Origin origin{"rigtwin diagnose --rig " + record.rig.string() + " --data " + record.data.string()};
-  std::vector<fs::path> files{record.rig, record.data};
-  try {
-    for (const fs::path& table : firmware::referenced_files(firmware::read_rig(record.rig))) files.push_back(table);
-  } catch (const firmware::InputError&) {  // its line is the record's
-  }
-  for (const fs::path& file : files) origin.inputs.push_back({file.string(), firmware::sha256(text_of(file))});
-  return origin;
+/// A record of the campaign, the files that its verdict is made of, and where it stands.
+struct Job {
+  CampaignRecord record;
+  report::Origin origin{};
+  fs::path folder{};
+};
+
+/// The files are read here and nowhere else, on all processors.
+std::vector<Job> jobs_of(const DiagnoseOptions& options, const std::vector<CampaignRecord>& records) {
+  std::vector<Job> jobs(records.size());
+  identification::for_all(records.size(), [&](std::size_t i) {
+    const std::string rig = records[i].rig.string(), data = records[i].data.string();
+    jobs[i] = {records[i], origin_of("rigtwin diagnose --rig " + rig + " --data " + data, {rig, data}),
+               options.out / "records" / records[i].name};
+  });
+  return jobs;
 }
 
 /// Of a record that is done, beside its verdict.json: {"made_of": "…", "seconds": …, "failure": "…"}. Written last.
 struct Done {
   ordered_json state, verdict;
 };
-
-fs::path folder_of(const DiagnoseOptions& options, const CampaignRecord& record) {
-  return options.out / "records" / record.name;
-}
 
 /// Version and contents: what is made of the same is not made again.
 std::string fingerprint(const report::Origin& origin) {
@@ -72,10 +73,10 @@ std::string fingerprint(const report::Origin& origin) {
   return text;
 }
 
-std::optional<Done> known(const fs::path& folder, const report::Origin& origin) {
-  Done done{ordered_json::parse(text_of(folder / "state.json"), nullptr, false),
-            ordered_json::parse(text_of(folder / "verdict.json"), nullptr, false)};
-  if (!done.state.is_object() || done.state.value("made_of", ordered_json()) != fingerprint(origin))
+std::optional<Done> known(const Job& job) {
+  Done done{ordered_json::parse(text_of(job.folder / "state.json"), nullptr, false),
+            ordered_json::parse(text_of(job.folder / "verdict.json"), nullptr, false)};
+  if (!done.state.is_object() || done.state.value("made_of", ordered_json()) != fingerprint(job.origin))
     return std::nullopt;
   if (!done.verdict.is_object()) {
     if (!done.state.contains("failure")) return std::nullopt;
@@ -85,7 +86,8 @@ std::optional<Done> known(const fs::path& folder, const report::Origin& origin) 
 }
 
 /// Diagnoses one record. What is wrong with it is its state, and no error of the campaign.
-void diagnose_record(const CampaignRecord& record, const report::Origin& origin, const fs::path& folder) {
+void diagnose_record(const Job& job) {
+  const auto& [record, origin, folder] = job;
   const auto begun = std::chrono::steady_clock::now();
   ordered_json state{{"made_of", fingerprint(origin)}};
   std::error_code none;
@@ -128,24 +130,21 @@ void prepare_results(const fs::path& folder) {
 }
 
 /// Every record of this shard, on all processors.
-void diagnose_shard(const DiagnoseOptions& options, const std::vector<CampaignRecord>& records,
-                    const sweep::Shard& shard) {
+void diagnose_shard(const std::vector<Job>& jobs, const sweep::Shard& shard) {
   std::vector<std::size_t> mine;
-  for (std::size_t i = 0; i < records.size(); ++i) {
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
     if (shard.holds(i)) mine.push_back(i);
   }
   Progress progress("diagnose --campaign");
   std::mutex showing;
   std::size_t done = 0;
   identification::for_all(mine.size(), [&](std::size_t i) {
-    const CampaignRecord& record = records[mine[i]];
-    const report::Origin origin = origin_of(record);
-    const fs::path folder = folder_of(options, record);
-    if (!known(folder, origin)) diagnose_record(record, origin, folder);
+    const Job& job = jobs[mine[i]];
+    if (!known(job)) diagnose_record(job);
     const std::lock_guard lock(showing);
     ++done;
     progress.show(static_cast<double>(done) / static_cast<double>(mine.size()),
-                  std::to_string(done) + " of " + std::to_string(mine.size()) + ": " + record.name);
+                  std::to_string(done) + " of " + std::to_string(mine.size()) + ": " + job.record.name);
   });
 }
 
@@ -195,20 +194,21 @@ void run_campaign(const DiagnoseOptions& options) {
   const sweep::Shard shard = options.shard.empty()
                                  ? sweep::shard_of_engine(sweep::process_environment).value_or(sweep::Shard{})
                                  : sweep::parse_shard(options.shard);
-  const std::vector<CampaignRecord> records = campaign::campaign_records(
-      options.campaign, options.rig.empty() ? std::nullopt : std::optional<fs::path>(options.rig));
+  const std::vector<Job> jobs = jobs_of(
+      options, campaign::campaign_records(options.campaign,
+                                          options.rig.empty() ? std::nullopt : std::optional<fs::path>(options.rig)));
   prepare_results(options.out);
-  diagnose_shard(options, records, shard);
+  diagnose_shard(jobs, shard);
   std::vector<campaign::Row> rows;
   std::size_t missing = 0;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const auto done = known(folder_of(options, records[i]), origin_of(records[i]));
-    if (done) rows.push_back(campaign::row_of(done->verdict, done->state, i, records[i].name));
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const auto done = known(jobs[i]);
+    if (done) rows.push_back(campaign::row_of(done->verdict, done->state, i, jobs[i].record.name));
     missing += done ? 0 : 1;
   }
   if (missing > 0) {
     std::printf("%zu of %zu records are there; the shard that completes them writes the campaign\n",
-                records.size() - missing, records.size());
+                jobs.size() - missing, jobs.size());
     return;
   }
   write_results(options, campaign::campaign_of(std::move(rows)), earlier);

@@ -1,4 +1,4 @@
-// What stands out on a terminal.
+// Bold and red text on a terminal.
 #pragma once
 
 #include <cstdio>

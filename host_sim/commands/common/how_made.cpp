@@ -106,6 +106,12 @@ HowMade::HowMade() : origin_(std::async(std::launch::async, origin).share()) {}
 
 std::string HowMade::in(std::string page) const { return report::with_origin(std::move(page), origin_.get()); }
 
+report::Origin origin_of(std::string command, const std::vector<std::string>& files) {
+  report::Origin result{std::move(command)};
+  for (const std::string& file : files) add_input(file, result.inputs);
+  return result;
+}
+
 std::string json_text(const report::Origin& origin, const std::string& schema, const nlohmann::ordered_json& result) {
   nlohmann::ordered_json inputs = nlohmann::ordered_json::array();
   for (const report::Origin::Input& input : origin.inputs) {

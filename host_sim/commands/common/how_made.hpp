@@ -4,6 +4,7 @@
 #include <future>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "host_sim/report/report.hpp"
 
@@ -30,6 +31,9 @@ class HowMade {
  private:
   std::shared_future<report::Origin> origin_;
 };
+
+/// Command and these files, with the tables that a description among them names. A file that cannot be read is not there.
+[[nodiscard]] report::Origin origin_of(std::string command, const std::vector<std::string>& files);
 
 /// The JSON text of a result of that origin behind its head, as HowMade::json() writes it.
 [[nodiscard]] std::string json_text(const report::Origin& origin, const std::string& schema,

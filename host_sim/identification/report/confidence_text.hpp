@@ -1,4 +1,4 @@
-// How a confidence is written.
+// A confidence as text.
 #pragma once
 
 #include <string>
