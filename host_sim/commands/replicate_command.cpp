@@ -56,6 +56,7 @@ void prepare_replication(const fs::path& folder) {
     throw firmware::OutputError(folder.string(), "holds files that rigtwin replicate did not write",
                                 "another folder for the results");
   }
+  fs::remove(folder / numbered("rig_", 0, ".toml"), error);
   for (const char* what : {"drive_", "run_", "rig_"}) {
     for (std::size_t i = 1;
          fs::remove(folder / numbered(what, i, what[0] == 'r' && what[1] == 'i' ? ".toml" : ".csv"), error); ++i) {
@@ -100,6 +101,8 @@ Replication read_folder(const fs::path& folder) {
     std::vector<replicate::RunResult> results;
     std::vector<firmware::Recording> runs;
     std::optional<firmware::RigDescription> refined;
+    if (fs::exists(folder / numbered("rig_", 0, ".toml"), error))
+      refined = firmware::read_rig(folder / numbered("rig_", 0, ".toml"));
     const model::Channel channel = replicate::drive_channel(replication.description().rig.kind);
     for (const nlohmann::json& run : state.at("runs")) {
       const std::string file = run.at("drive").get<std::string>();
@@ -221,9 +224,14 @@ void begin(const ReplicateOptions& options) {
   std::vector<firmware::Recording> events;
   for (const fs::path& file : options.target) events.push_back(read_recording(file, description.channels));
   Replication replication(description, request, events, options.goal);
+  std::optional<firmware::Recording> before;
+  if (!options.data.empty()) before = read_run_file(options.data, replication.description());
   prepare_replication(options.out);
+  if (before) replication.refine_on(std::move(*before));
   solve(replication);
   firmware::write_file(options.out / "rig.toml", firmware::format_rig(description));
+  if (!options.data.empty())
+    firmware::write_file(options.out / numbered("rig_", 0, ".toml"), firmware::format_rig(replication.refined()));
   for (std::size_t e = 0; e < events.size(); ++e) {
     firmware::Recording kept;
     kept.sample_period = events[e].sample_period;
@@ -264,7 +272,7 @@ void go_on(const ReplicateOptions& options) {
     throw firmware::UsageError("replicate DIR: expected --measured RUN.csv or --simulated TRUTH.toml");
   }
   if (!options.rig.empty() || !options.target.empty() || !options.channels.empty() || !options.bands.empty() ||
-      !options.out.empty()) {
+      !options.data.empty() || !options.out.empty()) {
     throw firmware::UsageError(
         "replicate DIR: rig, target, channels and bands are those of the folder, expected none of them again");
   }
@@ -326,6 +334,9 @@ void add_replicate(CLI::App& app, ReplicateOptions& options) {
                       "Channels of the target: zdd_w,dz_b:0.5 with weights after a colon (1)");
   command->add_option("--band", options.bands,
                       "Band [Hz], 0.7:40, or of one channel, dz_b=1:20 (default: where the target is above its noise)");
+  command->add_option("--data", options.data,
+                      "An earlier run of the rig with its commanded column: the tolerated parameters are fitted to it "
+                      "before the first drive");
   command->add_option("--out", options.out, "Folder for drive_1.csv, report.html, replicate.json");
   command->add_option("--goal", options.goal, "Error that is small enough, ÷ rms of the target")
       ->check(number_within(1e-6, 1.0))

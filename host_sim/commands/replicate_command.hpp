@@ -18,6 +18,7 @@ struct ReplicateOptions {
   std::vector<std::filesystem::path> target;
   std::string channels;
   std::vector<std::string> bands;
+  std::filesystem::path data;  ///< an earlier run
   std::filesystem::path out;
   std::filesystem::path measured;
   bool diagnose = false;

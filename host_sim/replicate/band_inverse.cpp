@@ -106,7 +106,11 @@ std::vector<double> BandInverse::drive(const std::vector<std::vector<double>>& e
   }
   std::vector<double> drive = transform_->inverse(sum);
   drive.resize(size_);
-  // The drive begins and ends at rest.
+  end_at_rest(drive);
+  return drive;
+}
+
+void BandInverse::end_at_rest(std::vector<double>& drive) const {
   const auto ramp = std::min(
       size_ / 2,
       static_cast<std::size_t>(0.25 * thresholds::lead / (1.0 / (step_ * static_cast<double>(transform_->length())))));
@@ -115,7 +119,6 @@ std::vector<double> BandInverse::drive(const std::vector<std::vector<double>>& e
     drive[k] *= fade;
     drive[size_ - 1 - k] *= fade;
   }
-  return drive;
 }
 
 std::vector<double> BandInverse::in_band(std::size_t channel, const std::vector<double>& signal) const {

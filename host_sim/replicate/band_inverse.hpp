@@ -40,6 +40,12 @@ class BandInverse {
     return rms_[channel];
   }                                                                            ///< in its band, over its events
   [[nodiscard]] const std::vector<double>& metric() const { return metric_; }  ///< M of each bin
+  /// M/(M + ρ) of a bin: what of a wish (2) grants.
+  [[nodiscard]] double share(std::size_t bin) const {
+    return metric_[bin] > 0.0 ? metric_[bin] / (metric_[bin] + floor_[bin]) : 0.0;
+  }
+  /// Fades a drive in from rest and out to it.
+  void end_at_rest(std::vector<double>& drive) const;
   [[nodiscard]] RealTransform& transform() const { return *transform_; }
   [[nodiscard]] double frequency_step() const { return step_; }  ///< [Hz]
 

@@ -82,8 +82,7 @@ SimulationInput DriveModel::input_of(const std::vector<double>& drive) const {
 }
 
 DriveModel::Answer DriveModel::answer(const Rig& rig, const std::vector<double>& drive) const {
-  const SimulationInput input = input_of(drive);
-  Response response = simulate(rig, input, resting(rig, input), 0, 1, channels_);
+  Response response = this->response(rig, drive, channels_);
   Answer answer;
   for (const Channel channel : channels_) answer.push_back(std::move(response[index(channel)]));
   return answer;
@@ -91,9 +90,14 @@ DriveModel::Answer DriveModel::answer(const Rig& rig, const std::vector<double>&
 
 DriveModel::Answer DriveModel::answer(const std::vector<double>& drive) const { return answer(rig_, drive); }
 
-Response DriveModel::response(const std::vector<double>& drive, const std::vector<Channel>& channels) const {
+Response DriveModel::response(const Rig& rig, const std::vector<double>& drive,
+                              const std::vector<Channel>& channels) const {
   const SimulationInput input = input_of(drive);
-  return simulate(rig_, input, resting(rig_, input), 0, 1, channels);
+  return simulate(rig, input, resting(rig, input), 0, 1, channels);
+}
+
+Response DriveModel::response(const std::vector<double>& drive, const std::vector<Channel>& channels) const {
+  return response(rig_, drive, channels);
 }
 
 std::vector<std::vector<std::complex<double>>> DriveModel::linear_response(std::size_t length) const {

@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
@@ -22,6 +23,8 @@ namespace host_sim::replicate {
 class DriveModel {
  public:
   DriveModel(const firmware::RigDescription& description, std::vector<model::Channel> channels);
+  DriveModel(const model::RigParameters<double>& rig, double period, std::vector<model::Channel> channels)
+      : rig_(rig), period_(period), channels_(std::move(channels)) {}
   /// Another rig, for the same channels at the same rate.
   DriveModel(const model::RigParameters<double>& rig, const DriveModel& like)
       : rig_(rig), period_(like.period_), channels_(like.channels_) {}
@@ -36,6 +39,8 @@ class DriveModel {
   [[nodiscard]] Answer answer(const model::RigParameters<double>& rig, const std::vector<double>& drive) const;
   /// Any channels.
   [[nodiscard]] Response response(const std::vector<double>& drive, const std::vector<model::Channel>& channels) const;
+  [[nodiscard]] Response response(const model::RigParameters<double>& rig, const std::vector<double>& drive,
+                                  const std::vector<model::Channel>& channels) const;
 
   /// Frequency responses channel/drive at the bins of a transform of `length` samples: of the rig without its corners,
   /// from its answer to a small pulse that holds all frequencies up to a quarter of the sample rate.

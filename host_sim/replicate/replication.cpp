@@ -109,7 +109,8 @@ std::size_t Replication::best() const {
 
 void Replication::solve(const Progress& progress) {
   SolveInput input;
-  std::vector<std::string> remarks;
+  std::vector<std::string> remarks = std::move(remarks_);
+  remarks_.clear();
   if (!runs_.empty()) {
     Correction correction(description_, target_, *inverse_);
     std::vector<std::vector<double>> until_best;
@@ -186,16 +187,16 @@ void Replication::take(const firmware::Recording& recording) {
 }
 
 void Replication::refine() {
-  if (!run_recordings_.empty()) refine_on(run_recordings_.back());
+  if (!run_recordings_.empty()) refine_on(run_recordings_.back(), StartChoice::rest);
 }
 
-void Replication::refine_on(firmware::Recording part) {
+void Replication::refine_on(firmware::Recording part, StartChoice choice) {
   if (refined_.tolerance.empty()) return;
   const auto remark = [this](const std::string& text) {
-    if (!results_.empty()) results_.back().remarks.push_back(text);
+    (results_.empty() ? remarks_ : results_.back().remarks).push_back(text);
   };
   const auto most =
-      static_cast<std::size_t>(60.0 / target_.period);  // [s]: a dozen numbers are known well from a minute
+      static_cast<std::size_t>(30.0 / target_.period);  // [s]: 17 numbers are known to 0.2 % of z̈_w from 24 s
   if (part.size() > most) {
     part.time.resize(most);
     for (auto& column : part.channels) column.resize(std::min(column.size(), most));
@@ -203,7 +204,7 @@ void Replication::refine_on(firmware::Recording part) {
   }
   try {
     std::vector<ComparedRecording> compared;
-    compared.emplace_back(description_, part, StartChoice::rest);
+    compared.emplace_back(description_, part, choice);
     // Within the tolerances of the description, not of what it was refined to.
     firmware::RigDescription described = refined_;
     for (const auto& [path, bound] : described.tolerance) {

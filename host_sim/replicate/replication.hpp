@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "host_sim/comparison/comparison.hpp"
 #include "host_sim/replicate/correction.hpp"
 #include "host_sim/replicate/damage.hpp"
 #include "host_sim/replicate/run_record.hpp"
@@ -68,8 +69,8 @@ class Replication {
   void take(const firmware::Recording& recording);
   /// Fits the tolerated parameters to the newest run, where that explains more of it.
   void refine();
-  /// The same on a run of another drive, before the first.
-  void refine_on(firmware::Recording run);
+  /// The same on an earlier run of the rig, of any command and perhaps begun in mid-motion, before the first drive.
+  void refine_on(firmware::Recording run) { refine_on(std::move(run), StartChoice::automatic); }
   /// Takes a model that somebody else refined, with words on what was found.
   void refine(firmware::RigDescription refined, const std::string& found);
 
@@ -100,6 +101,7 @@ class Replication {
 
  private:
   void prepare_model();
+  void refine_on(firmware::Recording run, StartChoice choice);
   void judge(const RunRecord& run, RunResult& result) const;
 
   firmware::RigDescription description_, refined_;
@@ -115,6 +117,7 @@ class Replication {
   std::vector<firmware::Recording> run_recordings_;
   DriveModel::Answer predicted_;
   std::vector<double> noise_;
+  std::vector<std::string> remarks_;  ///< for the next result
 };
 
 /// A drive as a recording with the one column that the rig is commanded.

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <optional>
 #include <utility>
 
 #include "host_sim/replicate/along_trajectory.hpp"
+#include "host_sim/replicate/motion_inverse.hpp"
 #include "host_sim/replicate/thresholds.hpp"
 
 namespace host_sim::replicate {
@@ -53,11 +55,12 @@ struct PieceState {
 
 class Iteration {
  public:
-  Iteration(const DriveModel& model, const Target& target, const BandInverse& inverse, LimitProjection* limits,
-            const Signals& offset)
+  Iteration(const DriveModel& model, const Target& target, const BandInverse& inverse, const MotionInverse* motion,
+            LimitProjection* limits, const Signals& offset)
       : model_(model),
         target_(target),
         inverse_(inverse),
+        motion_(motion),
         limits_(limits),
         offset_(offset),
         pieces_(target.size(), target.period) {}
@@ -86,7 +89,7 @@ class Iteration {
         break;
       }
       if (std::sqrt(best_cost_) < thresholds::exact) break;
-      if (round + 1 < most) step();
+      if (round + 1 < most) step(rig);
     }
     drive = best;
   }
@@ -153,7 +156,7 @@ class Iteration {
     }
   }
 
-  void step() {
+  void step(const model::RigParameters<double>& rig) {
     Signals left(error_.size(), std::vector<double>(drive.size(), 0.0));
     std::vector<double> next(drive.size(), 0.0);
     const auto m = static_cast<Eigen::Index>(secants_.size());
@@ -180,7 +183,7 @@ class Iteration {
         }
       }
     }
-    const std::vector<double> correction = inverse_.drive(left);
+    const std::vector<double> correction = motion_ != nullptr ? motion_->drive(rig, next, left) : inverse_.drive(left);
     for (std::size_t k = 0; k < drive.size(); ++k) drive[k] = next[k] + correction[k];
     if (limits_ != nullptr) drive = (*limits_)(std::move(drive));
   }
@@ -213,6 +216,7 @@ class Iteration {
   const DriveModel& model_;
   const Target& target_;
   const BandInverse& inverse_;
+  const MotionInverse* motion_;
   LimitProjection* limits_;
   const Signals& offset_;
   Pieces pieces_;
@@ -246,7 +250,9 @@ Solution solve(const DriveModel& model, const Target& target, const BandInverse&
   }
   std::vector<double> start = input.start.empty() ? inverse.drive(wanted) : input.start;
   LimitProjection projection(inverse, limits, target.period);
-  Iteration iteration(model, target, inverse, &projection, input.offset);
+  std::optional<MotionInverse> motion;
+  if (MotionInverse::possible(model)) motion.emplace(model, inverse);
+  Iteration iteration(model, target, inverse, motion ? &*motion : nullptr, &projection, input.offset);
   iteration.drive = projection(start);
   if (input.start.empty() && has_corners(model.rig())) {
     for (const double share : thresholds::corner_shares)
@@ -281,7 +287,7 @@ Solution solve(const DriveModel& model, const Target& target, const BandInverse&
   for (const double f : loads[index(force)])
     solution.used.force = std::max(solution.used.force, std::abs(f) / limits.force);
   if (projection.acted()) {
-    Iteration free(model, target, inverse, nullptr, input.offset);
+    Iteration free(model, target, inverse, motion ? &*motion : nullptr, nullptr, input.offset);
     free.drive = std::move(start);
     free.run(1.0, thresholds::most_rounds, thresholds::patience, {});
     solution.error_unlimited = errors_of(target, inverse, free.best_answer, input.offset);

@@ -31,12 +31,12 @@ struct Solution {
 ///   (2)  γ_j = argmin ‖h_j (E_k − ΔE γ)‖            in each piece j of the drive, h_j a Hann window, Σ_j h_j = 1
 ///   (3)  u_{k+1} = P(u_k − Σ_j h_j ΔU γ_j + H⁺(E_k − Σ_j h_j ΔE γ_j))
 ///
-/// H⁺ is BandInverse (2), P the limits. A rig forgets, so the Jacobian has the form of a band along time: secants of
-/// pieces see it where one secant for the whole drive sees a mean. Corners: first of the rig without them, then as they
-/// are. The best drive found is kept: more rounds never make it worse. Work and memory are linear in the length of the
-/// drive (FFT: times its logarithm). Where it stays far from the target (thresholds::secants_fail: a rig that is at its stops all
-/// the time), solve_along_trajectory() is asked as well, and the better drive is taken. Source: H. Fang, Y. Saad, Numer.
-/// Linear Algebra Appl. 16 (2009), 197–221 (multisecant); the pieces are ours.
+/// H⁺: BandInverse (2), of a quarter car the step of MotionInverse; P: limits. A rig forgets, so the Jacobian has the form
+/// of a band along time: secants of pieces see it where one secant for the whole drive sees a mean. Corners: first of the
+/// rig without them, then as they are. The best drive found is kept: more rounds never make it worse. Work and memory are
+/// linear in the length of the drive (FFT: times its logarithm). Where it stays far from the target (thresholds::secants_fail:
+/// much friction in free play), solve_along_trajectory() is asked as well, and the better drive is taken. Source: H. Fang, Y.
+/// Saad, Numer. Linear Algebra Appl. 16 (2009), 197–221 (multisecant); the pieces are ours.
 [[nodiscard]] Solution solve(const DriveModel& model, const Target& target, const BandInverse& inverse,
                              const DriveLimits& limits, const SolveInput& input, const SolveProgress& progress = {});
 

@@ -292,32 +292,35 @@ double Tracking::best_share(std::size_t piece, double share, const std::vector<d
   return best_share;
 }
 
-/// (3), (4) of step k; `go`: cost to go from its end, then from its start.
-void Tracking::back_step(std::size_t k, const LinearStep& step, CostToGo& go) {
-  const std::size_t n = n_, r = rig_states_, m = channels_.size();
+/// What the end of step k costs, added to `go`, and what its acceleration costs.
+void Tracking::add_own_cost(std::size_t k, CostToGo& go) {
+  const std::size_t n = n_;
   const double* const s = &s_[(k + 1) * n];
-  const double* const o = &outputs_[k * (m + 1)];
-  // What the end of the step costs.
-  const auto limited = [&](double x, double limit, double sigma, double multiplier, double& curvature, double& slope) {
+  const auto limited = [](double x, double limit, double sigma, double multiplier, double& curvature, double& slope) {
     const double over = beyond(x + multiplier, limit);
     if (over == 0.0) return;
     curvature += sigma;
     slope += sigma * over;
   };
-  const std::size_t ip = r - 2, iv = r - 1;
+  const std::size_t ip = rig_states_ - 2, iv = rig_states_ - 1;
   go.p[ip * n + ip] += own_.position;
   go.q[ip] += own_.position * s[ip];
   limited(s[ip], limits_.stroke, limit_cost_.position, multipliers_.position[k], go.p[ip * n + ip], go.q[ip]);
   limited(s[iv], limits_.speed, limit_cost_.speed, multipliers_.speed[k], go.p[iv * n + iv], go.q[iv]);
-  double qww = own_.acceleration, qw = own_.acceleration * w_[k];
-  limited(w_[k], limits_.acceleration, limit_cost_.acceleration, multipliers_.acceleration[k], qww, qw);
-  // A and B, rows of the filters below those of the rig
+  qww_ = own_.acceleration;
+  qw_ = own_.acceleration * w_[k];
+  limited(w_[k], limits_.acceleration, limit_cost_.acceleration, multipliers_.acceleration[k], qww_, qw_);
+}
+
+/// A and B: the rows of the rig, and below them those of the filters.
+void Tracking::fill_step(const LinearStep& step) {
+  const std::size_t n = n_, r = rig_states_;
   std::fill(a_.begin(), a_.end(), 0.0);
   for (std::size_t i = 0; i < r; ++i) {
     std::copy_n(&step.a[i * r], r, &a_[i * n]);
     b_[i] = step.b[i];
   }
-  for (std::size_t c = 0; c < m; ++c) {
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
     const Filter& f = filters_[c];
     const std::size_t order = f.input.size();
     for (std::size_t i = 0; i < order; ++i) {
@@ -327,18 +330,25 @@ void Tracking::back_step(std::size_t k, const LinearStep& step, CostToGo& go) {
       b_[f.first + i] = -f.input[i] * step.d[c];
     }
   }
-  // P A, A in its blocks
+}
+
+/// visit(from, to) for the blocks of a row of A that are not zero.
+template <class Visit>
+void Tracking::blocks_of_row(std::size_t row, const Visit& visit) const {
+  visit(std::size_t{0}, rig_states_);
+  if (row < rig_states_) return;
+  for (const Filter& f : filters_) {
+    if (row >= f.first && row < f.first + f.input.size()) visit(f.first, f.first + f.input.size());
+  }
+}
+
+/// AᵀPA, BᵀPA, BᵀPB, Aᵀq and Bᵀq of (3).
+void Tracking::carry_back(const CostToGo& go) {
+  const std::size_t n = n_;
   std::fill(pa_.begin(), pa_.end(), 0.0);
-  const auto columns_of = [&](std::size_t row, const auto& visit) {
-    visit(std::size_t{0}, r);
-    if (row < r) return;
-    for (const Filter& f : filters_) {
-      if (row >= f.first && row < f.first + f.input.size()) visit(f.first, f.first + f.input.size());
-    }
-  };
   for (std::size_t l = 0; l < n; ++l) {
     const double* const row = &a_[l * n];
-    columns_of(l, [&](std::size_t from, std::size_t to) {
+    blocks_of_row(l, [&](std::size_t from, std::size_t to) {
       for (std::size_t i = 0; i < n; ++i) {
         const double factor = go.p[l * n + i];
         double* const sum = &pa_[i * n];
@@ -346,61 +356,70 @@ void Tracking::back_step(std::size_t k, const LinearStep& step, CostToGo& go) {
       }
     });
   }
-  std::vector<double>& qxx = qxx_;
-  std::vector<double>&qx = qx_, &qwx = qwx_;
-  std::fill(qxx.begin(), qxx.end(), 0.0);
-  std::fill(qx.begin(), qx.end(), 0.0);
-  std::fill(qwx.begin(), qwx.end(), 0.0);
+  std::fill(qxx_.begin(), qxx_.end(), 0.0);
+  std::fill(qx_.begin(), qx_.end(), 0.0);
+  std::fill(qwx_.begin(), qwx_.end(), 0.0);
   for (std::size_t l = 0; l < n; ++l) {
     const double *const row = &a_[l * n], *const sum = &pa_[l * n];
     double pb = 0.0;
     for (std::size_t i = 0; i < n; ++i) pb += go.p[l * n + i] * b_[i];
-    qww += b_[l] * pb;
-    qw += b_[l] * go.q[l];
-    for (std::size_t j = 0; j < n; ++j) qwx[j] += b_[l] * sum[j];
-    columns_of(l, [&](std::size_t from, std::size_t to) {
+    qww_ += b_[l] * pb;
+    qw_ += b_[l] * go.q[l];
+    for (std::size_t j = 0; j < n; ++j) qwx_[j] += b_[l] * sum[j];
+    blocks_of_row(l, [&](std::size_t from, std::size_t to) {
       for (std::size_t i = from; i < to; ++i) {
         const double factor = row[i];
-        double* const out = &qxx[i * n];
+        double* const out = &qxx_[i * n];
         for (std::size_t j = 0; j < n; ++j) out[j] += factor * sum[j];
-        qx[i] += factor * go.q[l];
+        qx_[i] += factor * go.q[l];
       }
     });
   }
-  // The errors, and the force where it is limited
-  const auto add_row = [&](const std::vector<double>& e, double f, double weight, double value) {
-    for (std::size_t i = 0; i < n; ++i) {
-      if (e[i] == 0.0) continue;
-      const double factor = weight * e[i];
-      for (std::size_t j = 0; j < n; ++j) qxx[i * n + j] += factor * e[j];
-      qx[i] += factor * value;
-      qwx[i] += factor * f;
-    }
-    qww += weight * f * f;
-    qw += weight * f * value;
-  };
+}
+
+/// What an output e·s + f w with this value costs, where its square costs half the weight.
+void Tracking::add_output_cost(double f, double weight, double value) {
+  const std::size_t n = n_;
+  const std::vector<double>& e = error_row_;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (e[i] == 0.0) continue;
+    const double factor = weight * e[i];
+    for (std::size_t j = 0; j < n; ++j) qxx_[i * n + j] += factor * e[j];
+    qx_[i] += factor * value;
+    qwx_[i] += factor * f;
+  }
+  qww_ += weight * f * f;
+  qw_ += weight * f * value;
+}
+
+/// (3), (4) of step k; `go`: cost to go from its end, then from its start.
+void Tracking::back_step(std::size_t k, const LinearStep& step, CostToGo& go) {
+  const std::size_t n = n_, r = rig_states_, m = channels_.size();
+  const double* const o = &outputs_[k * (m + 1)];
+  add_own_cost(k, go);
+  fill_step(step);
+  carry_back(go);
   for (std::size_t c = 0; c < m; ++c) {
     const Filter& f = filters_[c];
     const std::size_t order = f.input.size();
     std::fill(error_row_.begin(), error_row_.end(), 0.0);
     for (std::size_t j = 0; j < r; ++j) error_row_[j] = -f.through * step.c[c * r + j];
     std::copy_n(&f.at[order * order], order, &error_row_[f.first]);
-    add_row(error_row_, -f.through * step.d[c], channels_[c].weight, o[c]);
+    add_output_cost(-f.through * step.d[c], channels_[c].weight, o[c]);
   }
   const double over = beyond(o[m] + multipliers_.force[k], limits_.force);
   if (over != 0.0) {
     std::fill(error_row_.begin(), error_row_.end(), 0.0);
     std::copy_n(&step.c[m * r], r, error_row_.data());
-    add_row(error_row_, step.d[m], limit_cost_.force, over);
+    add_output_cost(step.d[m], limit_cost_.force, over);
   }
-  // (4)
-  qww *= 1.0 + damping_;
+  qww_ *= 1.0 + damping_;
   double* const gain = &gain_[k * n];
-  for (std::size_t i = 0; i < n; ++i) gain[i] = -qwx[i] / qww;
-  feed_[k] = -qw / qww;
+  for (std::size_t i = 0; i < n; ++i) gain[i] = -qwx_[i] / qww_;
+  feed_[k] = -qw_ / qww_;
   for (std::size_t i = 0; i < n; ++i) {
-    go.q[i] = qx[i] + qwx[i] * feed_[k];
-    for (std::size_t j = 0; j < n; ++j) go.p[i * n + j] = 0.5 * (qxx[i * n + j] + qxx[j * n + i]) + qwx[i] * gain[j];
+    go.q[i] = qx_[i] + qwx_[i] * feed_[k];
+    for (std::size_t j = 0; j < n; ++j) go.p[i * n + j] = 0.5 * (qxx_[i * n + j] + qxx_[j * n + i]) + qwx_[i] * gain[j];
   }
 }
 

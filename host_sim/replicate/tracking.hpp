@@ -114,6 +114,12 @@ class Tracking {
   void begin_from_best();
   void prepare_backward();
   void backward();
+  void add_own_cost(std::size_t k, CostToGo& go);
+  void fill_step(const LinearStep& step);
+  template <class Visit>
+  void blocks_of_row(std::size_t row, const Visit& visit) const;
+  void carry_back(const CostToGo& go);
+  void add_output_cost(double f, double weight, double value);
   void back_step(std::size_t k, const LinearStep& step, CostToGo& go);
   double run_piece(std::size_t piece, double before, double alpha, std::vector<double>& s, double& excess);
   bool forward();
@@ -144,6 +150,7 @@ class Tracking {
   Multipliers multipliers_;
   double cost_ = 0.0, excess_ = 0.0, damping_ = 0.0;
   std::vector<double> a_, b_, pa_, qxx_, qx_, qwx_, error_row_;  // of one step backward
+  double qww_ = 0.0, qw_ = 0.0;
 };
 
 }  // namespace host_sim::replicate
