@@ -111,6 +111,8 @@ void ControlLoop::step() {
 
   const bool runs = in_run(mode_);
   if (hazard && matters(*hazard)) trip(*hazard);
+  // Power that nobody gave is said in any case: a press that lasts does not hide it.
+  if (power_hazard_ && !(hazard && hazard->reason == power_hazard_->reason)) trip(*power_hazard_);
   command_area(now);
   compute(now);
   act(now);

@@ -97,10 +97,11 @@ struct StuckFeedback {
   Window window{};
 };
 
-/// The drive stands where it is during the window, with its power and whatever it is told: a seized spool, a lost pilot
-/// pressure.
+/// The drive does not do what it is told during the window: with its power it goes on at `velocity`, 0: it stands. A
+/// seized spool, a lost pilot pressure. Without power it coasts to a stop like any other.
 struct StuckDrive {
   Window window{};
+  double velocity = 0.0;  ///< [m/s]
 };
 
 /// The drive is pushed with this velocity while it has no power: a hand, a load that sinks.

@@ -67,8 +67,10 @@ bool Rig::powered() const { return !construction_.drive_enable || (contact_close
 
 void Rig::move_drive() {
   for (const StuckDrive& stuck : plan_.stuck_drives) {
-    if (!stuck.window.contains(now_)) continue;
-    drive_.velocity = drive_.acceleration = 0.0;
+    if (!stuck.window.contains(now_) || (stuck.velocity != 0.0 && !powered())) continue;
+    drive_.velocity = stuck.velocity;
+    drive_.acceleration = 0.0;
+    drive_.position += stuck.velocity * construction_.period.seconds();
     return;
   }
   if (powered()) {

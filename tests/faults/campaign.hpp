@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "tests/faults/guard_watch.hpp"
 #include "tests/faults/plant_watch.hpp"
 #include "tests/faults/scenario.hpp"
 
@@ -16,7 +17,11 @@ namespace faults {
 class Trial {
  public:
   explicit Trial(std::uint64_t seed)
-      : scenario_(seed), journey_(scenario_.scene), loop_(journey_.loop), plant_(scenario_, journey_) {}
+      : scenario_(seed),
+        journey_(scenario_.scene),
+        loop_(journey_.loop),
+        plant_(scenario_, journey_),
+        guards_(scenario_, journey_) {}
 
   [[nodiscard]] std::string play() {
     std::size_t next = 0;
@@ -34,7 +39,9 @@ class Trial {
       look_at_state(mode, reason);
       look_at_recording();
       plant_.look();
+      guards_.look();
       if (violated_.empty()) violated_ = plant_.violated();
+      if (violated_.empty()) violated_ = guards_.violated();
     }
     return violated_.empty() ? violated_ : violated_ + " [" + scenario_.text() + "]";
   }
@@ -142,6 +149,7 @@ class Trial {
   Journey journey_;
   firmware::ControlLoop& loop_;
   PlantWatch plant_;
+  GuardWatch guards_;
   std::string violated_;
   hal::Time now_{};
   double before_ = 0.0;  ///< position of the drive [m]

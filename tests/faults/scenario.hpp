@@ -29,7 +29,9 @@ struct Request {
   double level = 1.0;
 };
 
-/// A rig, what goes wrong with it, and what its operator does; all of it follows from a seed.
+/// A rig, what goes wrong with it, and what its operator does; all of it follows from a seed. In half of the scenarios
+/// several things go wrong at any time while the operator asks for anything; in the others one thing goes wrong where a
+/// guard of its own should see it, and the operator wants runs (one_fault.hpp).
 struct Scenario {
   explicit Scenario(std::uint64_t seed) : generator(seed), scene(draw_scene()) {
     scene.settings.ramps.rate = 0.2;  // a return takes 1 s, not 4
@@ -48,6 +50,7 @@ struct Scenario {
     if (whole(2) == 0) scene.settings.arming.force_ramp = 0.1;
     draw_ways_to_power();
     draw_what_stands_still();
+    if (whole(2) == 0) draw_one_fault();
     scene.faults.channels = channels;
     scene.faults.devices = devices;
     scene.faults.presses = presses;
@@ -59,23 +62,31 @@ struct Scenario {
     scene.faults.stuck_feedbacks = stuck_feedbacks;
     scene.faults.pushes = pushes;
     scene.faults.stuck_drives = stuck_drives;
+    scene.faults.suspensions = suspensions;
   }
   Scenario(const Scenario&) = delete;
   Scenario& operator=(const Scenario&) = delete;
 
   [[nodiscard]] bool faultless() const {
     return channels.empty() && devices.empty() && presses.empty() && late.empty() && open_interlocks.empty() &&
-           read_back_errors.empty() && stuck_drives.empty() && !moves_by_itself() && !low_limit && !torn && !wild &&
-           !offset && !off_centre();
+           read_back_errors.empty() && stuck_drives.empty() && suspensions.empty() && !moves_by_itself() &&
+           !low_limit && !torn && !wild && !offset && !deviates && !wants_stop_tests() && !off_centre();
   }
   /// Nothing that is injected reaches the motion: neither samples, nor commands, nor time.
   [[nodiscard]] bool moves_as_described() const {
     using Device = hal::simulated::DeviceFault::Device;
     return channels.empty() && late.empty() && stuck_drives.empty() && !fails(Device::sensors) &&
-           !fails(Device::command) && !moves_by_itself() && !low_limit && !torn && !wild && !offset;
+           !fails(Device::command) && !moves_by_itself() && !low_limit && !torn && !wild && !offset && !deviates;
   }
-  /// Where an arming refuses it.
+  /// Where an arming refuses it for its place.
   [[nodiscard]] bool off_centre() const { return scene.drive_at && !scene.settings.arming.off_centre; }
+  /// The load cell does not show what it carries.
+  [[nodiscard]] bool deviates_by_sensors() const {
+    const auto& d = scene.deviations;
+    return d.force_sign != 1.0 || d.force_offset != 0.0 || d.force_noise != 0.0;
+  }
+  /// Where an arming asks for a press that nobody may have made.
+  [[nodiscard]] bool wants_stop_tests() const { return scene.settings.arming.stop_test > 0.0; }
   /// The drive is pushed, or its power is not what the program says.
   [[nodiscard]] bool moves_by_itself() const {
     return !pushes.empty() || !stuck_enables.empty() || !stuck_feedbacks.empty();
@@ -115,6 +126,11 @@ struct Scenario {
     if (offset) line += "; offset of the force";
     if (wild) line += "; beyond the limits";
     if (torn) line += "; F torn off";
+    for (const auto& s : suspensions) {
+      std::snprintf(words, sizeof words, "; suspended at %.3f s for %.3f s", s.at.seconds(), s.length.seconds());
+      line += words;
+    }
+    if (!one.empty()) line += "; alone: " + one;
     for (const auto& l : late) {
       std::snprintf(words, sizeof words, "; late by %.4f %.3f-%.3f s", l.by.seconds(), l.window.from.seconds(),
                     l.window.until.seconds());
@@ -128,7 +144,8 @@ struct Scenario {
     const auto position =
         model::index(scene.parameters.kind == model::RigKind::quarter_car ? rig_under_test::Channel::z_r
                                                                           : rig_under_test::Channel::x_act);
-    return std::any_of(channels.begin(), channels.end(), [&](const auto& fault) { return fault.channel == position; });
+    return scene.deviations.position_sign != 1.0 ||
+           std::any_of(channels.begin(), channels.end(), [&](const auto& fault) { return fault.channel == position; });
   }
   [[nodiscard]] bool fails(hal::simulated::DeviceFault::Device device) const {
     return std::any_of(devices.begin(), devices.end(), [&](const auto& fault) { return fault.device == device; });
@@ -146,15 +163,27 @@ struct Scenario {
   std::vector<hal::simulated::StuckFeedback> stuck_feedbacks;
   std::vector<hal::simulated::Push> pushes;
   std::vector<hal::simulated::StuckDrive> stuck_drives;  ///< for good: a drive that lets go would jump
-  bool low_limit = false;                                ///< of the force: a run may reach it
-  bool offset = false;                                   ///< the force at rest is beyond `preload`
-  bool wild = false;                                     ///< the reference goes beyond the limits
-  bool torn = false;                                     ///< the load cell, at some sample
+  std::vector<hal::simulated::Suspension> suspensions;
+  bool low_limit = false;  ///< of the force: a run may reach it
+  bool offset = false;     ///< the force at rest is beyond `preload`
+  bool wild = false;       ///< the reference goes beyond the limits
+  bool torn = false;       ///< the load cell, at some sample
+  bool deviates = false;   ///< the rig is not as described: signs, gains, noise, delay, something in its way
+  std::string one;         ///< the one thing that goes wrong, in words; empty: drawn by the others
   std::vector<Request> requests;
 
   static constexpr int periods = 6000;
 
  private:
+  void draw_one_fault();  // one_fault.hpp
+  void forget_faults();
+  void draw_wanted_runs();
+  void draw_of_arming();
+  void draw_of_power();
+  void draw_of_a_run();
+  void draw_of_the_reference();
+  void draw_of_time();
+
   /// A sensor that repeats itself, a drive that does not move; drawn last of all.
   void draw_what_stands_still() {
     constexpr hal::Time for_good = hal::milliseconds(1'000'000);
@@ -288,3 +317,5 @@ struct Scenario {
 };
 
 }  // namespace faults
+
+#include "tests/faults/one_fault.hpp"

@@ -273,6 +273,27 @@ TEST(LowEnergy, MotionWithoutPowerIsSaidInAnyCase) {
   EXPECT_EQ(run.records.back().second, Reason::motion_without_power);
 }
 
+// Fault. A rig that is in safe, then a press, which stays latched: what shows power that nobody gave is said beside it,
+// and the watchdog takes the supply.
+TEST(LowEnergy, ALatchedPressHidesNoMotionWithoutPower) {
+  Scene scene = looked_at(RigKind::component_bench);
+  const Press press{{ms * 40, ms * 42}};
+  const hal::simulated::Push push{0.05, {ms * 1000}};
+  scene.faults.presses = {&press, 1};
+  scene.faults.pushes = {&push, 1};
+  Journey run{scene};
+  run.periods(10);
+  run.loop.stop();
+  run.periods(900);
+  EXPECT_EQ(run.loop.trip().reason, Reason::stop_requested);
+  EXPECT_EQ(run.loop.second().reason, Reason::stop_button);
+  EXPECT_FALSE(run.rig.watchdog_has_acted());
+  run.periods(400);
+  EXPECT_EQ(run.loop.trip().reason, Reason::stop_requested) << "the first one stays";
+  EXPECT_EQ(run.loop.second().reason, Reason::motion_without_power) << "it takes the place of any other";
+  EXPECT_TRUE(run.rig.watchdog_has_acted());
+}
+
 // Fault. A drive without an enable, whose converter shows 30 mm and stands at 0: arming begins where the converter says,
 // and the first command would have been a jump of 30 mm. Nothing is written before the comparison, nor after it failed.
 TEST(LowEnergy, ALyingConverterMovesNoDriveThatHasPower) {

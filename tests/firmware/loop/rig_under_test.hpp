@@ -62,13 +62,27 @@ struct Deviations {
   std::uint64_t force_torn_after = ~std::uint64_t{0};  ///< so many samples: nothing but noise [samples]
 };
 
+/// Something in the way of the drive of a bench, beyond a place on one side, from a sample on; it is pressed like a spring.
+struct Obstacle {
+  double place = 0.0;       ///< away from the middle on the side of its sign [m]
+  double stiffness = 0.0;   ///< [N/m]; 0: nothing
+  std::uint64_t after = 0;  ///< [samples]
+
+  [[nodiscard]] double force(double position) const {
+    const double side = place < 0.0 ? -1.0 : 1.0, way = side * (position - place);
+    return way > 0.0 ? side * stiffness * way : 0.0;
+  }
+};
+
 /// The model as the plant of the simulated back-end.
 class ModelPlant final : public hal::simulated::Plant {
  public:
   using Model = model::RigModel<double>;
 
-  ModelPlant(const Parameters& parameters, double rest, const Deviations& deviations = {})
+  ModelPlant(const Parameters& parameters, double rest, const Deviations& deviations = {},
+             const Obstacle& obstacle = {})
       : deviations_(deviations),
+        obstacle_(obstacle),
         model_(parameters, h,
                parameters.kind == model::RigKind::hil ? model::ModelledPart::test_machine
                                                       : model::ModelledPart::whole_rig),
@@ -76,19 +90,33 @@ class ModelPlant final : public hal::simulated::Plant {
 
   [[nodiscard]] const Model& model() const { return model_; }
   [[nodiscard]] const Model::State& state() const { return state_; }
+  /// What the load cell carries, whatever it shows: F, of a quarter car F_w [N].
+  [[nodiscard]] double force() const {
+    const auto measured = model_.measured(state_);
+    return measured[model::index(force_channel())] + met(measured[model::index(Channel::x_act)]);
+  }
 
  private:
+  [[nodiscard]] Channel force_channel() const {
+    return model_.parameters().kind == model::RigKind::quarter_car ? Channel::F_w : Channel::F;
+  }
+  /// What the obstacle adds at the instant that was measured last.
+  [[nodiscard]] double met(double position) const {
+    const bool there = obstacle_.stiffness > 0.0 && measured_ > obstacle_.after;
+    return there ? obstacle_.force(position) : 0.0;
+  }
+
   void do_measure(std::span<double, hal::channel_capacity> values) override {
     const auto measured = model_.measured(state_);
     std::copy(measured.begin(), measured.end(), values.begin());
+    const bool torn = measured_++ >= deviations_.force_torn_after;
+    double& force = values[model::index(force_channel())];
+    force += met(measured[model::index(Channel::x_act)]);
     for (const Channel c : {Channel::x_act, Channel::z_r}) {
       values[model::index(c)] = deviations_.position_sign * values[model::index(c)] + deviations_.position_offset;
     }
-    double& force =
-        values[model::index(model_.parameters().kind == model::RigKind::quarter_car ? Channel::F_w : Channel::F)];
     drawn_ = drawn_ * 6364136223846793005U + 1442695040888963407U;
     const double noise = 2.0 * static_cast<double>(drawn_ >> 11U) / 9007199254740992.0 - 1.0;
-    const bool torn = measured_++ >= deviations_.force_torn_after;
     force = (torn ? 0.0 : deviations_.force_sign * force + deviations_.force_offset) + deviations_.force_noise * noise;
   }
   void do_advance(const hal::Command& command, hal::Openings openings) override {
@@ -100,6 +128,7 @@ class ModelPlant final : public hal::simulated::Plant {
   }
 
   Deviations deviations_;
+  Obstacle obstacle_;
   std::uint64_t drawn_ = 1;
   std::uint64_t measured_ = 0;
   Model model_;
@@ -159,6 +188,7 @@ struct Scene {
   bool high_pressure = false;        ///< its power unit has a second stage
   std::optional<double> drive_at{};  ///< where the drive stands at first; nothing: at rest
   Deviations deviations{};
+  Obstacle obstacle{};
 };
 
 /// A scene come to life.
@@ -166,7 +196,7 @@ class Journey {
  public:
   explicit Journey(const Scene& s)
       : scene(s),
-        plant(scene.parameters, scene.drive_at.value_or(scene.settings.ramps.rest), scene.deviations),
+        plant(scene.parameters, scene.drive_at.value_or(scene.settings.ramps.rest), scene.deviations, scene.obstacle),
         rig(plant, construction(scene), scene.faults),
         reference(scene.reference),
         storage(scene.journal),
