@@ -195,8 +195,7 @@ void Replication::refine_on(firmware::Recording part, StartChoice choice) {
   const auto remark = [this](const std::string& text) {
     (results_.empty() ? remarks_ : results_.back().remarks).push_back(text);
   };
-  const auto most =
-      static_cast<std::size_t>(30.0 / target_.period);  // [s]: 17 numbers are known to 0.2 % of z̈_w from 24 s
+  const auto most = static_cast<std::size_t>(30.0 / target_.period);  // [s]: 17 numbers, then 0.3 % of z̈_w are left
   if (part.size() > most) {
     part.time.resize(most);
     for (auto& column : part.channels) column.resize(std::min(column.size(), most));
