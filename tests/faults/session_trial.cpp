@@ -190,9 +190,11 @@ Part look_at(const std::filesystem::path& file, double period) {
     using firmware::Mode;
     const double step = k > 0 ? time[k] - time[k - 1] : period;
     const bool even = std::abs(step - period) < 1e-9, late = std::abs(step - period - recorded.late[k]) < 1e-9;
-    // Behind idle, and behind a second of standing in safe, which have no rows.
-    const bool begins = k > 0 && mode_of(k) != mode_of(k - 1) &&
-                        (mode_of(k) == Mode::arming || (mode_of(k - 1) == Mode::safe && mode_of(k) != Mode::safe));
+    // Behind idle, and behind a second of standing in safe, which have no rows; an arming that was stopped and acknowledged
+    // in the next period has idle alone between it and the one that follows.
+    const bool again = part.last != Reason::none && now == Reason::none && k > 0 && mode_of(k - 1) == Mode::arming;
+    const bool begins = k > 0 && ((mode_of(k) == Mode::arming && (mode_of(k - 1) != Mode::arming || again)) ||
+                                  (mode_of(k - 1) == Mode::safe && mode_of(k) != Mode::safe));
     const bool waited = k > 0 && (mode_of(k - 1) == Mode::safe || mode_of(k - 1) == Mode::armed) && !even && !late;
     const bool anew = begins || waited;
     if (part.last != Reason::none && now != part.last && !anew) part.defect = "the first reason is not kept on record";
