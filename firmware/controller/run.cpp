@@ -176,6 +176,10 @@ Status run(const Options& options) {
     return Status::done;
   }
   const RigDescription rig = read_rig(options.rig);
+  if (rig.rig.kind == model::RigKind::driven_mass) {
+    throw InputError(rig.source, rig.line_of("driven_by"), "the controller commands a motion, not a force",
+                     "a rig whose machine is moved: a component_bench without driven_by = \"force\"");
+  }
   if (options.task == Options::Task::unit_times) {
     print_unit_times(rig);
     return Status::done;

@@ -23,7 +23,14 @@ using Rig = model::RigParameters<double>;
 model::RigKind read_kind(DescriptionTable& top) {
   const std::string word = top.text("kind");
   for (std::size_t i = 0; i < model::rig_kind_names.size(); ++i) {
-    if (model::rig_kind_names[i] == word) return static_cast<model::RigKind>(i);
+    if (model::rig_kind_names[i] != word) continue;
+    const auto kind = static_cast<model::RigKind>(i);
+    if (kind != model::RigKind::component_bench || !top.has("driven_by")) return kind;
+    const std::string driver = top.text("driven_by");
+    if (driver == "force") return model::RigKind::driven_mass;
+    if (driver == "motion") return kind;
+    top.fail("driven_by", "driven_by = " + in_quotes(driver) + " does not fit",
+             "\"motion\" (x_cmd or x_act is the input) or \"force\" (F is)");
   }
   top.fail("kind", with_suggestion("unknown kind", word, model::rig_kind_names),
            "one of " + listed(model::rig_kind_names));
@@ -32,14 +39,15 @@ model::RigKind read_kind(DescriptionTable& top) {
 /// All tables of numbers. A component_bench may say on which car (body, wheel, tyre) its component drives:
 /// excitation().
 void read_parameters(DescriptionTable& top, Rig& rig) {
-  const bool car = rig.kind != model::RigKind::component_bench;
+  const bool car = rig.kind == model::RigKind::quarter_car || rig.kind == model::RigKind::hil;
+  const bool driven = rig.kind == model::RigKind::driven_mass;
   struct Part {
     std::string_view table;
     bool needed;
     std::string_view expected;
   };
   const std::array<Part, 6> parts{{
-      {"body", car, "a table [body] with mass, which this kind of rig has"},
+      {"body", car || driven, "a table [body] with mass, which this kind of rig has"},
       {"wheel", car, "a table [wheel] with mass, which this kind of rig has"},
       {"tyre", car, "a table [tyre] with stiffness and damping, which this kind of rig has"},
       {"suspension", true, "a table [suspension] with stiffness and damping"},

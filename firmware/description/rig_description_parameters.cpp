@@ -44,6 +44,7 @@ bool has_part(const Rig& rig, std::string_view table) {
   if (table == "fdva") return rig.has_fdva;
   if (table == "air_spring") return rig.air_spring.fitted;
   if (table == "machine") return rig.kind == model::RigKind::hil;
+  if (rig.kind == model::RigKind::driven_mass) return table == "suspension" || table == "body";
   return table == "suspension" || rig.kind != model::RigKind::component_bench;
 }
 

@@ -84,6 +84,7 @@ void write_parameters(Text& out, const RigDescription& description) {
       if (p.table == "wheel" && rig.wheel.mass == 0.0) continue;
       if (p.table == "tyre" && rig.tyre.stiffness == 0.0) continue;
     }
+    if (rig.kind == RigKind::driven_mass && (p.table == "wheel" || p.table == "tyre")) continue;
     if (p.table == "machine" && rig.kind != RigKind::hil) continue;
     if (p.table == "fdva" && !rig.has_fdva) continue;
     if (p.table == "air_spring" && !rig.air_spring.fitted) continue;
@@ -285,7 +286,9 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
 
 std::string format_rig(const RigDescription& description) {
   Text out;
-  out.line("kind", basic_string_of(name(description.rig.kind)));
+  const bool driven = description.rig.kind == RigKind::driven_mass;
+  out.line("kind", basic_string_of(name(driven ? RigKind::component_bench : description.rig.kind)));
+  if (driven) out.line("driven_by", basic_string_of("force"));
   out.line("sample_rate", real(description.sample_rate));
   write_parameters(out, description);
   write_effects(out, description.rig);

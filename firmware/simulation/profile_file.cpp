@@ -73,6 +73,7 @@ RoadOrCommand road_or_command(const std::filesystem::path& file, model::RigKind 
     const bool car = kind == model::RigKind::quarter_car, bench = kind == model::RigKind::component_bench;
     if (car && road.has(model::Channel::z_cmd)) channel = model::Channel::z_cmd;
     if (bench && road.has(model::Channel::x_cmd)) channel = model::Channel::x_cmd;
+    if (kind == model::RigKind::driven_mass && road.has(model::Channel::F)) channel = model::Channel::F;
   }
   return {motion_of(file, road, road.required(channel, "is the road"), sample_rate, samples),
           channel != model::Channel::z_r};

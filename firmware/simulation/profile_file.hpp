@@ -22,7 +22,7 @@ using RecordingReader = Recording (*)(const std::filesystem::path&, const Channe
                                              std::size_t samples, RecordingReader read);
 
 /// The same of a file that may hold the command of a rig of this kind in place of a road: z_cmd of a quarter_car, x_cmd
-/// of a component_bench, where it has no z_r.
+/// of a component_bench, F of a driven_mass, where it has no z_r.
 struct RoadOrCommand {
   FootPointMotion motion;
   bool command = false;

@@ -34,7 +34,34 @@ FootPointMotion drive_over(const IsoRoad& road, double sample_rate, std::size_t 
   return motion;
 }
 
+namespace {
+
+/// [N s/m] √(k m), the impedance of mass and spring at their resonance; without a spring m ω at 1 Hz.
+double impedance(const model::RigParameters<double>& rig) {
+  constexpr double one_hertz = 6.283185307179586;  // [rad/s]
+  const double spring = std::sqrt(rig.suspension.stiffness * rig.body.mass);
+  return std::max({spring, rig.suspension.damping, spring > 0.0 ? 0.0 : rig.body.mass * one_hertz});
+}
+
+/// (1) of excitation(): the force and, from its samples, its rate.
+FootPointMotion force_over(const model::RigParameters<double>& rig, FootPointMotion road, double sample_rate) {
+  std::vector<double> force;
+  for (const auto& m : road) force.push_back(impedance(rig) * m.velocity);
+  return through_samples(force, sample_rate);
+}
+
+}  // namespace
+
+double default_bandwidth(const model::RigParameters<double>& rig, double sample_rate) {
+  if (rig.kind != model::RigKind::driven_mass || !(rig.suspension.stiffness > 0.0)) {
+    return default_bandwidth(rig.kind, sample_rate);
+  }
+  constexpr double around_the_resonance = 3.0 / 6.283185307179586;  // three times its frequency [Hz per rad/s]
+  return std::min(around_the_resonance * std::sqrt(rig.suspension.stiffness / rig.body.mass), 0.2 * sample_rate);
+}
+
 FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMotion road, double sample_rate) {
+  if (rig.kind == model::RigKind::driven_mass) return force_over(rig, std::move(road), sample_rate);
   if (rig.kind != model::RigKind::component_bench || road.empty()) return road;
   DeflectionStream deflection(rig, sample_rate);
   for (auto& m : road) m = deflection.next(m);

@@ -37,12 +37,18 @@ struct IsoRoad {
 /// point is computed and only the tyre's contact patch averages (hil: −3 dB at 0.44 v/L, L = 0.12 m). Never above a
 /// fifth of the sample rate, beyond which a step no longer follows the cubic between samples.
 [[nodiscard]] double default_bandwidth(model::RigKind kind, double sample_rate);
+/// The same of a described rig. Of a driven_mass three times the frequency of mass and spring, so that the force drives
+/// them below, at and above their resonance.
+[[nodiscard]] double default_bandwidth(const model::RigParameters<double>& rig, double sample_rate);
 
 /// The motion over such a road, starting flat (model::RoadFilter at rest), `samples` samples.
 [[nodiscard]] FootPointMotion drive_over(const IsoRoad& road, double sample_rate, std::size_t samples);
 
 /// The input of a rig for a road motion: the motion itself; for a component_bench the deflection of the component (with
-/// derivatives) in its car on this road.
+/// derivatives) in its car on this road; for a driven_mass
+///
+///   (1)  F = √(k m) ż_r      of an ISO 8608 road a flat spectrum up to its bandwidth; the impedance of mass and spring
+///                            makes the deflection at their resonance one of the road's, whatever they weigh
 [[nodiscard]] FootPointMotion excitation(const model::RigParameters<double>& rig, FootPointMotion road,
                                          double sample_rate);
 

@@ -23,7 +23,7 @@ FootPointMotion motion_over(const RoadChoice& choice, const RigDescription& rig,
   road.speed = choice.speed;
   road.cut_off = choice.cut_off.value_or(road.cut_off);
   road.seed = choice.seed;
-  road.bandwidth = choice.bandwidth.value_or(default_bandwidth(rig.rig.kind, rig.sample_rate));
+  road.bandwidth = choice.bandwidth.value_or(default_bandwidth(rig.rig, rig.sample_rate));
   if (road.bandwidth > 0.2 * rig.sample_rate) {
     throw UsageError("--bandwidth is above a fifth of the sample rate, expected at most " +
                      shortest(0.2 * rig.sample_rate) + " Hz for this rig");

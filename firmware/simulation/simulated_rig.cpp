@@ -10,6 +10,16 @@ namespace {
 constexpr std::uint32_t noise_stream = 2;  // of a run's seed; the road has its own
 using model::Channel;
 using model::RigKind;
+
+/// At rest where the input has this value: foot point, deflection or force.
+model::RigModel<>::State started(const model::RigModel<>& model, double input) {
+  const RigKind kind = model.parameters().kind;
+  if (kind == RigKind::quarter_car) return model.start(input);
+  if (kind == RigKind::driven_mass) {
+    return model.start(model::Column<double, model::plain_core_states>::Zero(), {input, 0.0, 0.0}, {});
+  }
+  return model.start(0.0, input);
+}
 }  // namespace
 
 model::ModelledPart hardware_of(RigKind kind) {
@@ -21,6 +31,8 @@ bool is_hardware_channel(RigKind kind, Channel channel) {
     case Channel::F:
     case Channel::x_act:
       return kind != RigKind::quarter_car;
+    case Channel::zdd_b:
+      return kind == RigKind::quarter_car || kind == RigKind::driven_mass;
     case Channel::x_cmd:
     case Channel::z_cmd:
       return false;
@@ -31,7 +43,7 @@ bool is_hardware_channel(RigKind kind, Channel channel) {
 
 SimulatedRig::SimulatedRig(const RigDescription& description, std::uint64_t seed, Noise noise, double start)
     : model_(description.rig, description.period(), hardware_of(description.rig.kind)),
-      state_(description.rig.kind == RigKind::quarter_car ? model_.start(start) : model_.start(0.0, start)),
+      state_(started(model_, start)),
       gaussian_(seed, noise_stream),
       range_(description.range),
       on_their_way_(

@@ -32,7 +32,7 @@ struct RunOptions {
 
 /// Drives the rig over `excitation` (one motion a period: foot point, or deflection of a component_bench) through the
 /// firmware, in virtual time, until the excitation ends or the firmware trips. InputError if the sample period is not a
-/// whole number of nanoseconds.
+/// whole number of nanoseconds. A driven_mass has no controller: the excitation is its force.
 [[nodiscard]] Run run_closed_loop(const firmware::RigDescription& description,
                                   const firmware::FootPointMotion& excitation, const RunOptions& options);
 

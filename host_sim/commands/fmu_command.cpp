@@ -18,6 +18,10 @@ namespace {
 
 void make_fmu(const FmuOptions& options) {
   const firmware::RigDescription rig = firmware::read_rig(options.rig);
+  if (rig.rig.kind == model::RigKind::driven_mass) {
+    throw firmware::InputError(rig.source, rig.line_of("driven_by"), "an FMU of a mass that a force drives is not made",
+                               "a quarter_car, a hil rig or a component_bench that is moved");
+  }
   compensation::refuse_unstable_compensation(rig);
   const std::vector<fmu::Binary> binaries = fmu::built_binaries();
   const fmu::Version version = options.fmi == 3 ? fmu::Version::fmi3 : fmu::Version::fmi2;

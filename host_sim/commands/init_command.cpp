@@ -20,6 +20,9 @@ namespace host_sim {
 namespace {
 
 constexpr std::string_view kinds = "quarter_car, hil or component_bench";
+constexpr double driven_mass = 10.0;        // [kg] of a template: on the spring below it has 5 Hz
+constexpr double spring_below_mass = 10e3;  // [N/m]
+constexpr double damper_below_mass = 30.0;  // [N s/m], 5 % of critical
 
 /// A line of an answer on the terminal; empty: the usual value.
 std::string answer_to(const std::string& question) {
@@ -108,6 +111,11 @@ std::string description_of(const InitOptions& options, const std::string& kind) 
                      kind + "\"\n" +
                      entry("sample_rate", value_of(options.sample_rate, "Sample rate", "Hz", 1000.0),
                            "Hz, of the control loop and of its recordings");
+  if (bench && options.force) {
+    text += "driven_by = \"force\"                     # F is the input; x_act and zdd_b, or one of them, answer\n";
+    text += "\n[body]\n" + entry("mass", value_of(options.body, "Mass", "kg", driven_mass),
+                                 "kg, all that moves: payload, armature, a third of the spring");
+  }
   if (!bench) {
     const std::string computed = hil ? "kg, computed: exact" : "kg, sprung mass on this wheel";
     text += "\n[body]\n" + entry("mass", value_of(options.body, "Body mass", "kg", 290.0), computed);
@@ -118,17 +126,25 @@ std::string description_of(const InitOptions& options, const std::string& kind) 
                   "N/m, at working pressure and load") +
             entry("damping", value_of(options.tyre_damping, "Tyre damping", "N s/m", 100.0), "N s/m");
   }
-  text += std::string(bench ? "\n" : "") + "[suspension]\n" +
-          entry("stiffness", value_of(options.suspension_stiffness, "Suspension stiffness", "N/m", 31500.0),
-                "N/m, of the main spring, at the wheel") +
-          entry("damping", value_of(options.suspension_damping, "Suspension damping", "N s/m", hil ? 0.0 : 1140.0),
-                "N s/m, linear part");
+  const bool driven = bench && options.force;
+  text +=
+      std::string(bench && !driven ? "\n" : "") + "[suspension]\n" +
+      entry("stiffness",
+            value_of(options.suspension_stiffness, "Suspension stiffness", "N/m", driven ? spring_below_mass : 31500.0),
+            bench ? "N/m, of the component's spring" : "N/m, of the main spring, at the wheel") +
+      entry("damping",
+            value_of(options.suspension_damping, "Suspension damping", "N s/m",
+                     driven ? damper_below_mass
+                     : hil  ? 0.0
+                            : 1140.0),
+            "N s/m, linear part");
   if (hil) {
     text +=
         "[machine]\n" + entry("virtual_damping", value_of(options.virtual_damping, "Virtual damping", "N s/m", 1140.0),
                               "N s/m, computed beside the component; rigtwin stability says how much is needed");
   }
   if (options.fdva) text += absorber;
+  if (driven) return text + optional_parts("x_act", "x_act = { column = \"Stroke mm\", scale = 1e-3 }");
   if (bench) return text + optional_parts("F", "x_act = { column = \"Stroke mm\", scale = 1e-3 }");
   return text + (hil ? optional_parts("F", "F = { column = \"Load kN\", scale = 1e3 }")
                      : optional_parts("F_w", "z_r = { column = \"Road mm\", scale = 1e-3 }"));
@@ -143,6 +159,9 @@ void init(const InitOptions& options) {
     if (::isatty(STDIN_FILENO) == 0) throw firmware::UsageError("--kind is missing, expected " + std::string(kinds));
     kind = answer_to("Kind of rig (" + std::string(kinds) + "), usual quarter_car:");
     if (kind.empty()) kind = "quarter_car";
+  }
+  if (options.force && kind != "component_bench") {
+    throw firmware::UsageError("--driven-by force: is for a component_bench, expected --kind component_bench");
   }
   if (kind != "quarter_car" && kind != "hil" && kind != "component_bench") {
     throw firmware::UsageError("unknown kind " + firmware::in_quotes(kind) + ", expected " + std::string(kinds));
@@ -174,9 +193,14 @@ void add_init(CLI::App& app, InitOptions& options) {
   number("--suspension-stiffness", options.suspension_stiffness, "Suspension stiffness [N/m] (default: 31500)");
   number("--suspension-damping", options.suspension_damping, "Suspension damping [N s/m] (default: 1140; hil: 0)");
   number("--virtual-damping", options.virtual_damping, "hil: virtual damping [N s/m] (default: 1140)");
+  command->add_option("--driven-by", options.driven_by, "component_bench: motion (usual), or force on a mass")
+      ->check(CLI::IsMember({"motion", "force"}));
   command->add_flag("--fdva", options.fdva, "With the paper's fluid dynamic vibration absorber");
   command->add_option("--json", options.json, "Write what was made as JSON (- for standard output)");
-  command->callback([&options] { init(options); });
+  command->callback([&options] {
+    options.force = options.driven_by == "force";
+    init(options);
+  });
 }
 
 }  // namespace host_sim

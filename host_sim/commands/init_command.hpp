@@ -19,6 +19,8 @@ struct InitOptions {
   std::optional<double> tyre_stiffness, tyre_damping, suspension_stiffness, suspension_damping;  ///< [N/m], [N s/m]
   std::optional<double> virtual_damping;                                                         ///< hil [N s/m]
   bool fdva = false;
+  std::string driven_by = "motion";  ///< or "force": a component_bench whose input is F, with a mass
+  bool force = false;                ///< driven_by is "force"
   std::string json;
 };
 

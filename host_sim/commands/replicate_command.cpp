@@ -220,6 +220,10 @@ void begin(const ReplicateOptions& options) {
         "replicate: --measured and --simulated go on with a replication, expected its folder before them");
   }
   const firmware::RigDescription description = firmware::read_rig(options.rig);
+  if (description.rig.kind == model::RigKind::driven_mass) {
+    throw firmware::InputError(description.source, description.line_of("driven_by"),
+                               "no machine moves a mass that a force drives", "a rig with a machine to drive");
+  }
   const replicate::TargetRequest request = replicate::parse_request(options.channels, options.bands);
   std::vector<firmware::Recording> events;
   for (const fs::path& file : options.target) events.push_back(read_recording(file, description.channels));

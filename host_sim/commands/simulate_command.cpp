@@ -150,7 +150,8 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
       ->required();
   command
       ->add_option("--road", options.road,
-                   "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m] or the command (z_cmd, x_cmd)")
+                   "iso8608:A … iso8608:H, or a file with t [s] or s [m], and z_r [m] or the command (z_cmd, x_cmd; "
+                   "of a rig driven by force F [N])")
       ->capture_default_str();
   command->add_option("--speed", options.speed, "Speed over the road [m/s]")
       ->check(number_within(0.1, 150.0))

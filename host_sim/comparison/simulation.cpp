@@ -129,6 +129,9 @@ SimulationInput simulation_input(const Rig& rig, const firmware::Recording& reco
         recording.required(input.channel, "drives the simulation of a component_bench");
     input.motion = motion_between(input.deflection_reached, driving, rate);
     input.area = commanded_area(rig, recording[Channel::z_b], input.period);
+  } else if (rig.kind == RigKind::driven_mass) {
+    input.channel = Channel::F;
+    input.motion = firmware::through_samples(recording.required(Channel::F, "drives the mass"), rate);
   } else {
     const bool car = rig.kind == RigKind::quarter_car;
     const bool commanded = car && recording.has(Channel::z_cmd);
@@ -161,6 +164,20 @@ SimulationInput simulation_input(const Rig& rig, const firmware::Recording& reco
   return input;
 }
 
+double size_of_motion(const Rig& rig, const SimulationInput& input, const firmware::Recording& recording) {
+  double size = 0.0;
+  if (!input.is_force()) {
+    for (const auto& m : input.motion) size = std::max(size, std::abs(m.position));
+    return size;
+  }
+  for (const double x : recording[Channel::x_act]) size = std::max(size, std::abs(x));
+  if (size > 0.0) return size;
+  double force = 0.0;
+  for (const auto& m : input.motion) force = std::max(force, std::abs(m.position));
+  constexpr double slow = 6.283185307179586 * 6.283185307179586;  // (2π · 1 Hz)²
+  return force / std::max(rig.suspension.stiffness, slow * rig.body.mass);
+}
+
 std::vector<Channel> response_channels(RigKind kind, const SimulationInput& input) {
   switch (kind) {
     case RigKind::quarter_car:
@@ -173,6 +190,8 @@ std::vector<Channel> response_channels(RigKind kind, const SimulationInput& inpu
     case RigKind::hil:
       return {Channel::z_w,  Channel::z_b, Channel::zdd_w, Channel::zdd_b, Channel::dz_w,
               Channel::dz_b, Channel::F_w, Channel::x_cmd, Channel::x_act, Channel::F};
+    case RigKind::driven_mass:
+      return {Channel::x_act, Channel::zdd_b};
     case RigKind::component_bench:
       break;
   }
@@ -183,6 +202,7 @@ std::vector<Channel> response_channels(RigKind kind, const SimulationInput& inpu
 InitialState resting(const Rig& rig, const SimulationInput& input) {
   InitialState start = InitialState::Zero();
   const double first = input.motion.empty() ? 0.0 : input.motion.front().position;
+  if (rig.kind == RigKind::driven_mass) return start;
   if (rig.kind == RigKind::component_bench) {
     start(4) = first;
   } else {

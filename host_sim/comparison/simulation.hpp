@@ -20,6 +20,7 @@ namespace host_sim {
 ///                        of the model; F_act where recorded
 ///   hil                  foot point z_r
 ///   component_bench      command x_cmd; x_act where there is no x_cmd, the machine is then left out of the model
+///   driven_mass          force F
 ///
 /// Between samples z_r and x move on cubic Hermite polynomials whose velocities are differences of fourth order, of a
 /// measured x_act of eighth (measured_motion.hpp). z̈_r,
@@ -30,7 +31,7 @@ namespace host_sim {
 /// velocity of the virtual car, the fourth-order difference of the recorded z_b. Without z_b the area stays at rest.
 struct SimulationInput {
   double period = 0.0;                           ///< [s]
-  firmware::FootPointMotion motion;              ///< foot point or command
+  firmware::FootPointMotion motion;              ///< foot point or command; of a driven_mass F [N] and its rate
   std::vector<double> actuator_force;            ///< F_act [N]; empty: none
   std::vector<double> area;                      ///< u_c of an air spring, held from each sample on; empty: see below
   std::vector<model::OpenDucts> ducts;           ///< in force from each sample on; empty: as in the rig description
@@ -39,7 +40,15 @@ struct SimulationInput {
   model::Channel channel = model::Channel::z_r;  ///< that the motion comes from
 
   [[nodiscard]] std::size_t size() const { return motion.size(); }
+  [[nodiscard]] bool is_force() const { return channel == model::Channel::F; }
+  /// The first of InitialState that is free: what a prescribed wheel or a fixed base does is known.
+  [[nodiscard]] int first_free_state() const { return wheel_prescribed || is_force() ? 2 : 0; }
 };
+
+/// [m] How far a rig moves in a recording, for differences and bounds of its state: the largest displacement of the
+/// input; of a driven_mass that of x_act or, where only z̈_b is measured, the static deflection under the largest force.
+[[nodiscard]] double size_of_motion(const model::RigParameters<double>& rig, const SimulationInput& input,
+                                    const firmware::Recording& recording);
 
 /// InputError when the recording does not hold the input of this kind of rig.
 [[nodiscard]] SimulationInput simulation_input(const model::RigParameters<double>& rig,

@@ -44,11 +44,10 @@ class StartProblem {
     constexpr std::size_t fewest = 10;
     samples_ = std::max(fewest, std::min(input.size(), static_cast<std::size_t>(window / input.period)));
     const bool has_car = rig.kind != RigKind::component_bench, has_piston = rig.has_fdva && rig.fdva.open_ducts > 0;
-    const int first = input.wheel_prescribed ? 2 : 0;
-    for (int state = first; state < 6; ++state) {
+    for (int state = input.first_free_state(); state < 6; ++state) {
       if (state < 4 ? has_car : has_piston) free_.push_back(state);
     }
-    for (const auto& m : input.motion) size_ = std::max(size_, std::abs(m.position));
+    size_ = size_of_motion(rig, input, recording);
   }
 
   [[nodiscard]] bool is_open() const { return !free_.empty() && size_ > 0.0; }

@@ -17,6 +17,8 @@ bool may_have_one(RigKind kind, Channel channel) {
   if (kind == RigKind::quarter_car) {
     return channel != Channel::x_cmd && channel != Channel::x_act && channel != Channel::F && channel != Channel::F_act;
   }
+  if (kind == RigKind::driven_mass)
+    return channel == Channel::F || channel == Channel::x_act || channel == Channel::zdd_b;
   return kind == RigKind::component_bench && channel == Channel::F;
 }
 

@@ -268,7 +268,9 @@ void check_channels(const firmware::RigDescription& description, const Setting& 
     const bool of_car = channel != Channel::x_cmd && channel != Channel::x_act && channel != Channel::F;
     const bool of_bench = !of_car;
     const bool hil = description.rig.kind == model::RigKind::hil && channel != Channel::z_cmd;
-    const bool known = hil || (car ? of_car : of_bench);
+    const bool driven = description.rig.kind == model::RigKind::driven_mass;
+    const bool of_mass = channel == Channel::x_act || channel == Channel::zdd_b;
+    const bool known = hil || (driven ? of_mass : car ? of_car : of_bench);
     if (known) continue;
     throw firmware::UsageError("--without: a " + std::string(model::name(description.rig.kind)) + " has no channel " +
                                std::string(model::name(channel)));

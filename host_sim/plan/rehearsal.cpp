@@ -68,6 +68,7 @@ std::vector<double> added_channel(const firmware::RigDescription& description, c
 /// True if a channel comes from a sensor whose readings are compared. The virtual car of a hil rig is computed, not
 /// measured.
 bool is_compared(const model::RigParameters<double>& rig, const firmware::Recording& recording, Channel channel) {
+  if (rig.kind == model::RigKind::driven_mass) return channel == Channel::x_act || channel == Channel::zdd_b;
   if (rig.kind != model::RigKind::quarter_car) return channel == Channel::x_act || channel == Channel::F;
   const bool foot_point = channel == Channel::z_r || channel == Channel::zdd_r;
   if (foot_point) return recording.has(Channel::z_cmd);

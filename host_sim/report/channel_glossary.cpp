@@ -16,13 +16,13 @@ constexpr std::array<ChannelMeaning, model::channel_count> glossary{{
     {Channel::z_b, "body displacement", "up", true, true, false},
     {Channel::zdd_r, "foot point acceleration", "up", true, true, false},
     {Channel::zdd_w, "wheel acceleration", "up", true, true, false},
-    {Channel::zdd_b, "body acceleration", "up", true, true, false},
+    {Channel::zdd_b, "body acceleration; driven by force: of the mass", "up; along F", true, true, false},
     {Channel::dz_w, "tyre deflection z_r - z_w", "compressed", true, true, false},
     {Channel::dz_b, "suspension deflection z_w - z_b", "compressed", true, true, false},
     {Channel::F_w, "dynamic wheel load, without (m_b + m_w) g", "more load", true, true, false},
     {Channel::x_cmd, "deflection commanded to the test machine", "compressed", false, true, true},
-    {Channel::x_act, "deflection reached by the test machine", "compressed", false, true, true},
-    {Channel::F, "force of the component", "in compression", false, true, true},
+    {Channel::x_act, "deflection reached by the machine or the driven mass", "compressed", false, true, true},
+    {Channel::F, "force of the component; driven by force: on the mass", "in compression", false, true, true},
     {Channel::F_act, "known extra force of an actuator between wheel and body", "in compression", true, false, false},
     {Channel::z_cmd, "foot point displacement commanded to the machine", "up", true, false, false},
 }};
@@ -48,6 +48,10 @@ constexpr std::string_view picture =
      tyre  F_w        dz_w = z_r - z_w                             compressed > 0
        |              compressed > 0
      foot point       z_r, zdd_r  ^ up            Displacements count from the static equilibrium.
+
+  component_bench with driven_by = "force"
+
+     F pushes the mass [ m ], which compresses the component: x_act > 0 along F, zdd_b = d2(x_act)/dt2
 )";
 
 bool is_letter(char c) {
@@ -58,6 +62,9 @@ bool is_letter(char c) {
 
 bool ChannelMeaning::of(model::RigKind kind) const {
   if (kind == model::RigKind::quarter_car) return quarter_car;
+  if (kind == model::RigKind::driven_mass) {
+    return channel == Channel::F || channel == Channel::x_act || channel == Channel::zdd_b;
+  }
   return kind == model::RigKind::hil ? hil : component_bench;
 }
 

@@ -48,6 +48,12 @@ void require_draws(const Transfer& t, const identification::Identified& first) {
                              "recordings that move the component as the second rig does");
 }
 
+void check_first_rig(const firmware::RigDescription& from) {
+  if (from.rig.kind != model::RigKind::driven_mass) return;
+  throw firmware::InputError(from.source, from.line_of("driven_by"), "a mass that a force drives is the first rig",
+                             "a rig whose component is moved");
+}
+
 void add_remarks(const std::vector<std::string>& more, const std::string& of, std::vector<std::string>& remarks) {
   for (const std::string& remark : more) remarks.push_back(of + remark);
 }
@@ -55,6 +61,7 @@ void add_remarks(const std::vector<std::string>& more, const std::string& of, st
 }  // namespace
 
 Transfer transfer_component(TransferInput input, const TransferProgress& progress) {
+  check_first_rig(input.from);
   check_second_rig(input.to);
   Transfer t;
   t.remarks = check_same_component(input.from, input.to);

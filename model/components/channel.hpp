@@ -63,11 +63,16 @@ inline constexpr std::array<ChannelName, channel_count> channel_names{{
   return std::nullopt;
 }
 
-/// The kinds of rig: hardware quarter car, component in the loop with a virtual car, component on a test machine.
-enum class RigKind : unsigned char { quarter_car, hil, component_bench };
+/// The kinds of rig: hardware quarter car, component in the loop with a virtual car, component on a test machine, mass
+/// on a component that a force drives.
+enum class RigKind : unsigned char { quarter_car, hil, component_bench, driven_mass };
 
+/// The words of `kind` in a rig description; a driven_mass is a component_bench with driven_by = "force".
 inline constexpr std::array<std::string_view, 3> rig_kind_names{"quarter_car", "hil", "component_bench"};
 
-[[nodiscard]] constexpr std::string_view name(RigKind kind) { return rig_kind_names[static_cast<std::size_t>(kind)]; }
+[[nodiscard]] constexpr std::string_view name(RigKind kind) {
+  return kind == RigKind::driven_mass ? "component_bench driven by force"
+                                      : rig_kind_names[static_cast<std::size_t>(kind)];
+}
 
 }  // namespace model

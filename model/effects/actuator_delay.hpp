@@ -19,7 +19,7 @@ struct ActuatorDelay {
   static constexpr EffectCard<1> card{
       .name = "actuator_delay",
       .subsystem = Subsystem::machine,
-      .rigs = every_rig,
+      .rigs = moved_rigs,
       .parameters = {{{.name = "delay",
                        .unit = "s",
                        .lower = 0.0,

@@ -18,7 +18,7 @@ struct ActuatorLag {
   static constexpr EffectCard<1> card{
       .name = "actuator_lag",
       .subsystem = Subsystem::machine,
-      .rigs = every_rig,
+      .rigs = moved_rigs,
       .parameters = {{{.name = "time_constant",
                        .unit = "s",
                        .lower = 0.0,

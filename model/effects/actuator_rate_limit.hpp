@@ -19,7 +19,7 @@ struct ActuatorRateLimit {
   static constexpr EffectCard<1> card{
       .name = "actuator_rate_limit",
       .subsystem = Subsystem::machine,
-      .rigs = every_rig,
+      .rigs = moved_rigs,
       .parameters = {{{.name = "velocity",
                        .unit = "m/s",
                        .lower = 1e-4,

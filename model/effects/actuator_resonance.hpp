@@ -19,7 +19,7 @@ struct ActuatorResonance {
   static constexpr EffectCard<2> card{
       .name = "actuator_resonance",
       .subsystem = Subsystem::machine,
-      .rigs = every_rig,
+      .rigs = moved_rigs,
       .parameters = {{{.name = "frequency",
                        .unit = "Hz",
                        .lower = 0.1,

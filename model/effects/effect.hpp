@@ -36,7 +36,9 @@ class RigKinds {
   unsigned bits_;
 };
 
-inline constexpr RigKinds every_rig{RigKind::quarter_car, RigKind::hil, RigKind::component_bench};
+inline constexpr RigKinds every_rig{RigKind::quarter_car, RigKind::hil, RigKind::component_bench, RigKind::driven_mass};
+/// Rigs whose motion a machine makes.
+inline constexpr RigKinds moved_rigs{RigKind::quarter_car, RigKind::hil, RigKind::component_bench};
 
 /// How large things are in the recordings, from a simulation of them. Fits start in proportion to these.
 struct MotionScales {

@@ -10,6 +10,7 @@ namespace model {
 [[nodiscard]] constexpr bool has_sensor(RigKind kind, Channel channel) {
   const bool machine = channel == Channel::F || channel == Channel::x_act;
   const bool told = channel == Channel::x_cmd || channel == Channel::z_cmd || channel == Channel::F_act;
+  if (kind == RigKind::driven_mass) return machine || channel == Channel::zdd_b;
   return kind == RigKind::quarter_car ? !machine && !told : machine;
 }
 
@@ -82,7 +83,7 @@ template <class Numbers>
     case LawPlace::suspension:
       return true;
     case LawPlace::tyre:
-      return kind != RigKind::component_bench;
+      return kind == RigKind::quarter_car || kind == RigKind::hil;
     case LawPlace::piston:
       return has_fdva;
     case LawPlace::body_guide:
@@ -187,7 +188,8 @@ std::optional<RigFault> find_extension_fault(const RigParameters<S, capacity>& r
     }
     const auto& lever = rig.lever;
     if (lever.any()) {
-      demand(rig.kind != RigKind::component_bench, "lever", "", "absent: a component_bench has no axle");
+      demand(rig.kind == RigKind::quarter_car || rig.kind == RigKind::hil, "lever", "",
+             "absent: a component_bench has no axle");
       demand(lever.count >= 2 && lever.count <= lever_points && ascends(lever.at, lever.count), "lever", "at",
              "2 to 9 ascending numbers");
       for (std::size_t i = 0; i < lever.count && !fault; ++i) {
@@ -213,8 +215,8 @@ std::optional<RigFault> find_extension_fault(const RigParameters<S, capacity>& r
     }
     const auto& v = rig.delay_variation;
     if (v.any() || v.swing != S(0) || v.jitter != S(0)) {
-      demand(rig.kind != RigKind::quarter_car, "machine", "delay_swing",
-             "absent: the machine of a quarter_car has a steady delay");
+      demand(rig.kind == RigKind::hil || rig.kind == RigKind::component_bench, "machine", "delay_swing",
+             "absent: the machine of a quarter_car has a steady delay, and a force that drives a mass has none");
       demand(v.swing >= S(0) && v.swing <= S(0.1), "machine", "delay_swing", "0 to 0.1 s");
       demand(v.time >= S(0.01) && v.time <= S(1e6), "machine", "delay_swing_time", "0.01 to 1e6 s");
       demand(v.jitter >= S(0) && v.jitter <= S(0.1), "machine", "delay_jitter", "0 to 0.1 s");
@@ -240,8 +242,11 @@ std::optional<RigFault> find_fault(const RigParameters<S, laws>& rig, S period, 
   };
 
   demand(finite(period) && period > S(0), "", "sample_rate", "a finite rate > 0 Hz");
-  if (rig.kind != RigKind::component_bench) {
-    positive(rig.body.mass, "body", "mass");
+  if (rig.kind != RigKind::component_bench) positive(rig.body.mass, "body", "mass");
+  if (rig.kind == RigKind::driven_mass) {
+    demand(rig.wheel.mass == S(0) && rig.tyre.stiffness == S(0) && rig.tyre.damping == S(0), "wheel", "mass",
+           "absent: a mass that a force drives has no wheel and no tyre");
+  } else if (rig.kind != RigKind::component_bench) {
     positive(rig.wheel.mass, "wheel", "mass");
     positive(rig.tyre.stiffness, "tyre", "stiffness");
     not_negative(rig.tyre.damping, "tyre", "damping");

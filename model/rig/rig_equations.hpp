@@ -44,6 +44,7 @@ template <class S, LawCapacity capacity>
 ///   (5a)     T ṙ = e − r                                        relaxation
 ///   (5b)     k_m (d − e) = F_p                                  top mount; e = d without it
 ///   (6)–(9)  Fdva
+///   (10)     m ẍ = F − F_p,   x = d = −z_b     driven_mass: the body above a wheel that stands still, z_w = z_r = 0
 ///
 /// d: deflection outside, e: deflection behind the top mount. With free play the component is deflected by e + δ
 /// (inputs free_play and free_play_rate). With the damping b_b (5b) is a differential equation of e. Without damping it
@@ -83,6 +84,7 @@ class RigEquations {
     S minor_losses{};                                                    ///< Σ_j q_j|q_j| [m⁶/s²]
     S piston_friction{}, body_guide_friction{}, wheel_guide_friction{};  ///< [N]
     S free_play{}, free_play_rate{};                                     ///< δ [m], δ̇ [m/s]
+    S driving_force{};                                                   ///< of a driven_mass, F of (10) [N]
   };
 
   template <LawCapacity capacity>
@@ -107,8 +109,8 @@ class RigEquations {
     }
     car_.body_guide_damping = guides_.body_damping;
     car_.wheel_guide_damping = guides_.wheel_damping;
-    if (rig.kind != RigKind::component_bench) {
-      per_body_mass_ = S(1) / car_.body_mass;
+    if (rig.kind != RigKind::component_bench) per_body_mass_ = S(1) / car_.body_mass;
+    if (rig.kind != RigKind::component_bench && rig.kind != RigKind::driven_mass) {
       per_wheel_mass_ = S(1) / car_.wheel_mass;
     }
   }
@@ -175,7 +177,7 @@ class RigEquations {
         .parallel_force = in.parallel_force,
         .free_play = in.free_play,
         .free_play_rate = in.free_play_rate};
-    const S force = component_force(component_state, component_input) + in.actuator_force;
+    const S force = component_force(component_state, component_input) + in.actuator_force - in.driving_force;
     JoinedState rate;
     rate << car(car_state, {.z_r = in.z_r,
                             .v_r = in.v_r,
@@ -217,7 +219,7 @@ class RigEquations {
   }
 
   typename QuarterCar<S>::Parameters car_;
-  S per_wheel_mass_{}, per_body_mass_{};  ///< 1/m_w, 1/m_b [1/kg]
+  S per_wheel_mass_{}, per_body_mass_{};  ///< 1/m_w, 1/m_b [1/kg]; 0: it stands still
   SuspensionComponent<S> suspension_;
   S inner_damping_{};  ///< of (5b) [N s/m]
   Piston<S> piston_{};

@@ -89,6 +89,7 @@ template <class S, LawCapacity laws>
 ///   hil, virtual_car            foot_point, receive_force → x_cmd = deflection()
 ///   hil, test_machine           command → x_act, F
 ///   component_bench, whole_rig  command → x_act, F
+///   driven_mass, whole_rig      foot_point: F [N] and its rate → x_act, zdd_b
 ///
 /// Memory: all inside; DelayCapacity [samples] bounds the delay of the machine. After every 64 steps values that have
 /// decayed below 1e-100 become zero: a rig at rest never computes with denormal numbers.
@@ -103,6 +104,8 @@ class RigModel {
   template <class Part>
   using UnlessCarAlone = std::conditional_t<car_alone, Without<Part>, Part>;
   static constexpr bool has_extensions = capacity.extensions;
+  /// A microcontroller, whose programs have no laws of their own accord, has no mass that a force drives.
+  static constexpr bool may_be_driven = !car_alone && usual_laws != no_laws;
   template <class Part>
   using IfExtensions = std::conditional_t<has_extensions, Part, Without<Part>>;
   template <class Part>
@@ -114,7 +117,7 @@ class RigModel {
 
   /// Inputs at the end of a step.
   struct Input {
-    Motion<S> foot_point{};  ///< z_r, ż_r, z̈_r; z_cmd of a quarter car with a machine
+    Motion<S> foot_point{};  ///< z_r, ż_r, z̈_r; z_cmd of a quarter car with a machine; F, Ḟ of a driven_mass
     Stroke<S> command{};     ///< x_cmd, ẋ_cmd of a test machine without car
     S actuator_force{};      ///< F_act [N]
     /// Noise of each sensor at the end of the step; nullptr: none. It passes through sensors that have effects, and
@@ -269,7 +272,11 @@ class RigModel {
     [[no_unique_address]] IfLaws<N> tables{};
   };
 
-  [[nodiscard]] bool joined() const { return !car_alone && rig_.kind == RigKind::quarter_car; }
+  [[nodiscard]] bool driven_by_force() const { return may_be_driven && rig_.kind == RigKind::driven_mass; }
+  /// Body and component move together.
+  [[nodiscard]] bool joined() const {
+    return !car_alone && (rig_.kind == RigKind::quarter_car || rig_.kind == RigKind::driven_mass);
+  }
   [[nodiscard]] bool has_car() const {
     return car_alone || (rig_.kind == RigKind::hil && part_ != ModelledPart::test_machine);
   }
@@ -363,6 +370,7 @@ class RigModel {
 
   [[nodiscard]] Signals<S> channels(const State& x, S force, S mass_beyond) const;
   void fill_car(Signals<S>& s, const State& x, S suspension_force, S mass_beyond) const;
+  [[nodiscard]] Signals<S> driven_channels(const State& x) const;
   [[nodiscard]] S tyre_law(const State& x) const;
   [[nodiscard]] S suspension_law(const Stroke<S>& seen) const;
   [[nodiscard]] S history_law(State& x, S deflection) const;

@@ -142,16 +142,19 @@ auto RigModel<S, D, variant, capacity>::joined_step(int open) const -> JoinedSte
   using Columns = StepColumns<S, N>;
   const ExactDiscretisation<S, N> step = Columns(JoinedInput{}, rates, period_).step();
   const Column<S, N> parallel = Columns::entry(JoinedInput{.parallel_force = S(1)}, rates);
-  JoinedStep<N> m{
-      step.transition(),
-      step.hermite(Columns::entry(JoinedInput{.z_r = S(1)}, rates), Columns::entry(JoinedInput{.v_r = S(1)}, rates)),
-      step.straight(Columns::entry(JoinedInput{.actuator_force = S(1)}, rates)),
-      step.template continued<4>(Columns::entry(JoinedInput{.minor_losses = S(1)}, rates)),
-      step.template continued<3>(parallel),
-      step.template continued<3>(Columns::entry(JoinedInput{.tyre_force = S(1)}, rates)),
-      {step.template continued<3>(Columns::entry(JoinedInput{.free_play = S(1)}, rates)),
-       step.template continued<3>(Columns::entry(JoinedInput{.free_play_rate = S(1)}, rates))},
-      {}};
+  const bool driven = driven_by_force();
+  const Column<S, N> drive =
+      Columns::entry(driven ? JoinedInput{.driving_force = S(1)} : JoinedInput{.z_r = S(1)}, rates);
+  const Column<S, N> drive_rate = Columns::entry(driven ? JoinedInput{} : JoinedInput{.v_r = S(1)}, rates);
+  JoinedStep<N> m{step.transition(),
+                  step.hermite(drive, drive_rate),
+                  step.straight(Columns::entry(JoinedInput{.actuator_force = S(1)}, rates)),
+                  step.template continued<4>(Columns::entry(JoinedInput{.minor_losses = S(1)}, rates)),
+                  step.template continued<3>(parallel),
+                  step.template continued<3>(Columns::entry(JoinedInput{.tyre_force = S(1)}, rates)),
+                  {step.template continued<3>(Columns::entry(JoinedInput{.free_play = S(1)}, rates)),
+                   step.template continued<3>(Columns::entry(JoinedInput{.free_play_rate = S(1)}, rates))},
+                  {}};
   const Column<S, N> piston = Columns::entry(JoinedInput{.piston_friction = S(1)}, rates);
   const Column<S, N> body_guide = Columns::entry(JoinedInput{.body_guide_friction = S(1)}, rates);
   const Column<S, N> wheel_guide = Columns::entry(JoinedInput{.wheel_guide_friction = S(1)}, rates);
@@ -887,6 +890,9 @@ Signals<S> RigModel<S, D, variant, capacity>::measured(const State& x, const Sig
 /// `force`: F of a rig with a test machine; `mass_beyond`: between the sensor of F_w and the wheel spring.
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 RIGTWIN_INLINE Signals<S> RigModel<S, D, variant, capacity>::channels(const State& x, S force, S mass_beyond) const {
+  if constexpr (may_be_driven) {
+    if (driven_by_force()) return driven_channels(x);
+  }
   Signals<S> s;
   if (joined()) {
     fill_car(s, x, suspension_force(x), mass_beyond);
@@ -903,6 +909,20 @@ RIGTWIN_INLINE Signals<S> RigModel<S, D, variant, capacity>::channels(const Stat
     s[index(Channel::x_cmd)] = x.command.position;
   }
   s[index(Channel::x_act)] = x.reached.position;
+  s[index(Channel::F)] = force;
+  return s;
+}
+
+/// Of a driven_mass: x = d and (10) as a car whose body is driven.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_NOINLINE Signals<S> RigModel<S, D, variant, capacity>::driven_channels(const State& x) const {
+  Signals<S> s;
+  s.fill(S(0));
+  const S force = x.foot_point.position;
+  const Column<S, car_states> car = x.core.template head<car_states>();
+  const Column<S, car_states> rate = equations_.car(car, {.suspension_force = suspension_force(x) - force});
+  s[index(Channel::x_act)] = deflection(x).position;
+  s[index(Channel::zdd_b)] = -rate(CoreIndex::body_velocity);
   s[index(Channel::F)] = force;
   return s;
 }

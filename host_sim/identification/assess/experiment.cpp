@@ -106,7 +106,7 @@ std::optional<double> separation_on(RigKind kind, const firmware::Recording& mov
 std::vector<double> travel_of_component(const ProblemRecording& r, const Hypothesis& hypothesis) {
   const PreparedRecording& e = *r.samples;
   const Response here = true_channels(hypothesis, e, e.input, resting(hypothesis.rig, e.input), 0, r.resolution());
-  return here[index(hypothesis.rig.kind == RigKind::component_bench ? Channel::x_act : Channel::dz_b)];
+  return here[index(hypothesis.rig.kind == RigKind::quarter_car ? Channel::dz_b : Channel::x_act)];
 }
 
 /// On a rig of another kind, moved as the component or the road was here.
@@ -168,6 +168,8 @@ std::vector<Experiment> experiments(const IdentificationProblem& problem, const 
   }
   if (one.rig.kind == RigKind::quarter_car) {
     add("the component alone on a bench, moved as it was here").rig = RigKind::component_bench;
+  } else if (one.rig.kind == RigKind::driven_mass) {
+    add("the component alone on a machine, moved as it was here").rig = RigKind::component_bench;
   } else {
     add("the component in a quarter car on this road").rig = RigKind::quarter_car;
   }

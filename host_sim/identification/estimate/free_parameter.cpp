@@ -108,11 +108,8 @@ std::vector<FreeParameter> start_parameters(const firmware::RigDescription& desc
   const bool has_piston = rig.has_fdva && rig.fdva.open_ducts > 0;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     if (recordings[r].at_rest || recordings[r].fitted.size() == 0) continue;
-    double size = 0.0;
-    for (const auto& m : recordings[r].input.motion) size = std::max(size, std::abs(m.position));
-    size = std::max(size, 1e-6);
-    const int first = recordings[r].input.wheel_prescribed ? 2 : 0;
-    for (int state = first; state < 6; ++state) {
+    const double size = std::max(size_of_motion(rig, recordings[r].input, recordings[r].recording), 1e-6);
+    for (int state = recordings[r].input.first_free_state(); state < 6; ++state) {
       if (!(state < 4 ? has_car : has_piston)) continue;
       parameters.push_back({.role = FreeParameter::Role::start,
                             .path = "",

@@ -377,7 +377,8 @@ class LawDescription {
 /// The force that the residual of a channel stands for at a place: that of the law plus it.
 std::vector<double> force_error(const PreparedRecording& recording, const Response& readings, const Hypothesis& with,
                                 CurvePlace place) {
-  const bool bench = with.rig.kind != model::RigKind::quarter_car;
+  const bool driven = with.rig.kind == model::RigKind::driven_mass;
+  const bool bench = with.rig.kind != model::RigKind::quarter_car && !driven;
   const bool wheel = place == CurvePlace::wheel_guide, guide = wheel || place == CurvePlace::body_guide;
   const Channel channel = place == CurvePlace::tyre ? Channel::F_w
                           : wheel                   ? Channel::zdd_w
@@ -386,7 +387,7 @@ std::vector<double> force_error(const PreparedRecording& recording, const Respon
   if (!recording.explains(channel)) return {};
   double factor = 1.0;
   if (place != CurvePlace::tyre && !bench) factor = wheel ? with.rig.wheel.mass : with.rig.body.mass;
-  if (guide) factor = -factor;  // a guide's force acts against the motion
+  if (guide || driven) factor = -factor;  // a force that acts against the motion
   std::vector<double> error = readings[index(channel)];
   const std::vector<double>& measured = recording.recording[channel];
   for (std::size_t k = 0; k < error.size(); ++k) error[k] = factor * (measured[k] - error[k]);

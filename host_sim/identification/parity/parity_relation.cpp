@@ -28,6 +28,7 @@ class RelationList {
         dz_w_(either(Channel::dz_w, {{Channel::z_r, 0, 1.0}, {Channel::z_w, 0, -1.0}})) {}
 
   std::vector<ParityRelation> of_bench();
+  std::vector<ParityRelation> of_driven_mass();
   std::vector<ParityRelation> of_car();
 
  private:
@@ -107,6 +108,22 @@ std::vector<ParityRelation> RelationList::of_bench() {
   return list_;
 }
 
+/// (9), (4)
+std::vector<ParityRelation> RelationList::of_driven_mass() {
+  const auto acceleration = either(Channel::zdd_b, {{Channel::x_act, 2, 1.0}});
+  if (acceleration && has(Channel::F) && has(Channel::x_act)) {
+    const Signal reached{{Channel::x_act, 0, 1.0}}, inertia = -rig_.body.mass * *acceleration;
+    list_.push_back({.words = "mass: F − m ẍ = F_s[x_act]",
+                     .origins = with_sensors({{"suspension"}, sensor(Channel::F)}, {*acceleration, reached}),
+                     .sum = inertia + Signal{{Channel::F, 0, 1.0}},
+                     .tolerated = {{"body.mass", inertia}},
+                     .deflection = reached,
+                     .motion = reached});
+  }
+  add_kinematics("motion: z̈_b = d²x_act/dt²", Channel::zdd_b, std::nullopt, Channel::x_act);
+  return list_;
+}
+
 /// (1)–(6)
 std::vector<ParityRelation> RelationList::of_car() {
   const auto body = either(Channel::zdd_b, {{Channel::z_b, 2, 1.0}});
@@ -148,6 +165,7 @@ Signal derived(Signal signal, int by) {
 std::vector<ParityRelation> parity_relations(const model::RigParameters<double>& rig,
                                              const firmware::Recording& recording) {
   RelationList list(rig, recording);
+  if (rig.kind == RigKind::driven_mass) return list.of_driven_mass();
   return rig.kind == RigKind::quarter_car ? list.of_car() : list.of_bench();
 }
 

@@ -49,6 +49,7 @@ struct ParityRelation {
 ///   (6)  foot point  z̈_r = d²z_r/dt²
 ///   (7)  machine     x_act = M[x_cmd]                     hil and component_bench, as (8)
 ///   (8)  component   F = F_s[x_act]
+///   (9)  mass        F − m ẍ = F_s[x_act]                 driven_mass: ẍ is z̈_b, or d²x_act/dt²; both: (6) of them
 ///
 /// A channel that is not recorded is made of those that are (dz_w = z_r − z_w), or the relation is left out.
 /// Source: structured residuals, J. Gertler, Fault Detection and Diagnosis in Engineering Systems, 1998, ch. 6.

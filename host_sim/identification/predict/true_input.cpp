@@ -79,7 +79,7 @@ std::optional<TrueInput> true_input(const Hypothesis& hypothesis, const Prepared
     motion.velocity /= path.gain;
     motion.acceleration /= path.gain;
   }
-  const bool has_car = rig.kind != model::RigKind::component_bench;
+  const bool has_car = rig.kind != model::RigKind::component_bench && !input.is_force();
   for (int state = 0; state < 4 && has_car; ++state) {
     double Motion::*const part = state % 2 == 0 ? &Motion::position : &Motion::velocity;
     truth.start(state) += motions.front().*part - input.motion.front().*part;

@@ -225,6 +225,7 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   }
   prepared.expected_colour = sampled.expected_colour;
   std::vector<Channel> sensors = prepared.channels;
+  if (rig.kind == model::RigKind::driven_mass) sensors.push_back(Channel::F);
   if (rig.kind == model::RigKind::quarter_car) sensors.insert(sensors.end(), {Channel::z_r, Channel::zdd_r});
   for (const Channel channel : sensors) prepared.noise_factor[index(channel)] = sampled.noise_factor[index(channel)];
   if (prepared.channels.empty()) {

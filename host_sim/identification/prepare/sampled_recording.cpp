@@ -50,7 +50,7 @@ std::size_t samples_per_kept(double period) {
 
 /// Channels that the real-time program computes carry no sensor's noise.
 bool is_computed(model::RigKind kind, model::Channel channel) {
-  if (kind == model::RigKind::quarter_car) return false;
+  if (kind == model::RigKind::quarter_car || kind == model::RigKind::driven_mass) return false;
   return channel != model::Channel::x_act && channel != model::Channel::F;
 }
 

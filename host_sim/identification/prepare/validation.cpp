@@ -34,14 +34,13 @@ RigKind kind_of(const firmware::Recording& recording) {
   return machine ? RigKind::hil : RigKind::quarter_car;
 }
 
-std::string_view name_of(RigKind kind) {
-  if (kind == RigKind::quarter_car) return "quarter_car";
-  return kind == RigKind::hil ? "hil" : "component_bench";
-}
+std::string_view name_of(RigKind kind) { return model::name(kind); }
 
 void check_kind(const firmware::RigDescription& description, const firmware::Recording& recording) {
   const RigKind kind = kind_of(recording);
   if (kind == description.rig.kind) return;
+  const bool answers = recording.has(Channel::x_act) || recording.has(Channel::zdd_b);
+  if (description.rig.kind == RigKind::driven_mass && recording.has(Channel::F) && answers) return;
   std::string channels;
   for (std::size_t c = 0; c < model::channel_count; ++c) {
     if (recording.channels[c].empty()) continue;
@@ -49,7 +48,8 @@ void check_kind(const firmware::RigDescription& description, const firmware::Rec
   }
   throw firmware::InputError(
       recording.source, 0, "looks like a recording of a " + std::string(name_of(kind)) + " (" + channels + ")",
-      "one of a " + std::string(name_of(description.rig.kind)) + ", as the rig description says");
+      "one of a " + std::string(name_of(description.rig.kind)) + ", as the rig description says" +
+          (description.rig.kind == RigKind::driven_mass ? ": F, and x_act or zdd_b" : ""));
 }
 
 bool never_moves(const std::vector<double>& values) {
@@ -83,6 +83,7 @@ std::vector<Alternatives> usual(RigKind kind) {
             {Channel::dz_b, Channel::z_b}};
   }
   if (kind == RigKind::component_bench) return {{Channel::x_act}, {Channel::F}};
+  if (kind == RigKind::driven_mass) return {{Channel::F}, {Channel::x_act, Channel::zdd_b}};
   return {{Channel::x_cmd}, {Channel::x_act}, {Channel::F}};
 }
 
@@ -100,8 +101,11 @@ std::vector<std::string> validate(const firmware::RigDescription& description,
     for (std::size_t c = 0; c < dead.size(); ++c) {
       const Channel channel = model::channel_at(c);
       if (channel == Channel::F_act || !never_moves(recording->channels[c])) continue;
-      if (channel == Channel::z_r) {
-        throw firmware::InputError(recording->source, 0, "z_r never moves", "a recording in which the rig is excited");
+      if (channel == Channel::z_r || (channel == Channel::F && description.rig.kind == RigKind::driven_mass)) {
+        throw firmware::InputError(
+            recording->source, 0,
+            std::string(model::name(channel)) + " never " + (channel == Channel::F ? "changes" : "moves"),
+            "a recording in which the rig is excited");
       }
       char text[160];
       std::snprintf(text, sizeof text, "%s: %s is %.6g %s throughout, a dead sensor or an unused column: left out",
@@ -116,8 +120,8 @@ std::vector<std::string> validate(const firmware::RigDescription& description,
     for (std::size_t c = 0; c < dead.size(); ++c) {
       if (dead[c]) recording->channels[c].clear();
     }
-    if (description.rig.kind != RigKind::quarter_car && !recording->has(Channel::x_cmd) &&
-        !recording->has(Channel::x_act)) {
+    const bool machine = description.rig.kind == RigKind::hil || description.rig.kind == RigKind::component_bench;
+    if (machine && !recording->has(Channel::x_cmd) && !recording->has(Channel::x_act)) {
       throw firmware::InputError(recording->source, 0, "neither x_cmd nor x_act is there and moves",
                                  "a recording in which the machine moves the component");
     }

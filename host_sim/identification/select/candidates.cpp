@@ -160,13 +160,15 @@ Starts starts_of(const firmware::CatalogueEntry& entry, const std::vector<Prepar
 /// What the model leaves of the force of the component, as far as a channel shows it; empty: none does.
 std::vector<double> force_left(const PreparedRecording& recording, const Response& response,
                                const model::RigParameters<double>& rig) {
-  const bool machine = rig.kind != model::RigKind::quarter_car;
+  const bool driven = rig.kind == model::RigKind::driven_mass;
+  const bool machine = rig.kind != model::RigKind::quarter_car && !driven;
   const Channel channel = machine ? Channel::F : Channel::zdd_b;
+  const double factor = machine ? 1.0 : driven ? -rig.body.mass : rig.body.mass;
   const auto& shown = recording.channels;
   if (std::find(shown.begin(), shown.end(), channel) == shown.end()) return {};
   std::vector<double> force = recording.recording[channel];
   for (std::size_t k = 0; k < force.size(); ++k) {
-    force[k] = (machine ? 1.0 : rig.body.mass) * (force[k] - response[index(channel)][k]);
+    force[k] = factor * (force[k] - response[index(channel)][k]);
   }
   return force;
 }
@@ -188,6 +190,9 @@ Scales scales_of(const std::vector<PreparedRecording>& recordings, const Hypothe
     std::vector<double> deflection;
     if (bench) {
       for (const auto& m : e.input.motion) deflection.push_back(m.position);
+    } else if (e.input.is_force()) {
+      deflection = responses[r][index(Channel::x_act)];
+      for (const auto& m : e.input.motion) enlarge(s.motion.force, std::abs(m.position) / 3.0);  // peak of a noise
     } else {
       deflection = responses[r][index(Channel::dz_b)];
       enlarge(s.motion.tyre_force, size_of(responses[r][index(Channel::F_w)]).rms);
@@ -217,7 +222,7 @@ Scales scales_of(const std::vector<PreparedRecording>& recordings, const Hypothe
       if (std::find(e.channels.begin(), e.channels.end(), Channel::F) != e.channels.end()) {
         enlarge(s.motion.force, 0.5 * size_of(e.recording[Channel::F]).rms);
       }
-    } else {
+    } else if (!e.input.is_force()) {
       enlarge(s.motion.force, hypothesis.rig.body.mass * size_of(responses[r][index(Channel::zdd_b)]).rms);
     }
   }

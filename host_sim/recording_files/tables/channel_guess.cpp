@@ -309,6 +309,9 @@ std::optional<firmware::Dimension> kind_of_quantity(const Reading& reading, std:
 
 std::optional<Channel> displacement(const Reading& reading, model::RigKind kind) {
   const bool deflects = reading.has(Meaning::deflection);
+  if (kind == model::RigKind::driven_mass) {
+    return reading.has(Meaning::command) ? std::nullopt : std::optional(Channel::x_act);
+  }
   if (kind != model::RigKind::component_bench) {
     if (reading.has(Meaning::tyre) && deflects) return Channel::dz_w;
     const bool of_suspension = reading.has(Meaning::suspension);
@@ -326,7 +329,8 @@ std::optional<Channel> displacement(const Reading& reading, model::RigKind kind)
 }
 
 std::optional<Channel> force(const Reading& reading, model::RigKind kind) {
-  if (reading.has(Meaning::command)) return std::nullopt;  // the force is measured
+  if (kind == model::RigKind::driven_mass) return Channel::F;  // measured or commanded: it is the input
+  if (reading.has(Meaning::command)) return std::nullopt;      // the force is measured
   const bool says_force = reading.has(Meaning::force) || reading.has(Meaning::wheel_force);
   if (!says_force && reading.has(Meaning::road))
     return std::nullopt;  // an excitation in newtons is a shaker's or a hammer's
@@ -357,6 +361,9 @@ std::string reason_of(const Reading& reading, firmware::Dimension dimension, boo
 bool exists_on(Channel channel, model::RigKind kind) {
   const bool of_machine = channel == Channel::x_cmd || channel == Channel::x_act || channel == Channel::F;
   if (kind == model::RigKind::component_bench) return of_machine;
+  if (kind == model::RigKind::driven_mass) {
+    return channel == Channel::F || channel == Channel::x_act || channel == Channel::zdd_b;
+  }
   if (kind == model::RigKind::quarter_car) return !of_machine;
   return channel != Channel::F_act && channel != Channel::z_cmd;
 }
@@ -418,7 +425,9 @@ std::optional<ChannelGuess> guess_channel(std::string_view name, std::optional<f
   if (*of == firmware::Dimension::length) channel = displacement(reading, rig);
   if (*of == firmware::Dimension::force) channel = force(reading, rig);
   if (*of == firmware::Dimension::acceleration && rig != model::RigKind::component_bench) {
-    if (reading.has(Meaning::wheel)) {
+    if (rig == model::RigKind::driven_mass) {
+      channel = Channel::zdd_b;  // one mass only
+    } else if (reading.has(Meaning::wheel)) {
       channel = Channel::zdd_w;
     } else if (reading.has(Meaning::body)) {
       channel = Channel::zdd_b;

@@ -664,4 +664,21 @@ TEST(RigDescription, TakesWaiversAsSentences) {
   expect_refused(text("no_hartbeat = 'we do not need it'"), "no_hartbeat", "no_heartbeat");
 }
 
+// A component_bench driven by force is a kind of its own, written as it was read; what it cannot have is refused by name.
+TEST(RigDescription, ReadsAMassThatAForceDrives) {
+  const std::string text =
+      "kind = \"component_bench\"\ndriven_by = \"force\"\nsample_rate = 1000.0\n[body]\nmass = 10.0\n"
+      "[suspension]\nstiffness = 10e3\ndamping = 30.0\n[tolerance]\n\"body.mass\" = 0.02\n";
+  const firmware::RigDescription read = firmware::parse_rig(text, "rig.toml");
+  EXPECT_EQ(read.rig.kind, model::RigKind::driven_mass);
+  const firmware::RigDescription again = firmware::parse_rig(firmware::format_rig(read), "again.toml");
+  EXPECT_EQ(again.rig.kind, model::RigKind::driven_mass);
+  EXPECT_EQ(again.rig.body.mass, 10.0);
+  EXPECT_NE(refusal_of(text + "[wheel]\nmass = 40.0\n").find("no wheel and no tyre"), std::string::npos);
+  EXPECT_NE(refusal_of(text + "[effects.actuator_delay]\ndelay = 0.01\n").find("actuator_delay"), std::string::npos);
+  std::string other = text;
+  other.replace(other.find("\"force\""), 7, "\"hand\"");
+  EXPECT_NE(refusal_of(other).find("RIG.toml:2"), std::string::npos) << refusal_of(other);
+}
+
 }  // namespace

@@ -349,4 +349,38 @@ TEST(ClosedLoop, LeavesTheDuctsInTheSafePosition) {
   EXPECT_EQ(run.recording.ducts[0][9], 1.0);
 }
 
+constexpr const char* driven_mass = R"(
+kind = "component_bench"
+driven_by = "force"
+sample_rate = 1000.0
+[body]
+mass = 10.0
+[suspension]
+stiffness = 10e3
+damping = 30.0
+[noise]
+x_act = 1e-6
+)";
+
+// Law. A mass that a force drives has no controller between: its recording holds the force and its answers, which obey
+// m ẍ + c ẋ + k x = F, with ẋ from differences of x (their error at 15 Hz: (ω h)²/6 = 1.5e-3 of a force of 30 N s/m).
+TEST(ClosedLoop, DrivesAMassByForce) {
+  const RigDescription rig = parse_rig(driven_mass, "mass.toml");
+  const host_sim::Run run = run_of(rig, 4000, without_noise());
+  EXPECT_EQ(run.trip.reason, Reason::reference_ended);
+  const auto& r = run.recording;
+  EXPECT_TRUE(r.has(Channel::F) && r.has(Channel::x_act) && r.has(Channel::zdd_b));
+  for (const Channel none : {Channel::x_cmd, Channel::z_r, Channel::F_w, Channel::z_b}) EXPECT_FALSE(r.has(none));
+  double squares = 0.0, all = 0.0;
+  for (std::size_t k = 1; k + 1 < r.size(); ++k) {
+    const double velocity = (r[Channel::x_act][k + 1] - r[Channel::x_act][k - 1]) / 2e-3;
+    const double left = 10.0 * r[Channel::zdd_b][k] + 30.0 * velocity + 10e3 * r[Channel::x_act][k] - r[Channel::F][k];
+    squares += left * left;
+    all += r[Channel::F][k] * r[Channel::F][k];
+  }
+  EXPECT_GT(all, 0.0);
+  EXPECT_LT(std::sqrt(squares / all), 1e-3);
+  EXPECT_NE(host_sim::run_closed_loop(rig, road(rig, 4000), {}).recording[Channel::x_act], r[Channel::x_act]);
+}
+
 }  // namespace

@@ -32,6 +32,26 @@ TEST(Init, WritesARigThatRuns) {
   }
 }
 
+// A template of a mass that a force drives: simulated, compared and refused where a machine or a loop is needed.
+TEST(Init, WritesAMassThatAForceDrives) {
+  const TemporaryFolder folder;
+  const std::string rig = folder / "rig.toml", run = folder / "run.csv";
+  ASSERT_EQ(rigtwin({"init", "--kind", "component_bench", "--driven-by", "force", "--out", rig}).status, 0);
+  EXPECT_EQ(firmware::read_rig(rig).rig.kind, model::RigKind::driven_mass);
+  EXPECT_EQ(rigtwin({"init", "--kind", "hil", "--driven-by", "force", "--out", folder / "hil.toml"}).status, 2);
+  const Ended simulated = rigtwin({"simulate", "--rig", rig, "--duration", "4", "--out", run});
+  ASSERT_EQ(simulated.status, 0) << simulated.errors;
+  const Ended compared = rigtwin({"compare", "--rig", rig, "--data", run});
+  EXPECT_EQ(compared.status, 0) << compared.errors;
+  EXPECT_NE(compared.output.find("x_act"), std::string::npos) << compared.output;
+  const Ended stability = rigtwin({"stability", "--rig", rig});
+  EXPECT_EQ(stability.status, 3);
+  EXPECT_NE(stability.errors.find("driven by force"), std::string::npos) << stability.errors;
+  const Ended fmu = rigtwin({"fmu", "--rig", rig, "--out", folder / "rig.fmu"});
+  EXPECT_EQ(fmu.status, 3);
+  EXPECT_NE(fmu.errors.find("rig.toml:"), std::string::npos) << fmu.errors;
+}
+
 // What cannot be a rig is refused before anything is written; a description that somebody has is never replaced.
 TEST(Init, LeavesNothingBehindAnError) {
   const TemporaryFolder folder;

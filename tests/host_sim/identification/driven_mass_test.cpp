@@ -1,0 +1,117 @@
+// Diagnosis of a mass that a force drives. The recordings come from a Runge–Kutta method here, not from the model.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "firmware/description/rig_description.hpp"
+#include "firmware/recording/recording.hpp"
+#include "host_sim/identification/diagnosis.hpp"
+#include "host_sim/identification/report/diagnosis_report.hpp"
+#include "tests/support/reference_road.hpp"
+
+namespace driven_mass_test {
+namespace {
+
+using firmware::Recording;
+using host_sim::identification::Diagnosis;
+using host_sim::identification::Use;
+using host_sim::identification::Verdict;
+using model::Channel;
+
+/// The Silverbox benchmark in newtons and metres.
+constexpr double mass = 0.5375, damping = 22.55, stiffness = 99.05e3, cubic = 3.94e9;
+constexpr double rate = 610.35, noise_of_position = 2e-6, noise_of_acceleration = 0.5;
+
+firmware::RigDescription silverbox() {
+  return firmware::parse_rig(
+      "kind = \"component_bench\"\ndriven_by = \"force\"\nsample_rate = 610.35\n[body]\nmass = 0.5375\n"
+      "[suspension]\nstiffness = 99050.0\ndamping = 22.55\n"
+      "[tolerance]\n\"suspension.stiffness\" = 0.05\n\"suspension.damping\" = 0.3\n"
+      "[noise]\nF = 0.02\nx_act = 2e-6\nzdd_b = 0.5\n",
+      "silverbox.toml");
+}
+
+/// Forty sines from 2 to 120 Hz with Schroeder's phases, whose sum has no peaks [N].
+double force_at(double t, double amplitude) {
+  constexpr int lines = 40;
+  double force = 0.0;
+  for (int i = 0; i < lines; ++i) {
+    const double f = 2.0 + 118.0 * i / (lines - 1) + 0.037 * i, phase = -std::numbers::pi * i * i / lines;
+    force += std::sin(2.0 * std::numbers::pi * f * t + phase);
+  }
+  return amplitude * std::sqrt(2.0 / lines) * force;
+}
+
+/// m ẍ + c ẋ + k x + k₃ x³ + friction · v/√(v² + 1e-6) = F, from rest, with the noise of its sensors.
+Recording recorded(double amplitude, double seconds, std::uint64_t seed, double friction = 0.0, double k3 = cubic) {
+  const auto acceleration = [&](double t, double x, double v) {
+    return (force_at(t, amplitude) - damping * v - stiffness * x - k3 * x * x * x -
+            friction * v / std::sqrt(v * v + 1e-6)) /
+           mass;
+  };
+  constexpr int substeps = 20;
+  const double h = 1.0 / rate / substeps;
+  support::NormalNoise noise(seed);
+  Recording r;
+  r.sample_period = 1.0 / rate;
+  r.time = firmware::sample_times(static_cast<std::size_t>(seconds * rate), rate);
+  r.source = "silverbox, seed " + std::to_string(seed);
+  double x = 0.0, v = 0.0;
+  for (const double start : r.time) {
+    r[Channel::F].push_back(force_at(start, amplitude) + 0.02 * noise());
+    r[Channel::x_act].push_back(x + noise_of_position * noise());
+    r[Channel::zdd_b].push_back(acceleration(start, x, v) + noise_of_acceleration * noise());
+    for (int i = 0; i < substeps; ++i) {
+      const double t = start + i * h;
+      const double a1 = acceleration(t, x, v), v2 = v + 0.5 * h * a1;
+      const double a2 = acceleration(t + 0.5 * h, x + 0.5 * h * v, v2), v3 = v + 0.5 * h * a2;
+      const double a3 = acceleration(t + 0.5 * h, x + 0.5 * h * v2, v3), v4 = v + h * a3;
+      const double a4 = acceleration(t + h, x + h * v3, v4);
+      x += h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
+      v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    }
+  }
+  return r;
+}
+
+// Journey. Described as linear, the first sentence names the hardening spring with its size, whichever of the two
+// answers is recorded.
+TEST(DrivenMass, NamesTheCubicSpringOfASilverbox) {
+  for (const Channel left_out : {Channel::zdd_b, Channel::x_act}) {
+    Recording r = recorded(40.0, 12.0, 1);
+    r[left_out].clear();
+    const Diagnosis found = host_sim::identification::diagnose(silverbox(), {{std::move(r), Use::shared}});
+    const std::string first = host_sim::identification::sentence(found);
+    EXPECT_EQ(found.verdict, Verdict::named) << first;
+    EXPECT_NE(first.find("progressive_spring"), std::string::npos) << first;
+    ASSERT_EQ(found.effects.size(), 1U) << first;
+    // The explicit law is late by its step: at 610 Hz the spring is found a few per cent off (DrivenMass, model/rig).
+    EXPECT_NEAR(found.effects[0].parameters[0].value / cubic, 1.0, 0.05);
+  }
+}
+
+// Law. A linear mass whose stiffness is 3 % off, inside its tolerance: nothing is named, and the stiffness is found.
+TEST(DrivenMass, FindsNothingWhereNothingIs) {
+  Recording r = recorded(10.0, 12.0, 2, 0.0, 0.0);
+  auto described = silverbox();
+  described.rig.suspension.stiffness = 1.03 * stiffness;
+  const Diagnosis found = host_sim::identification::diagnose(described, {{std::move(r), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << host_sim::identification::sentence(found);
+  EXPECT_NEAR(found.parameters.at("suspension.stiffness").value / stiffness, 1.0, 2e-3);
+}
+
+// Journey. Dry friction of a guide: the effect of the component.
+TEST(DrivenMass, NamesFriction) {
+  const Diagnosis found =
+      host_sim::identification::diagnose(silverbox(), {{recorded(20.0, 12.0, 3, 3.0, 0.0), Use::shared}});
+  const std::string first = host_sim::identification::sentence(found);
+  EXPECT_EQ(found.verdict, Verdict::named) << first;
+  EXPECT_NE(first.find("friction"), std::string::npos) << first;
+}
+
+}  // namespace
+}  // namespace driven_mass_test
