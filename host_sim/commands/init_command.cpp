@@ -144,7 +144,6 @@ std::string description_of(const InitOptions& options, const std::string& kind) 
                               "N s/m, computed beside the component; rigtwin stability says how much is needed");
   }
   if (options.fdva) text += absorber;
-  if (driven) return text + optional_parts("x_act", "x_act = { column = \"Stroke mm\", scale = 1e-3 }");
   if (bench) return text + optional_parts("F", "x_act = { column = \"Stroke mm\", scale = 1e-3 }");
   return text + (hil ? optional_parts("F", "F = { column = \"Load kN\", scale = 1e3 }")
                      : optional_parts("F_w", "z_r = { column = \"Road mm\", scale = 1e-3 }"));

@@ -102,7 +102,9 @@ void read_delay_variation(DescriptionTable& machine, Rig& rig) {
 }
 
 void check_load(DescriptionTable& top, const Rig& rig) {
-  if (!rig.air_spring.fitted || rig.suspension.stiffness > 0.0 || rig.kind == model::RigKind::component_bench) return;
+  if (!rig.air_spring.fitted || rig.suspension.stiffness > 0.0) return;
+  const bool carries_a_body = rig.kind == model::RigKind::quarter_car || rig.kind == model::RigKind::hil;
+  if (!carries_a_body) return;  // a mass that a force drives may lie on its side
   const double ratio = model::lever_at_rest(rig).ratio;
   const double load = model::AirSpring<double>::load(rig.air_spring), weight = rig.body.mass * gravity;
   const double needed = weight / ratio;

@@ -204,6 +204,26 @@ void leave_motion_out(SampledRecording& result, const firmware::RigDescription& 
   }
 }
 
+/// A force that drives a mass is made: it may reach any frequency, and the mass answers there. So its spectrum says
+/// nothing of its noise, nor that of an answer which is one motion with it above the frequencies that a road drives:
+/// what is declared is believed.
+void believe_declared(SampledRecording& result, const firmware::RigDescription& description,
+                      const firmware::Recording& recording, const Steps& steps) {
+  if (description.rig.kind != model::RigKind::driven_mass || !recording.has(model::Channel::F)) return;
+  for (const model::Channel channel : {model::Channel::F, model::Channel::x_act, model::Channel::zdd_b}) {
+    const std::size_t c = index(channel);
+    if (!description.noise[c] || !recording.has(channel) || result.renewals[c]) continue;
+    const bool one_motion =
+        channel == model::Channel::F || coherence_above_motion(recording[model::Channel::F], recording[channel],
+                                                               recording.sample_period) >= thresholds::coherent_motion;
+    if (!one_motion) continue;
+    const double level = std::hypot(*description.noise[c], rounding_noise(steps[c]));
+    result.channel_noise[c] = {level, {}, thresholds::grid_error, 0.0, 0.0};
+    result.noise[c] = level;
+    result.noise_factor[c].reset();
+  }
+}
+
 /// What speaks for a filter of the recorder: not a channel whose noise nobody declared, where declared noise of a
 /// position is white. Its own spectrum may be the tail of its motion.
 ChannelNoises witnesses(const SampledRecording& result, const firmware::RigDescription& description) {
@@ -238,9 +258,12 @@ void find_noise(SampledRecording& result, const firmware::RigDescription& descri
       result.noise[c] = found.noise.level;
     }
     if (!again) leave_motion_out(result, description, recording);
+    believe_declared(result, description, recording, steps);
     ChannelNoises measured = witnesses(result, description);
     for (std::size_t c = 0; c < measured.size(); ++c) {
-      if (is_computed(description.rig.kind, model::channel_at(c))) measured[c] = {};
+      const model::Channel channel = model::channel_at(c);
+      const bool drives = description.rig.kind == model::RigKind::driven_mass && channel == model::Channel::F;
+      if (drives || is_computed(description.rig.kind, channel)) measured[c] = {};
     }
     result.expected_colour = expected_colour(measured);
   }
