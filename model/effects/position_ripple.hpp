@@ -45,7 +45,6 @@ struct PositionRipple {
       .equation = "F_s += sine · sin(2π dz_b/period) + cosine · (cos(2π dz_b/period) − 1)",
       .shows = "a force that repeats every `period` of the deflection, whatever the speed",
       .linearisation = Linearisation::tangent,
-      .imitates = true,
       .force = {Over::deflection},
       .words = {.text = "ripples every # mm by # N (cogging)",
                 .figures = {

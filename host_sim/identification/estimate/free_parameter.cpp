@@ -239,6 +239,12 @@ double size_of(const firmware::PlacedEffect& effect, std::size_t parameter) {
 
 }  // namespace
 
+FitRange fit_range(const model::EffectParameter& card) {
+  if (card.neutral == 0.0) return {card.lower, card.upper};
+  return {std::max(card.lower, card.neutral / thresholds::largest_factor),
+          std::min(card.upper, card.neutral * thresholds::largest_factor)};
+}
+
 std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effect) {
   std::vector<FreeParameter> parameters;
   for (std::size_t i = 0; i < effect.values.size(); ++i) {
@@ -251,8 +257,9 @@ std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effec
     if (card.lower < 0.0) {
       u.centre = card.neutral;
       u.scale = size_of(effect, i);
-      u.lower = std::max((card.lower - u.centre) / u.scale, -1e6);
-      u.upper = std::min((card.upper - u.centre) / u.scale, 1e6);
+      const FitRange range = fit_range(card);
+      u.lower = std::max((range.lower - u.centre) / u.scale, -1e6);
+      u.upper = std::min((range.upper - u.centre) / u.scale, 1e6);
     } else {
       u.logarithmic = true;
       u.scale = std::max(effect.values[i], 1e-12);

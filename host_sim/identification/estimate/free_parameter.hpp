@@ -63,6 +63,13 @@ struct FreeParameter {
 [[nodiscard]] std::vector<FreeParameter> start_parameters(const firmware::RigDescription& description,
                                                           const std::vector<PreparedRecording>& recordings);
 
+/// Where a fit may move a parameter of an effect: the bounds of its card, but a factor on a reading no further than
+/// thresholds::largest_factor from what changes nothing.
+struct FitRange {
+  double lower, upper;
+};
+[[nodiscard]] FitRange fit_range(const model::EffectParameter& card);
+
 /// The parameters of an effect that is in the hypothesis, those that are to be fitted.
 [[nodiscard]] std::vector<FreeParameter> effect_parameters(const firmware::PlacedEffect& effect);
 

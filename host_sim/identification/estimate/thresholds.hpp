@@ -146,4 +146,9 @@ inline constexpr double freed_number_leaves = 0.1;
 /// [1] What velocities by differences of fourth order are off, relative to the values estimated from them.
 inline constexpr double difference_error = 3e-5, law_difference_error = 1e-4;
 
+/// [1] A factor on a reading is sought up to this and down to its inverse. Derivation: a half bridge in the place of a
+/// full one is 2; what is further is a wrong unit, a sign or another signal, which prepare/unit_check names. Beside a law
+/// that is not known, a factor of 0.02 or 90 makes a channel say nothing, and every model fits.
+inline constexpr double largest_factor = 3.0;
+
 }  // namespace host_sim::identification::thresholds

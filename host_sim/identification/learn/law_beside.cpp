@@ -28,6 +28,52 @@ bool relaxes(const firmware::PlacedEffect& effect) { return effect.entry->force.
 
 }  // namespace
 
+namespace {
+
+constexpr double probe = 12345.0;
+
+/// The effect with one number that makes `value_in` of a rig that number.
+template <class Value>
+const firmware::CatalogueEntry* effect_that_sets(std::optional<model::Channel> channel, const Value& value_in) {
+  return firmware::find_effect_that([&](const firmware::CatalogueEntry& entry) {
+    if (entry.of_channel != channel.has_value() || entry.parameters.size() != 1) return false;
+    model::RigParameters<double> rig{};
+    firmware::put_effect(rig, {&entry, channel, {probe}});
+    return value_in(rig) == probe;
+  });
+}
+
+double mount_of(const model::RigParameters<double>& rig) {
+  model::SuspensionComponent<double> part{};
+  rig.effects.for_each([&](const auto& slot) {
+    if constexpr (requires { slot.effect.act_on(part); }) {
+      if (slot.active) slot.effect.act_on(part);
+    }
+  });
+  return part.mount_stiffness;
+}
+
+double offset_of_force(const model::RigParameters<double>& rig) {
+  return rig.effects.sensor_paths()[index(model::Channel::F)].offset;
+}
+
+}  // namespace
+
+EffectsBeside effects_of(const LawBehindMount& law, const IdentificationProblem& problem,
+                         const model::RigParameters<double>& rig) {
+  const firmware::CatalogueEntry* const mount = effect_that_sets(std::nullopt, mount_of);
+  const bool described = mount_of(rig) != 0.0;
+  if (mount == nullptr || described || !firmware::has_place(rig, *mount, std::nullopt)) return {};
+  EffectsBeside effects{{mount, std::nullopt, {law.stiffness}}};
+  const firmware::CatalogueEntry* const offset = effect_that_sets(model::Channel::F, offset_of_force);
+  const bool tared = problem.samples().front().has_unknown_mean(model::Channel::F);
+  const bool has_offset = offset_of_force(rig) != 0.0;
+  if (offset != nullptr && !tared && !has_offset && firmware::has_place(rig, *offset, model::Channel::F)) {
+    effects.push_back({offset, model::Channel::F, {law.offset}});
+  }
+  return effects;
+}
+
 model::Over variable_of(CurveOver over) {
   return over == CurveOver::velocity ? model::Over::velocity : model::Over::deflection;
 }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "host_sim/identification/learn/law_behind_mount.hpp"
 #include "host_sim/identification/predict/placed_law.hpp"
 #include "host_sim/identification/select/search.hpp"
 
@@ -15,6 +16,7 @@ struct Beside {
   CurvePlace place;
   CurveOver over;
   EffectsBeside effects;
+  const LawBehindMount* read_off = nullptr;  ///< the law begins as this, of the rig as described and without faults
 };
 
 /// What a law is asked for: whether more than noise is left; of the variables over which what was found may be another
@@ -30,6 +32,11 @@ struct Reasons {
   }
 };
 [[nodiscard]] Reasons reasons_for(const IdentificationProblem& problem, const SearchResult& found);
+
+/// The mount that a law was read off behind, and the offset of F where that was not taken off. Empty: this rig has such a
+/// mount, or no place for it.
+[[nodiscard]] EffectsBeside effects_of(const LawBehindMount& law, const IdentificationProblem& problem,
+                                       const model::RigParameters<double>& rig);
 
 [[nodiscard]] model::Over variable_of(CurveOver over);
 [[nodiscard]] model::Subsystem subsystem_of(CurvePlace place);

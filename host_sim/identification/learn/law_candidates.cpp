@@ -11,10 +11,11 @@
 #include "host_sim/identification/learn/surface_fit.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
+#include "host_sim/identification/select/select_model.hpp"
 
 namespace host_sim::identification {
 
-std::vector<Beside> LawSearch::places() const {
+std::vector<Beside> LawSearch::places() {
   std::vector<std::pair<CurvePlace, CurveOver>> where{{CurvePlace::suspension, CurveOver::velocity},
                                                       {CurvePlace::suspension, CurveOver::deflection}};
   const bool is_car = space_.given.rig.kind == model::RigKind::quarter_car;
@@ -41,6 +42,12 @@ std::vector<Beside> LawSearch::places() const {
     for (EffectsBeside& effects : effects_beside(found_.best.effects, place, over)) {
       list.push_back({place, over, std::move(effects)});
     }
+    // A search without this law has put a lag, a mass or friction in the place of the mount.
+    if (place != CurvePlace::suspension || over != CurveOver::velocity || is_car || !laws.empty()) continue;
+    behind_mount_ = law_behind_mount(part_);
+    if (!behind_mount_) continue;
+    EffectsBeside effects = effects_of(*behind_mount_, problem_, space_.given.rig);
+    if (!effects.empty()) list.push_back({place, over, std::move(effects), &*behind_mount_});
   }
   return list;
 }
@@ -73,6 +80,7 @@ Hypothesis LawSearch::start_beside(const EffectsBeside& effects) const {
 
 std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
   Hypothesis start = start_beside(beside.effects);
+  if (beside.read_off != nullptr) start.faults.clear();
   const auto range = excited_range(problem_, start, beside.place, beside.over);
   if (!range) return std::nullopt;
   start.laws.push_back(flat_curve(beside.place, beside.over, *range));
@@ -83,7 +91,9 @@ std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
   law.size = std::max(thresholds::force_share * stiffness * (along ? along->rms : 0.0), 1e-3);
   const ForceOfEffects replaced(found_.best.effects, beside.effects, beside.place, beside.over);
   for (std::size_t i = 0; i < law.at.size(); ++i) {
-    law.values[i] = replaced(law.at[i]);
+    const LawBehindMount* const read_off = beside.read_off;
+    law.values[i] =
+        read_off != nullptr ? (*read_off)(law.at[i]) - start.rig.suspension.damping * law.at[i] : replaced(law.at[i]);
     law.size = std::max(law.size, std::abs(law.values[i]));
   }
   put_laws(start.laws, start.rig);
@@ -114,12 +124,13 @@ void LawSearch::grow(Curve& curve) const {
     if (!longer) return;
     const double cost = cost_of(longer->model, std::min(longer->freedom, thresholds::fewest_values));
     if (cost >= curve.cost) return;
-    curve = {{curve.beside.place, curve.beside.over, list.front().effects}, std::move(*longer), cost};
+    curve.beside.effects = list.front().effects;
+    curve = {curve.beside, std::move(*longer), cost};
   }
 }
 
 /// The curves worth fitting on the whole, best first.
-std::vector<LawSearch::Curve> LawSearch::curves() const {
+std::vector<LawSearch::Curve> LawSearch::curves() {
   const std::vector<Beside> all = places();
   std::vector<std::optional<Curve>> fitted(all.size());
   const auto fit_from = [&](std::size_t i, const Hypothesis& start, int most) {

@@ -40,10 +40,10 @@ class LawSearch {
     LawFamily family = LawFamily::points;
   };
 
-  [[nodiscard]] std::vector<Beside> places() const;
+  [[nodiscard]] std::vector<Beside> places();
   [[nodiscard]] Hypothesis start_beside(const EffectsBeside& effects) const;
   [[nodiscard]] std::optional<Hypothesis> start_of(const Beside& beside) const;
-  [[nodiscard]] std::vector<Curve> curves() const;
+  [[nodiscard]] std::vector<Curve> curves();
   void grow(Curve& curve) const;
   [[nodiscard]] std::optional<Candidate> fitted_as(LawFamily family, const IdentificationProblem& problem,
                                                    const Hypothesis& start, const EffectsBeside& effects) const;
@@ -83,6 +83,7 @@ class LawSearch {
   const Reasons& reasons_;
   SearchResult& found_;
   SelectionCriterion criterion_{};
+  std::optional<LawBehindMount> behind_mount_{};
   mutable std::vector<double> gains_{};  ///< of the effects beside the law
   std::size_t slot_ = 0;                 ///< of the rig's laws that is free
   /// Of the effects found, under the problem's present weights: cost and χ².

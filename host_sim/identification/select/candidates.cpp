@@ -121,7 +121,10 @@ Starts starts_of(const model::EffectParameter& parameter, const std::vector<Prep
     case model::Reading::nothing: {
       const double unit = parameter.starts.scale(scales);
       if (unit == 0.0) break;
-      for (const double factor : parameter.starts.factors) starts.push_back({{factor * unit}});
+      for (const double factor : parameter.starts.factors) {
+        starts.push_back({{factor * unit}});
+        if (is_signed(parameter)) break;
+      }
       break;
     }
     case model::Reading::repeated_extreme:
@@ -227,6 +230,10 @@ Scales scales_of(const std::vector<PreparedRecording>& recordings, const Hypothe
     }
   }
   return s;
+}
+
+bool is_signed(const model::EffectParameter& parameter) {
+  return parameter.lower < parameter.neutral && parameter.neutral < parameter.upper;
 }
 
 std::vector<Candidate> candidates(const std::vector<PreparedRecording>& recordings, const Hypothesis& hypothesis,

@@ -1,6 +1,7 @@
 #include "host_sim/identification/select/linear_refit.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "host_sim/least_squares/gram.hpp"
 
@@ -48,6 +49,19 @@ LinearRefit::Directions LinearRefit::directions(const Eigen::MatrixXd& d) const 
     left.gradient -= solved.transpose() * residual_;
   }
   return left;
+}
+
+Eigen::VectorXd LinearRefit::best_sizes(const Eigen::MatrixXd& d) const {
+  const auto [matrix, gradient] = directions(d);
+  const Eigen::VectorXd before = d.colwise().squaredNorm();
+  Eigen::VectorXd scale(d.cols());
+  for (Eigen::Index i = 0; i < d.cols(); ++i) {
+    const bool left = matrix(i, i) > std::max(1e-8 * before[i], 1e-9);
+    scale[i] = left ? 1.0 / std::sqrt(matrix(i, i)) : 0.0;
+  }
+  Eigen::MatrixXd unit = scale.asDiagonal() * matrix * scale.asDiagonal();
+  unit.diagonal().array() += 1e-8;
+  return -scale.cwiseProduct(unit.ldlt().solve(scale.cwiseProduct(gradient)));
 }
 
 }  // namespace host_sim::identification

@@ -31,6 +31,10 @@ class LinearRefit {
   };
   [[nodiscard]] Directions directions(const Eigen::MatrixXd& d) const;
 
+  /// The best step of (3), of directions to which the change is proportional; 0 of those in which the others make all
+  /// the way.
+  [[nodiscard]] Eigen::VectorXd best_sizes(const Eigen::MatrixXd& d) const;
+
  private:
   /// |d|² and r·d of what the others leave of d.
   struct Left {

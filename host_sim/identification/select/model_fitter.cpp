@@ -71,6 +71,12 @@ struct ModelFitter::Scanned {
   std::vector<std::pair<double, Start>> starts;  ///< gain; best first
 };
 
+struct ModelFitter::Direction {
+  std::size_t start;                  ///< of the candidate
+  std::optional<std::size_t> number;  ///< the one parameter that acts, of either sign; none: the start as it is
+  Eigen::VectorXd change;             ///< of the residuals
+};
+
 std::vector<FreeParameter> ModelFitter::parameters(const Hypothesis& hypothesis,
                                                    const std::vector<firmware::PlacedEffect>& effects) const {
   std::vector<FreeParameter> list = common_;
@@ -114,11 +120,72 @@ void ModelFitter::refit(CandidateModel& model, int most) const {
 
 bool ends_at_bound(const firmware::PlacedEffect& effect) {
   for (std::size_t i = 0; i < effect.values.size(); ++i) {
-    const model::EffectParameter& card = effect.entry->parameters[i];
+    const FitRange range = fit_range(effect.entry->parameters[i]);
     const double reach = thresholds::at_bound * effect.values[i];
-    if (effect.values[i] + reach >= card.upper || effect.values[i] - reach <= card.lower) return true;
+    if (effect.values[i] + reach >= range.upper || effect.values[i] - reach <= range.lower) return true;
   }
   return false;
+}
+
+std::vector<ModelFitter::Direction> ModelFitter::directions_of(const CandidateModel& base,
+                                                               const Candidate& candidate) const {
+  std::vector<Direction> tried, simulated;
+  std::vector<Variation> variations;
+  const auto add = [&](std::size_t start, std::optional<std::size_t> number, const Start& values) {
+    Hypothesis other = with(base.fit.hypothesis, candidate, values);
+    if (firmware::find_rig_fault(other.rig, problem_.sample_period())) return;
+    if (candidate.channel && problem_.samples().front().explains(*candidate.channel)) {
+      const auto read = predict_sensor(problem_, other, base.fit.prediction, *candidate.channel);
+      tried.push_back({start, number, residuals(problem_, read) - base.fit.residual});
+      return;
+    }
+    simulated.push_back({start, number, {}});
+    variations.push_back({std::move(other), std::nullopt});
+  };
+  for (std::size_t s = 0; s < candidate.starts.size(); ++s) {
+    const Start& start = candidate.starts[s];
+    Start neutral = start;
+    bool any = false;
+    for (std::size_t p = 0; p < start.values.size(); ++p) {
+      if (!is_signed(candidate.entry->parameters[p])) continue;
+      neutral.values[p] = candidate.entry->parameters[p].neutral;
+      any = true;
+    }
+    if (!any) add(s, std::nullopt, start);
+    for (std::size_t p = 0; any && p < start.values.size(); ++p) {
+      if (!is_signed(candidate.entry->parameters[p])) continue;
+      Start one = neutral;
+      one.values[p] = start.values[p];
+      add(s, p, one);
+    }
+  }
+  const auto values = residuals_of_each(problem_, variations, false, &base.fit.prediction);
+  for (std::size_t s = 0; s < simulated.size(); ++s) {
+    simulated[s].change = values[s] - base.fit.residual;
+    tried.push_back(std::move(simulated[s]));
+  }
+  effort_.simulations += variations.size();
+  std::erase_if(tried, [](const Direction& d) { return !d.change.allFinite(); });
+  return tried;
+}
+
+void ModelFitter::keep_best_sizes(const LinearRefit& others, std::span<const Direction> tried, const Start& start,
+                                  Scanned& scanned) {
+  Eigen::MatrixXd change(tried.front().change.size(), std::ssize(tried));
+  for (std::size_t d = 0; d < tried.size(); ++d) change.col(static_cast<Eigen::Index>(d)) = tried[d].change;
+  Eigen::VectorXd sizes = others.best_sizes(change);
+  Start best = start;
+  for (std::size_t d = 0; d < tried.size(); ++d) {
+    const std::size_t p = *tried[d].number;
+    const model::EffectParameter& card = scanned.candidate.entry->parameters[p];
+    const FitRange range = fit_range(card);
+    const double unit = start.values[p] - card.neutral;
+    double& size = sizes[static_cast<Eigen::Index>(d)];
+    best.values[p] = std::clamp(card.neutral + size * unit, range.lower, range.upper);
+    size = (best.values[p] - card.neutral) / unit;
+  }
+  scanned.starts.emplace_back(others.gain(change * sizes), std::move(best));
+  scanned.starts.emplace_back(others.gain(change.rowwise().sum()), start);  // where that size is beyond what runs
 }
 
 std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, const Scales& scales) const {
@@ -132,25 +199,16 @@ std::vector<ModelFitter::Scanned> ModelFitter::scan(const CandidateModel& base, 
   const LinearRefit others(base.fit);
   for_all(list.size(), [&](std::size_t i) {
     scanned[i].candidate = list[i];
-    const auto keep = [&](const Start& start, const Eigen::VectorXd& residual) {
-      const Eigen::VectorXd change = residual - base.fit.residual;
-      if (change.allFinite()) scanned[i].starts.emplace_back(others.gain(change), start);
-    };
-    std::vector<Start> tried;
-    std::vector<Variation> variations;
-    for (const Start& start : list[i].starts) {
-      Hypothesis other = with(base.fit.hypothesis, list[i], start);
-      if (firmware::find_rig_fault(other.rig, problem_.sample_period())) continue;
-      if (list[i].channel && problem_.samples().front().explains(*list[i].channel)) {
-        keep(start, residuals(problem_, predict_sensor(problem_, other, base.fit.prediction, *list[i].channel)));
-        continue;
+    const std::vector<Direction> tried = directions_of(base, list[i]);
+    for (std::size_t from = 0, to = 0; from < tried.size(); from = to) {
+      while (to < tried.size() && tried[to].start == tried[from].start) ++to;
+      const Start& start = list[i].starts[tried[from].start];
+      if (!tried[from].number) {
+        scanned[i].starts.emplace_back(others.gain(tried[from].change), start);
+      } else {
+        keep_best_sizes(others, std::span(tried).subspan(from, to - from), start, scanned[i]);
       }
-      tried.push_back(start);
-      variations.push_back({std::move(other), std::nullopt});
     }
-    const auto values = residuals_of_each(problem_, variations, false, &base.fit.prediction);
-    for (std::size_t s = 0; s < tried.size(); ++s) keep(tried[s], values[s]);
-    effort_.simulations += tried.size();
     std::sort(scanned[i].starts.begin(), scanned[i].starts.end(),
               [](const auto& a, const auto& b) { return a.first > b.first; });
   });
@@ -194,7 +252,8 @@ CandidateModel ModelFitter::fitted_beside(const CandidateModel& base, const Scan
   CandidateModel best;
   best.fit.chi_squared = INFINITY;
   for (std::size_t s = 0; s < std::min<std::size_t>(2, scanned.starts.size()); ++s) {
-    if (s > 0 && scanned.starts[s].first < thresholds::second_start * scanned.starts[0].first) break;
+    const bool near_best = scanned.starts[s].first >= thresholds::second_start * scanned.starts[0].first;
+    if (s > 0 && !near_best && std::isfinite(best.fit.chi_squared)) break;
     const Start& start = scanned.starts[s].second;
     std::vector<firmware::PlacedEffect> effects = base.effects;
     const auto replaced =

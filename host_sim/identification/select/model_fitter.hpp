@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "host_sim/identification/select/selection_criterion.hpp"
 
 namespace host_sim::identification {
+
+class LinearRefit;
 
 /// Work done so far, counted from several threads.
 struct Effort {
@@ -95,6 +98,7 @@ class ModelFitter {
 
  private:
   struct Scanned;
+  struct Direction;
 
   /// Everything that may move in a model with these effects: common parameters, then those of the hypothesis' faults,
   /// those of the effects last.
@@ -103,6 +107,11 @@ class ModelFitter {
 
   /// Candidates beside a model, with the gain of their starts (linear_refit.hpp); best first.
   [[nodiscard]] std::vector<Scanned> scan(const CandidateModel& base, const Scales& scales) const;
+  /// What the candidate's starts change; of those of either sign each parameter's part.
+  [[nodiscard]] std::vector<Direction> directions_of(const CandidateModel& base, const Candidate& candidate) const;
+  /// Keeps a start with the sizes that explain most together, of parameters of either sign.
+  static void keep_best_sizes(const LinearRefit& others, std::span<const Direction> tried, const Start& start,
+                              Scanned& scanned);
 
   /// A candidate beside a model, fitted from its best start or two; columns of the Jacobian of the model are kept.
   [[nodiscard]] CandidateModel fitted_beside(const CandidateModel& base, const Scanned& scanned) const;

@@ -10,6 +10,7 @@ double CandidateModel::penalised_chi_squared(const SelectionCriterion& criterion
   double sum = fit.chi_squared;
   for (const firmware::PlacedEffect& effect : effects) {
     sum += criterion.effect + criterion.parameter * static_cast<double>(effect.values.size());
+    if (effect.channel && effect.entry->lateness != model::Lateness::none) sum += thresholds::late_sensor;
   }
   for (const PlacedFault& fault : faults()) sum += penalty(criterion, fault, channels);
   return sum;

@@ -8,6 +8,7 @@
 #include "firmware/description/values/effects_by_name.hpp"
 #include "firmware/recording/recording.hpp"
 #include "firmware/recording/recording_csv.hpp"
+#include "host_sim/identification/estimate/free_parameter.hpp"
 #include "tests/truth/truth.hpp"
 
 namespace {
@@ -125,6 +126,21 @@ TEST(FreeParameter, StaysNearWhatARecordingShows) {
   const PlacedEffect stop{find_effect("bump_stop"), std::nullopt, {5e-3, 1e5}};
   const identification::FreeParameter clearance = identification::effect_parameters(stop)[0];
   EXPECT_LT(clearance.value(clearance.lower), 1e-3);
+}
+
+// Edge. A factor on a reading is sought from a third to three, inside of what its card allows; other numbers wherever
+// their cards do.
+TEST(FitRange, KeepsAFactorWithinThree) {
+  using namespace host_sim::identification;
+  const FitRange gain = fit_range(find_effect("sensor_gain")->parameters[0]);
+  EXPECT_DOUBLE_EQ(gain.lower, 1.0 / 3.0);
+  EXPECT_DOUBLE_EQ(gain.upper, 3.0);
+  const model::EffectParameter& offset = find_effect("sensor_offset")->parameters[0];
+  EXPECT_EQ(fit_range(offset).lower, offset.lower);
+  EXPECT_EQ(fit_range(offset).upper, offset.upper);
+  const FreeParameter u = effect_parameters({find_effect("sensor_gain"), model::Channel::F, {1.1}}).front();
+  EXPECT_NEAR(u.value(u.lower), 1.0 / 3.0, 1e-12);
+  EXPECT_NEAR(u.value(u.upper), 3.0, 1e-12);
 }
 
 }  // namespace
