@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/description/rig_description.hpp"
+#include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/sha256.hpp"
 #include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/compensation/compensated_stability.hpp"
