@@ -192,7 +192,7 @@ Part look_at(const std::filesystem::path& file, double period) {
     const bool even = std::abs(step - period) < 1e-9, late = std::abs(step - period - recorded.late[k]) < 1e-9;
     // Behind idle, and behind a second of standing in safe, which have no rows; an arming that was stopped and acknowledged
     // in the next period has idle alone between it and the one that follows.
-    const bool again = part.last != Reason::none && now == Reason::none && k > 0 && mode_of(k - 1) == Mode::arming;
+    const bool again = part.last != Reason::none && k > 0 && mode_of(k - 1) == Mode::arming;
     const bool begins = k > 0 && ((mode_of(k) == Mode::arming && (mode_of(k - 1) != Mode::arming || again)) ||
                                   (mode_of(k - 1) == Mode::safe && mode_of(k) != Mode::safe));
     const bool waited = k > 0 && (mode_of(k - 1) == Mode::safe || mode_of(k - 1) == Mode::armed) && !even && !late;
