@@ -49,7 +49,8 @@ TEST(LawBehindMount, FindsTheMountAndTheLaw) {
   EXPECT_NEAR(found->stiffness, 430e3, 0.02 * 430e3);
   EXPECT_NEAR((*found)(0.02) / 0.02, 18e3, 0.03 * 18e3);
   EXPECT_NEAR((*found)(-0.02) / -0.02, 18e3, 0.03 * 18e3);
-  EXPECT_NEAR(((*found)(0.09) - (*found)(0.06)) / 0.03, 1e3, 300.0) << "the slope behind the knee, on what 1.1 kN leaves";
+  EXPECT_NEAR(((*found)(0.09) - (*found)(0.06)) / 0.03, 1e3, 300.0)
+      << "the slope behind the knee, on what 1.1 kN leaves";
   EXPECT_EQ((*found)(0.0), 0.0);
 }
 
