@@ -182,8 +182,11 @@ TEST(LinearRefit, FindsTheBestSizesTogether) {
   Fit base;
   base.residual = Eigen::Vector3d(3.0, -4.0, 1.0);
   base.jacobian = Eigen::Vector3d(0.0, 0.0, 1.0);
-  base.parameters = {{.role = FreeParameter::Role::tolerated, .scale = 1.0, .lower = -10.0, .upper = 10.0}};
+  base.parameters.resize(1);
   base.parameters[0].role = FreeParameter::Role::start;
+  base.parameters[0].scale = 1.0;
+  base.parameters[0].lower = -10.0;
+  base.parameters[0].upper = 10.0;
   base.hypothesis.starts.resize(1);
   const LinearRefit refit(base);
   const Eigen::Matrix3d d = Eigen::Matrix3d::Identity();
