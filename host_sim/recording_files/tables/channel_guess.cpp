@@ -425,11 +425,10 @@ std::optional<ChannelGuess> guess_channel(std::string_view name, std::optional<f
   if (*of == firmware::Dimension::length) channel = displacement(reading, rig);
   if (*of == firmware::Dimension::force) channel = force(reading, rig);
   if (*of == firmware::Dimension::acceleration && rig != model::RigKind::component_bench) {
-    if (rig == model::RigKind::driven_mass) {
-      channel = Channel::zdd_b;  // one mass only
-    } else if (reading.has(Meaning::wheel)) {
+    const bool one_mass = rig == model::RigKind::driven_mass;
+    if (!one_mass && reading.has(Meaning::wheel)) {
       channel = Channel::zdd_w;
-    } else if (reading.has(Meaning::body)) {
+    } else if (one_mass || reading.has(Meaning::body)) {
       channel = Channel::zdd_b;
     } else if (reading.has(Meaning::road)) {
       channel = Channel::zdd_r;
