@@ -222,6 +222,11 @@ bool is_hold(const firmware::CatalogueEntry& entry) {
 
 namespace {
 
+/// A number of few units, whose effect is not proportional to it.
+bool is_shape(const model::EffectParameter& card) {
+  return card.unit == "1" && card.upper - card.lower <= thresholds::range_of_shape;
+}
+
 /// Unit of the coordinate of a parameter of either sign: its size. A value that passes through neutral goes on: beside
 /// others of the same unit it is at least a third of theirs, of a shape (a number of few units) a share of its range.
 double size_of(const firmware::PlacedEffect& effect, std::size_t parameter) {
@@ -233,14 +238,15 @@ double size_of(const firmware::PlacedEffect& effect, std::size_t parameter) {
     if (alike) largest = std::max(largest, size(i) / 3.0);
   }
   const double range = cards[parameter].upper - cards[parameter].lower;
-  const bool is_shape = cards[parameter].unit == "1" && range <= thresholds::range_of_shape;
-  return std::max(largest, is_shape ? thresholds::shape_scale * range : 1e-12);
+  return std::max(largest, is_shape(cards[parameter]) ? thresholds::shape_scale * range : 1e-12);
 }
 
 }  // namespace
 
+bool is_proportional(const model::EffectParameter& card) { return card.lower < 0.0 && !is_shape(card); }
+
 FitRange fit_range(const model::EffectParameter& card) {
-  if (card.neutral == 0.0) return {card.lower, card.upper};
+  if (!is_proportional(card) || card.neutral == 0.0) return {card.lower, card.upper};
   return {std::max(card.lower, card.neutral / thresholds::largest_factor),
           std::min(card.upper, card.neutral * thresholds::largest_factor)};
 }

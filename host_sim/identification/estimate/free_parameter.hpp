@@ -63,8 +63,12 @@ struct FreeParameter {
 [[nodiscard]] std::vector<FreeParameter> start_parameters(const firmware::RigDescription& description,
                                                           const std::vector<PreparedRecording>& recordings);
 
-/// Where a fit may move a parameter of an effect: the bounds of its card, but a factor on a reading no further than
-/// thresholds::largest_factor from what changes nothing.
+/// True for a parameter of either sign that is no shape: what the effect does is proportional to its distance from
+/// `neutral`, all else being as it is.
+[[nodiscard]] bool is_proportional(const model::EffectParameter& card);
+
+/// The range in which a parameter of an effect is fitted: the bounds of its card; of a factor on a reading no further
+/// than thresholds::largest_factor from what changes nothing.
 struct FitRange {
   double lower, upper;
 };

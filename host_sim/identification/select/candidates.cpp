@@ -123,7 +123,7 @@ Starts starts_of(const model::EffectParameter& parameter, const std::vector<Prep
       if (unit == 0.0) break;
       for (const double factor : parameter.starts.factors) {
         starts.push_back({{factor * unit}});
-        if (is_signed(parameter)) break;
+        if (is_proportional(parameter)) break;  // one start shows every size
       }
       break;
     }
@@ -230,10 +230,6 @@ Scales scales_of(const std::vector<PreparedRecording>& recordings, const Hypothe
     }
   }
   return s;
-}
-
-bool is_signed(const model::EffectParameter& parameter) {
-  return parameter.lower < parameter.neutral && parameter.neutral < parameter.upper;
 }
 
 std::vector<Candidate> candidates(const std::vector<PreparedRecording>& recordings, const Hypothesis& hypothesis,

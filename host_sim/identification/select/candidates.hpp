@@ -25,10 +25,6 @@ struct Start {
   HoldClock clock{};           ///< of a hold
 };
 
-/// Whether an effect's parameter may have either sign, around the value with which it does nothing: its force or reading
-/// is proportional to it, and one start shows both signs.
-[[nodiscard]] bool is_signed(const model::EffectParameter& parameter);
-
 /// An effect of the catalogue that has a place on this rig and whose parameters can be seen, with values to start from.
 struct Candidate {
   const firmware::CatalogueEntry* entry;

@@ -145,15 +145,15 @@ std::vector<ModelFitter::Direction> ModelFitter::directions_of(const CandidateMo
   for (std::size_t s = 0; s < candidate.starts.size(); ++s) {
     const Start& start = candidate.starts[s];
     Start neutral = start;
-    bool any = false;
+    std::vector<std::size_t> proportional;
     for (std::size_t p = 0; p < start.values.size(); ++p) {
-      if (!is_signed(candidate.entry->parameters[p])) continue;
-      neutral.values[p] = candidate.entry->parameters[p].neutral;
-      any = true;
+      const model::EffectParameter& card = candidate.entry->parameters[p];
+      if (!is_proportional(card)) continue;
+      neutral.values[p] = card.neutral;
+      proportional.push_back(p);
     }
-    if (!any) add(s, std::nullopt, start);
-    for (std::size_t p = 0; any && p < start.values.size(); ++p) {
-      if (!is_signed(candidate.entry->parameters[p])) continue;
+    if (proportional.empty()) add(s, std::nullopt, start);
+    for (const std::size_t p : proportional) {
       Start one = neutral;
       one.values[p] = start.values[p];
       add(s, p, one);

@@ -138,6 +138,12 @@ TEST(FitRange, KeepsAFactorWithinThree) {
   const model::EffectParameter& offset = find_effect("sensor_offset")->parameters[0];
   EXPECT_EQ(fit_range(offset).lower, offset.lower);
   EXPECT_EQ(fit_range(offset).upper, offset.upper);
+  // Only what an effect is proportional to is scanned at its best size: no shape, no exponent, no position.
+  EXPECT_TRUE(is_proportional(find_effect("sensor_gain")->parameters[0]));
+  EXPECT_TRUE(is_proportional(find_effect("position_ripple")->parameters[1]));
+  EXPECT_FALSE(is_proportional(find_effect("bouc_wen")->parameters[2]));
+  EXPECT_FALSE(is_proportional(find_effect("gas_exponent")->parameters[0]));
+  EXPECT_FALSE(is_proportional(find_effect("stuck_area")->parameters[0]));
   const FreeParameter u = effect_parameters({find_effect("sensor_gain"), model::Channel::F, {1.1}}).front();
   EXPECT_NEAR(u.value(u.lower), 1.0 / 3.0, 1e-12);
   EXPECT_NEAR(u.value(u.upper), 3.0, 1e-12);
