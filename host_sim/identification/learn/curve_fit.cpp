@@ -23,9 +23,8 @@ Eigen::MatrixXd bends_of_free(const std::vector<double>& at) {
 
 PlacedLaw flat_curve(CurvePlace place, CurveOver over, const ExcitedRange& range) {
   PlacedLaw law{place, over, LawFamily::points, range.rms, range.largest()};
-  const double s = thresholds::innermost_point * range.rms, last = std::asinh(range.largest() / s);
-  for (int i = -thresholds::points_each_side; i <= thresholds::points_each_side; ++i) {
-    const double x = i == 0 ? 0.0 : s * std::sinh(last * i / thresholds::points_each_side);
+  const double innermost = thresholds::innermost_point * range.rms;
+  for (const double x : points_around(innermost, range.largest(), thresholds::points_each_side)) {
     if (x < thresholds::beyond_range * range.lowest || x > thresholds::beyond_range * range.highest) continue;
     law.at.push_back(x);
   }

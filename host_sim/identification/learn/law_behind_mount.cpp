@@ -7,6 +7,8 @@
 #include <cstddef>
 
 #include "host_sim/identification/common/golden_section.hpp"
+#include "host_sim/identification/learn/thresholds.hpp"
+#include "host_sim/identification/predict/placed_law.hpp"
 
 namespace host_sim::identification {
 namespace {
@@ -72,10 +74,7 @@ Rest rest_of(const std::vector<Sample>& samples, double compliance) {
   if (!(inner > 0.0) || !std::isfinite(largest)) return {};
   Rest rest;
   rest.law.stiffness = 1.0 / compliance;
-  const double last = std::asinh(largest / inner);
-  for (int i = -points_each_side; i <= points_each_side; ++i) {
-    rest.law.at.push_back(i == 0 ? 0.0 : inner * std::sinh(last * i / points_each_side));
-  }
+  rest.law.at = points_around(inner, largest, points_each_side);
   constexpr Eigen::Index count = 2 * points_each_side + 1, unknowns = count + 2;
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(unknowns, unknowns);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns), row(unknowns);
@@ -108,16 +107,9 @@ Rest rest_of(const std::vector<Sample>& samples, double compliance) {
 
 }  // namespace
 
-double LawBehindMount::operator()(double velocity) const {
-  const auto above = std::upper_bound(at.begin(), at.end(), velocity) - at.begin();
-  const auto upper = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above, 1, std::ssize(at) - 1));
-  const double share = (velocity - at[upper - 1]) / (at[upper] - at[upper - 1]);
-  return force[upper - 1] + share * (force[upper] - force[upper - 1]);
-}
-
 std::optional<LawBehindMount> law_behind_mount(const IdentificationProblem& problem) {
   const std::vector<Sample> samples = samples_of(problem);
-  if (samples.size() < 100) return std::nullopt;
+  if (samples.size() < thresholds::fewest_samples) return std::nullopt;
   const double softest = std::log(rms_about_mean(samples, &Sample::f) / rms_about_mean(samples, &Sample::x));
   if (!std::isfinite(softest)) return std::nullopt;
   constexpr int grid = 24;

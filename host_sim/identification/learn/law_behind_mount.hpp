@@ -23,8 +23,6 @@ struct LawBehindMount {
   double offset = 0.0;        ///< F₀ [N]
   std::vector<double> at;     ///< v_i of the points [m/s], rising, with 0
   std::vector<double> force;  ///< f there [N]
-
-  [[nodiscard]] double operator()(double velocity) const;  ///< f; its last slope goes on
 };
 
 /// Of all that is fitted. nullopt: x_act or F are not recorded or do not move, or no k inside of the range of (3),

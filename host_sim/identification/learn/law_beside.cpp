@@ -26,10 +26,6 @@ bool is_power_of_suspension(const firmware::PlacedEffect& effect, CurveOver over
 
 bool relaxes(const firmware::PlacedEffect& effect) { return effect.entry->force.form == model::Form::relaxing; }
 
-}  // namespace
-
-namespace {
-
 constexpr double probe = 12345.0;
 
 /// The effect with one number that makes `value_in` of a rig that number.
@@ -45,11 +41,7 @@ const firmware::CatalogueEntry* effect_that_sets(std::optional<model::Channel> c
 
 double mount_of(const model::RigParameters<double>& rig) {
   model::SuspensionComponent<double> part{};
-  rig.effects.for_each([&](const auto& slot) {
-    if constexpr (requires { slot.effect.act_on(part); }) {
-      if (slot.active) slot.effect.act_on(part);
-    }
-  });
+  rig.effects.act_on(part);
   return part.mount_stiffness;
 }
 

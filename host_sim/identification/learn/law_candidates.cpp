@@ -92,8 +92,9 @@ std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
   const ForceOfEffects replaced(found_.best.effects, beside.effects, beside.place, beside.over);
   for (std::size_t i = 0; i < law.at.size(); ++i) {
     const LawBehindMount* const read_off = beside.read_off;
-    law.values[i] =
-        read_off != nullptr ? (*read_off)(law.at[i]) - start.rig.suspension.damping * law.at[i] : replaced(law.at[i]);
+    law.values[i] = read_off == nullptr
+                        ? replaced(law.at[i])
+                        : between(read_off->at, read_off->force, law.at[i]) - start.rig.suspension.damping * law.at[i];
     law.size = std::max(law.size, std::abs(law.values[i]));
   }
   put_laws(start.laws, start.rig);

@@ -14,14 +14,6 @@ using Kind = LawValue::Kind;
 
 double sign(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
 
-/// Straight between points and beyond them.
-double between(const std::vector<double>& at, const std::vector<double>& value, double x) {
-  if (at.size() < 2) return 0.0;
-  const auto above = std::upper_bound(at.begin(), at.end(), x) - at.begin();
-  const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above, 1, std::ssize(at) - 1));
-  return value[i - 1] + (value[i] - value[i - 1]) * (x - at[i - 1]) / (at[i] - at[i - 1]);
-}
-
 /// The x below which a family bends most.
 double bend(const PlacedLaw& law) {
   switch (law.family) {
@@ -40,15 +32,21 @@ model::LawPlace place_of(const PlacedLaw& law) {
   return places[static_cast<std::size_t>(law.place)];
 }
 
-/// 0 and `each_side` points on each side of it, dense within `bend`.
+}  // namespace
+
+double between(const std::vector<double>& at, const std::vector<double>& value, double x) {
+  if (at.size() < 2) return 0.0;
+  const auto above = std::upper_bound(at.begin(), at.end(), x) - at.begin();
+  const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above, 1, std::ssize(at) - 1));
+  return value[i - 1] + (value[i] - value[i - 1]) * (x - at[i - 1]) / (at[i] - at[i - 1]);
+}
+
 std::vector<double> points_around(double bend, double largest, int each_side) {
   std::vector<double> points;
   const double last = std::asinh(largest / bend);
   for (int i = -each_side; i <= each_side; ++i) points.push_back(i == 0 ? 0.0 : bend * std::sinh(last * i / each_side));
   return points;
 }
-
-}  // namespace
 
 std::string_view name(CurvePlace place) {
   constexpr std::array<std::string_view, 4> names{"suspension", "tyre", "body_guide", "wheel_guide"};

@@ -61,6 +61,11 @@ inline constexpr std::size_t law_families = 14;
   return family == LawFamily::points || family == LawFamily::free_surface || has_memory(family);
 }
 
+/// Straight between points and beyond them.
+[[nodiscard]] double between(const std::vector<double>& at, const std::vector<double>& value, double x);
+/// 0 and `each_side` points on each side of it up to `largest`, dense within `bend`: ± bend sinh(i a).
+[[nodiscard]] std::vector<double> points_around(double bend, double largest, int each_side);
+
 /// The guides hold body and wheel against the ground: laws over ż_b and ż_w.
 enum class CurvePlace : unsigned char { suspension, tyre, body_guide, wheel_guide };
 enum class CurveOver : unsigned char { velocity, deflection, both };
