@@ -1,13 +1,12 @@
-// What a guard of its own must not let pass, as the simulated rig shows it.
+// Invariants of the control loop's guards, checked on the simulated rig.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <string>
 
 #include "tests/faults/scenario.hpp"
+#include "tests/faults/watch.hpp"
 
 namespace faults {
 
@@ -25,10 +24,10 @@ namespace faults {
 ///             `sway`; a probe does not pass with a wrong sign or gain
 ///   force     of a bench or a hil rig, torn off for 3.2 s of a run in which the drive moves: the run has ended
 ///   loop      a hil rig with a force of the wrong sign is not driven beyond 60 mm
-class GuardWatch {
+class GuardWatch : public Watch {
  public:
   GuardWatch(const Scenario& scenario, const rig_under_test::Journey& journey)
-      : scenario_(scenario), journey_(journey), looked_(journey.rig.now()) {
+      : Watch("guard", scenario, journey), looked_(journey.rig.now()) {
     places_.fill(journey.rig.drive().position);
   }
 
@@ -49,19 +48,9 @@ class GuardWatch {
     places_[newest_ = (newest_ + 1) % places_.size()] = place;
   }
 
-  [[nodiscard]] const std::string& violated() const { return violated_; }
-
  private:
   static constexpr std::size_t window = 20;  // [periods]
 
-  void violate(const char* what, double value, double limit) {
-    if (!violated_.empty()) return;
-    char text[200];
-    std::snprintf(text, sizeof text, "guard: %s: %.6g, limit %.6g, at %.3f s in %s after %s", what, value, limit,
-                  journey_.rig.now().seconds(), std::string(name(mode_)).c_str(),
-                  std::string(name(journey_.loop.trip().reason)).c_str());
-    violated_ = text;
-  }
   [[nodiscard]] bool behind_arming() const { return leads_drive(mode_) && mode_ != Mode::arming; }
   [[nodiscard]] double place(std::size_t periods_ago) const {
     return places_[(newest_ + places_.size() + 1 - periods_ago) % places_.size()];
@@ -161,9 +150,6 @@ class GuardWatch {
     if (rms > 2.5e-3) violate("a torn-off force [periods]", torn_, 3200.0);
   }
 
-  const Scenario& scenario_;
-  const rig_under_test::Journey& journey_;
-  std::string violated_;
   Mode mode_ = Mode::idle, before_ = Mode::idle;
   hal::Time looked_;
   std::array<double, window + 2> places_{};  ///< after each period, a ring [m]

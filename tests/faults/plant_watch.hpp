@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <string>
 #include <vector>
 
 #include "tests/faults/scenario.hpp"
+#include "tests/faults/watch.hpp"
 #include "tests/firmware/loop/rig_under_test.hpp"
 
 namespace faults {
@@ -30,10 +29,10 @@ namespace faults {
 /// 80 ms: braking from 0.7 m/s at 20 m/s² takes 35, two periods that begin 20 ms late 40, 5 are left. A contact that is
 /// welded without anything that shows it is nobody's fault; what shows it (enable_feedback) has 0.2 s, the watchdog 20
 /// ms more.
-class PlantWatch {
+class PlantWatch : public Watch {
  public:
   PlantWatch(const Scenario& scenario, const rig_under_test::Journey& journey)
-      : scenario_(scenario), journey_(journey), place_(journey.rig.drive().position), musts_(must_trip(scenario)) {}
+      : Watch("plant", scenario, journey), place_(journey.rig.drive().position), musts_(must_trip(scenario)) {}
 
   /// Before a period.
   void asked(Request::What what) {
@@ -70,8 +69,6 @@ class PlantWatch {
     place_ = journey_.rig.drive().position;
     mode_ = mode;
   }
-
-  [[nodiscard]] const std::string& violated() const { return violated_; }
 
  private:
   static constexpr double reaction = 0.08;        // [s]
@@ -127,14 +124,6 @@ class PlantWatch {
   [[nodiscard]] bool welded() const {
     return std::any_of(scenario_.stuck_enables.begin(), scenario_.stuck_enables.end(),
                        [&](const auto& f) { return f.on && f.window.contains(now()); });
-  }
-  void violate(const char* what, double value, double limit) {
-    if (!violated_.empty()) return;
-    char text[200];
-    std::snprintf(text, sizeof text, "plant: %s: %.6g, limit %.6g, at %.3f s in %s after %s", what, value, limit,
-                  now().seconds(), std::string(name(journey_.loop.mode())).c_str(),
-                  std::string(name(journey_.loop.trip().reason)).c_str());
-    violated_ = text;
   }
 
   void look_at_press() {
@@ -338,9 +327,6 @@ class PlantWatch {
     }
   }
 
-  const Scenario& scenario_;
-  const rig_under_test::Journey& journey_;
-  std::string violated_;
   hal::Time asked_at_ = hal::never;
   hal::Time pressed_at_ = hal::never;
   double place_;  ///< of the drive, after the period before [m]

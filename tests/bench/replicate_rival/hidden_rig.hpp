@@ -21,7 +21,7 @@ struct HiddenRig {
 /// top mount of 300 … 1000 kN/m (even in its logarithm), lag 15 … 25 ms, delay 3 … 6 ms, class B or C.
 [[nodiscard]] HiddenRig draw_rig(std::uint64_t seed);
 
-/// What z̈_w of the true rig does on its road, with its sensor's noise.
+/// z̈_w of the true rig on its road, with its sensor's noise.
 [[nodiscard]] firmware::Recording target_of(const HiddenRig& rig, double seconds, std::uint64_t seed);
 
 /// A command that holds all frequencies of the target's band, for the rig to be identified with.

@@ -48,10 +48,14 @@ InverseResponse::InverseResponse(const host_sim::replicate::Target& target,
   take(drive_);
 }
 
-void InverseResponse::take(const std::vector<double>& answer) {
+std::vector<double> InverseResponse::error(const std::vector<double>& answer) const {
   std::vector<double> error = target_.values.front();
   for (std::size_t k = 0; k < std::min(error.size(), answer.size()); ++k) error[k] -= answer[k];
-  const std::vector<double> step = inverse_.drive({inverse_.in_band(0, error)});
+  return inverse_.in_band(0, error);
+}
+
+void InverseResponse::take(const std::vector<double>& answer) {
+  const std::vector<double> step = inverse_.drive({error(answer)});
   for (std::size_t k = 0; k < drive_.size(); ++k) drive_[k] += gain_ * step[k];
   drive_ = limits_(std::move(drive_));
 }

@@ -24,6 +24,9 @@ class InverseResponse {
                   const host_sim::replicate::DriveLimits& limits, double gain);
 
   [[nodiscard]] const std::vector<double>& drive() const { return drive_; }
+  /// t − y in the band of the target; what an answer that ended early lacks is an error.
+  [[nodiscard]] std::vector<double> error(const std::vector<double>& answer) const;
+  [[nodiscard]] double target_rms() const { return inverse_.target_rms(0); }
   /// The rig's answer to drive(); makes the next.
   void take(const std::vector<double>& answer);
 

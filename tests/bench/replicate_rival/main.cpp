@@ -67,14 +67,11 @@ std::vector<double> run_rival(const HiddenRig& rig, const firmware::Recording& t
   const replicate::Target wanted =
       replicate::make_target(rig.described, replicate::parse_request("zdd_w", {"0.7:40"}), {target});
   const auto response = measured_response(identified, replicate::BandInverse::transform_length(wanted));
-  const replicate::BandInverse inverse(replicate::BandInverse::transform_length(wanted), {response}, wanted);
   InverseResponse rival(wanted, response, replicate::limits_of(rig.described), gain);
   std::vector<double> errors;
   for (std::size_t r = 0; r < runs; ++r) {
     const auto answer = run(rig.truth, rival.drive(), seed + r)[Channel::zdd_w];
-    std::vector<double> error = wanted.values.front();
-    for (std::size_t k = 0; k < error.size(); ++k) error[k] -= k < answer.size() ? answer[k] : 0.0;
-    errors.push_back(replicate::rms_over(wanted.events, inverse.in_band(0, error)) / inverse.target_rms(0));
+    errors.push_back(replicate::rms_over(wanted.events, rival.error(answer)) / rival.target_rms());
     rival.take(answer);
   }
   return errors;
