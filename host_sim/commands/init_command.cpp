@@ -111,7 +111,8 @@ std::string description_of(const InitOptions& options, const std::string& kind) 
                      kind + "\"\n" +
                      entry("sample_rate", value_of(options.sample_rate, "Sample rate", "Hz", 1000.0),
                            "Hz, of the control loop and of its recordings");
-  if (bench && options.force) {
+  const bool driven = bench && options.driven_by == "force";
+  if (driven) {
     text += "driven_by = \"force\"                     # F is the input; x_act and zdd_b, or one of them, answer\n";
     text += "\n[body]\n" + entry("mass", value_of(options.body, "Mass", "kg", driven_mass),
                                  "kg, all that moves: payload, armature, a third of the spring");
@@ -126,7 +127,6 @@ std::string description_of(const InitOptions& options, const std::string& kind) 
                   "N/m, at working pressure and load") +
             entry("damping", value_of(options.tyre_damping, "Tyre damping", "N s/m", 100.0), "N s/m");
   }
-  const bool driven = bench && options.force;
   text +=
       std::string(bench && !driven ? "\n" : "") + "[suspension]\n" +
       entry("stiffness",
@@ -159,7 +159,7 @@ void init(const InitOptions& options) {
     kind = answer_to("Kind of rig (" + std::string(kinds) + "), usual quarter_car:");
     if (kind.empty()) kind = "quarter_car";
   }
-  if (options.force && kind != "component_bench") {
+  if (options.driven_by == "force" && kind != "component_bench") {
     throw firmware::UsageError("--driven-by force: is for a component_bench, expected --kind component_bench");
   }
   if (kind != "quarter_car" && kind != "hil" && kind != "component_bench") {
@@ -196,10 +196,7 @@ void add_init(CLI::App& app, InitOptions& options) {
       ->check(CLI::IsMember({"motion", "force"}));
   command->add_flag("--fdva", options.fdva, "With the paper's fluid dynamic vibration absorber");
   command->add_option("--json", options.json, "Write what was made as JSON (- for standard output)");
-  command->callback([&options] {
-    options.force = options.driven_by == "force";
-    init(options);
-  });
+  command->callback([&options] { init(options); });
 }
 
 }  // namespace host_sim

@@ -20,7 +20,6 @@ struct InitOptions {
   std::optional<double> virtual_damping;                                                         ///< hil [N s/m]
   bool fdva = false;
   std::string driven_by = "motion";  ///< or "force": a component_bench whose input is F, with a mass
-  bool force = false;                ///< driven_by is "force"
   std::string json;
 };
 

@@ -292,7 +292,7 @@ double Tracking::best_share(std::size_t piece, double share, const std::vector<d
   return best_share;
 }
 
-/// What the end of step k costs, added to `go`, and what its acceleration costs.
+/// Adds the cost of the state at the end of step k to `go`; qww_ and qw_ begin with that of its acceleration.
 void Tracking::add_own_cost(std::size_t k, CostToGo& go) {
   const std::size_t n = n_;
   const double* const s = &s_[(k + 1) * n];
@@ -377,7 +377,7 @@ void Tracking::carry_back(const CostToGo& go) {
   }
 }
 
-/// What an output e·s + f w with this value costs, where its square costs half the weight.
+/// Adds the cost weight/2 · y² of an output y = e·s + f w that has this value.
 void Tracking::add_output_cost(double f, double weight, double value) {
   const std::size_t n = n_;
   const std::vector<double>& e = error_row_;

@@ -34,8 +34,6 @@ RigKind kind_of(const firmware::Recording& recording) {
   return machine ? RigKind::hil : RigKind::quarter_car;
 }
 
-std::string_view name_of(RigKind kind) { return model::name(kind); }
-
 void check_kind(const firmware::RigDescription& description, const firmware::Recording& recording) {
   const RigKind kind = kind_of(recording);
   if (kind == description.rig.kind) return;
@@ -47,8 +45,8 @@ void check_kind(const firmware::RigDescription& description, const firmware::Rec
     channels += (channels.empty() ? "" : ", ") + std::string(model::channel_names[c].name);
   }
   throw firmware::InputError(
-      recording.source, 0, "looks like a recording of a " + std::string(name_of(kind)) + " (" + channels + ")",
-      "one of a " + std::string(name_of(description.rig.kind)) + ", as the rig description says" +
+      recording.source, 0, "looks like a recording of a " + std::string(model::name(kind)) + " (" + channels + ")",
+      "one of a " + std::string(model::name(description.rig.kind)) + ", as the rig description says" +
           (description.rig.kind == RigKind::driven_mass ? ": F, and x_act or zdd_b" : ""));
 }
 
