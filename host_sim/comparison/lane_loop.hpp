@@ -107,7 +107,11 @@ class LaneLoop {
     model::MachinePath<S> machine{};
     model_.parameters().effects.act_on(machine);
     model::Stroke<S> reached{core(0) - core(2), core(1) - core(3)};
-    if (job_.kind == model::RigKind::component_bench) reached = {first.position, first.velocity};
+    if (job_.kind == model::RigKind::component_bench) {
+      const S away = remembers(machine) ? core(bench_machine_state) : S(0);
+      reached = {first.position + away, first.velocity};
+      core(bench_machine_state) = S(0);
+    }
     reached.position -= reached.velocity * machine.delay;
     typename Rig::State x = model_.start(core, first, reached);
     if (job_.actuator_force != nullptr) x.actuator_force = S(job_.actuator_force[0]);

@@ -6,10 +6,22 @@
 
 #include "model/components/channel.hpp"
 #include "model/components/fdva.hpp"
+#include "model/components/subsystems.hpp"
 #include "model/laws/law_tables.hpp"
 #include "model/numerics/motion.hpp"
+#include "model/numerics/select.hpp"
 
 namespace host_sim {
+
+/// Place in InitialState of how far the machine of a component_bench is from where it would have settled.
+inline constexpr int bench_machine_state = 0;
+
+/// Whether it matters: a machine without a lag, a resonance or a rate limit forgets, but for its delay.
+template <class S>
+[[nodiscard]] bool remembers(const model::MachinePath<S>& machine) {
+  using model::same;
+  return same(machine.lag + machine.resonance_frequency + machine.rate_limit > S(0));
+}
 
 /// The laws of a rig. Of a table counts here what it is, not its numbers.
 struct LaneLaws {

@@ -9,6 +9,7 @@
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/quantity.hpp"
 #include "firmware/loop/area_control.hpp"
+#include "host_sim/comparison/lane_simulation.hpp"
 #include "host_sim/comparison/measured_motion.hpp"
 #include "model/components/sensors.hpp"
 
@@ -212,6 +213,17 @@ InitialState resting(const Rig& rig, const SimulationInput& input) {
   return start;
 }
 
+std::vector<int> free_states(const Rig& rig, const SimulationInput& input, const firmware::Recording& recording) {
+  std::vector<int> states;
+  if (rig.kind == RigKind::component_bench) {
+    if (input.channel == Channel::x_cmd && recording.has(Channel::x_act)) states.push_back(bench_machine_state);
+  } else {
+    states = input.wheel_prescribed || input.is_force() ? std::vector{2, 3} : std::vector{0, 1, 2, 3};
+  }
+  if (rig.has_fdva && rig.fdva.open_ducts > 0) states.insert(states.end(), {4, 5});
+  return states;
+}
+
 namespace {
 
 /// simulate() with a model that has room for what the rig has.
@@ -238,9 +250,12 @@ Response simulated(const Rig& rig, const SimulationInput& input, const InitialSt
   model::MachinePath<double> machine{};
   model->parameters().effects.act_on(machine);
   model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
-  reached = bench ? model::Stroke<double>{first.position, first.velocity} : model->component_stroke(reached);
+  const double away = remembers(machine) ? start(bench_machine_state) : 0.0;
+  reached = bench ? model::Stroke<double>{first.position + away, first.velocity} : model->component_stroke(reached);
   reached.position -= reached.velocity * machine.delay;
-  auto x = model->start(start, first, reached);
+  InitialState core = start;
+  if (bench) core(bench_machine_state) = 0.0;
+  auto x = model->start(core, first, reached);
   if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();
 
   for (std::size_t k = 0;; ++k) {

@@ -41,8 +41,6 @@ struct SimulationInput {
 
   [[nodiscard]] std::size_t size() const { return motion.size(); }
   [[nodiscard]] bool is_force() const { return channel == model::Channel::F; }
-  /// The first of InitialState that is free: what a prescribed wheel or a fixed base does is known.
-  [[nodiscard]] int first_free_state() const { return wheel_prescribed || is_force() ? 2 : 0; }
 };
 
 /// [m] How far a rig moves in a recording, for differences and bounds of its state: the largest displacement of the
@@ -58,8 +56,14 @@ struct SimulationInput {
 /// and F_w.
 [[nodiscard]] std::vector<model::Channel> response_channels(model::RigKind kind, const SimulationInput& input);
 
-/// z_w, ż_w, z_b, ż_b, y, ẏ
+/// z_w, ż_w, z_b, ż_b, y, ẏ. A component_bench has no car: there z_w's place holds how far a machine with a lag, a
+/// resonance or a rate limit is from where it would have settled on its command [m].
 using InitialState = model::Column<double, 6>;
+
+/// Those of InitialState that a recording does not tell: of a car all but what a prescribed wheel or a fixed base does,
+/// of a bench behind its command the machine, where x_act is recorded; of ducts the fluid.
+[[nodiscard]] std::vector<int> free_states(const model::RigParameters<double>& rig, const SimulationInput& input,
+                                           const firmware::Recording& recording);
 
 /// At rest above the first sample of the input; on a prescribed wheel moving with it.
 [[nodiscard]] InitialState resting(const model::RigParameters<double>& rig, const SimulationInput& input);

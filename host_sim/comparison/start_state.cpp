@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host_sim/comparison/lane_simulation.hpp"
 #include "host_sim/least_squares/gauss_newton.hpp"
 
 namespace host_sim {
@@ -43,10 +44,10 @@ class StartProblem {
     constexpr double window = 3.0;  // [s]
     constexpr std::size_t fewest = 10;
     samples_ = std::max(fewest, std::min(input.size(), static_cast<std::size_t>(window / input.period)));
-    const bool has_car = rig.kind != RigKind::component_bench, has_piston = rig.has_fdva && rig.fdva.open_ducts > 0;
-    for (int state = input.first_free_state(); state < 6; ++state) {
-      if (state < 4 ? has_car : has_piston) free_.push_back(state);
-    }
+    free_ = free_states(rig, input, recording);
+    model::MachinePath<double> machine{};
+    rig.effects.act_on(machine);
+    if (rig.kind == RigKind::component_bench && !remembers(machine)) std::erase(free_, bench_machine_state);
     size_ = size_of_motion(rig, input, recording);
   }
 

@@ -104,13 +104,10 @@ std::vector<FreeParameter> start_parameters(const firmware::RigDescription& desc
                                             const std::vector<PreparedRecording>& recordings) {
   std::vector<FreeParameter> parameters;
   const model::RigParameters<double> rig = explained_part(description.rig);
-  const bool has_car = rig.kind != model::RigKind::component_bench;
-  const bool has_piston = rig.has_fdva && rig.fdva.open_ducts > 0;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     if (recordings[r].at_rest || recordings[r].fitted.size() == 0) continue;
     const double size = std::max(size_of_motion(rig, recordings[r].input, recordings[r].recording), 1e-6);
-    for (int state = recordings[r].input.first_free_state(); state < 6; ++state) {
-      if (!(state < 4 ? has_car : has_piston)) continue;
+    for (const int state : free_states(rig, recordings[r].input, recordings[r].recording)) {
       parameters.push_back({.role = FreeParameter::Role::start,
                             .path = "",
                             .recording = r,

@@ -326,4 +326,28 @@ TEST(Simulation, StartsARecordingOfNothingAtRest) {
   EXPECT_TRUE(host_sim::begins_at_rest(rig.rig, input, recording));
 }
 
+// Law. A machine that has not settled on its command when the recording begins comes to it as its lag lets it,
+// x_act − x_cmd = a e^(−t/T); the state at the start is found from x_act, and at rest is none.
+TEST(Simulation, FindsWhereAMachineBegins) {
+  auto bench = parse_rig(support::bench_text, "RIG.toml");
+  constexpr double lag = 0.2, away = -2e-3;
+  bench.rig.effects.add(model::ActuatorLag<double>{lag});
+  Recording recording =
+      recording_of({{Channel::x_cmd, std::vector<double>(1000, 2e-3)}, {Channel::x_act, std::vector<double>(1000)}});
+  for (std::size_t k = 0; k < 1000; ++k) {
+    recording[Channel::x_act][k] = 2e-3 + away * std::exp(-1e-3 * static_cast<double>(k) / lag);
+  }
+  const SimulationInput input = simulation_input(bench.rig, recording);
+  EXPECT_EQ(host_sim::free_states(bench.rig, input, recording), std::vector{0});
+  EXPECT_FALSE(host_sim::begins_at_rest(bench.rig, input, recording));
+  const InitialState start = host_sim::estimated_start(bench.rig, input, recording);
+  const Response response = simulate(bench.rig, input, start);
+  // The command comes to its value within the first step, h/2 too late: a h/(2 T) at most.
+  for (std::size_t k = 0; k < 1000; ++k) {
+    ASSERT_NEAR(response[index(Channel::x_act)][k], recording[Channel::x_act][k], 2e-3 * 1e-3 / (2.0 * lag)) << k;
+  }
+  recording[Channel::x_act].clear();
+  EXPECT_TRUE(host_sim::free_states(bench.rig, input, recording).empty()) << "nothing tells it";
+}
+
 }  // namespace
