@@ -244,7 +244,7 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
       continue;
     }
     const FoundCause& cause = suspect.cause;
-    RatedRivals rivals = rated(cause.rivals, 0.0, cause.parameters, certainty.temper, [&](const Hypothesis& rival) {
+    RatedRivals rivals = rated(cause.rivals, 0.0, 0.0, cause.parameters, certainty.temper, [&](const Hypothesis& rival) {
       return best_experiment(problem, found.best.fit.hypothesis, rival);
     });
     off.alternatives = std::move(rivals.alternatives);

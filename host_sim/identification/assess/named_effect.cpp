@@ -83,18 +83,22 @@ bool has_close_rival(const std::vector<Alternative>& alternatives) {
                      [](const Alternative& other) { return is_close(other); });
 }
 
-RatedRivals rated(const std::vector<Rival>& effects, double of_best, const std::vector<RivalParameter>& parameters,
-                  double temper, const std::function<std::string(const Hypothesis&)>& experiment) {
+RatedRivals rated(const std::vector<Rival>& effects, double of_best, double own_rarity,
+                  const std::vector<RivalParameter>& parameters, double temper,
+                  const std::function<std::string(const Hypothesis&)>& experiment) {
   RatedRivals result;
-  const auto add = [&](const Alternative::Cause& cause, double apart, const Hypothesis& hypothesis) {
-    const double odds = std::exp(std::min(apart / (2.0 * temper), thresholds::most_logarithmic_odds));
+  const auto add = [&](const Alternative::Cause& cause, double apart, double rarer, const Hypothesis& hypothesis) {
+    const double logarithm = 0.5 * ((apart - rarer) / temper + rarer);
+    const double odds = std::exp(std::min(logarithm, thresholds::most_logarithmic_odds));
     result.odds.push_back(odds);
     const bool close = odds < thresholds::close_odds;
     result.alternatives.push_back({cause, odds, close ? experiment(hypothesis) : std::string()});
   };
-  for (const Rival& rival : effects) add(rival.effect, rival.penalised_chi_squared - of_best, rival.hypothesis);
+  for (const Rival& rival : effects) {
+    add(rival.effect, rival.penalised_chi_squared - of_best, rarity(rival.effect) - own_rarity, rival.hypothesis);
+  }
   for (const RivalParameter& rival : parameters) {
-    add(ParameterValue{rival.path, rival.value}, rival.penalised_chi_squared, rival.hypothesis);
+    add(ParameterValue{rival.path, rival.value}, rival.penalised_chi_squared, -own_rarity, rival.hypothesis);
   }
   std::stable_sort(result.alternatives.begin(), result.alternatives.end(),
                    [](const Alternative& a, const Alternative& b) { return a.odds_against < b.odds_against; });
@@ -127,9 +131,10 @@ std::vector<NamedEffect> named_effects(const IdentificationProblem& problem, con
     std::erase_if(others, [&](const Rival& rival) {  // the same in another minimum
       return rival.effect.entry == named.effect.entry && rival.effect.channel == named.effect.channel;
     });
-    RatedRivals rivals =
-        rated(others, best.penalised_chi_squared(criterion), found.causes[i].parameters, certainty.temper,
-              [&](const Hypothesis& rival) { return best_experiment(problem, best.fit.hypothesis, rival); });
+    RatedRivals rivals = rated(others, best.penalised_chi_squared(criterion), rarity(named.effect),
+                               found.causes[i].parameters, certainty.temper, [&](const Hypothesis& rival) {
+                                 return best_experiment(problem, best.fit.hypothesis, rival);
+                               });
     named.alternatives = std::move(rivals.alternatives);
     named.confidence = confidence(rivals.odds, gain, certainty);
     // What could imitate other laws does so where it leaves a rest.

@@ -59,7 +59,8 @@ struct Certainty {
 
 /// Confidence of an effect that gained so much χ², with the odds against each of its rivals:
 ///
-///   (2)  odds_i     = exp((penalised χ²_i − penalised χ²) / (2 temper))          Bayes factor, as BIC approximates it
+///   (2)  odds_i     = exp((penalised χ²_i − penalised χ²) / (2 temper) + (rarity_i − rarity) / 2)      Bayes factor,
+///                     as BIC approximates it, and prior odds (selection_criterion.hpp), of which the first holds none
 ///   (3)  outside    = outside_share · ln(seen · temper/(gain · q₀))/ln(1/q₀)     in 0 … outside_share
 ///   (4)  confidence = highest_confidence · worth · (1 − outside) / (1 + Σ 1/odds_i)
 ///
@@ -73,9 +74,9 @@ struct RatedRivals {
   std::vector<double> odds;               ///< (2), of all
   std::vector<Alternative> alternatives;  ///< the nearest first, thresholds::most_alternatives at most
 };
-/// `of_best`: what the χ² of `effects` counts from; `experiment`: tells the model from that of a rival, and is asked of
+/// `of_best`: what the χ² of `effects` counts from, with `own_rarity` of the cause in it; `experiment`: tells the model from that of a rival, and is asked of
 /// those that are close.
-[[nodiscard]] RatedRivals rated(const std::vector<Rival>& effects, double of_best,
+[[nodiscard]] RatedRivals rated(const std::vector<Rival>& effects, double of_best, double own_rarity,
                                 const std::vector<RivalParameter>& parameters, double temper,
                                 const std::function<std::string(const Hypothesis&)>& experiment);
 

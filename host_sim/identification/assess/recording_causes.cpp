@@ -107,7 +107,7 @@ std::vector<RecordingFault> recording_causes(const IdentificationProblem& proble
     const FoundCause support = f < found.faults.size() ? found.faults[f] : FoundCause();
     const auto no_experiment = [](const Hypothesis&) { return std::string(); };  // it would be one with the recorder
     const RatedRivals rivals =
-        rated(support.rivals, best.penalised_chi_squared(criterion), {}, certainty.temper, no_experiment);
+        rated(support.rivals, best.penalised_chi_squared(criterion), 0.0, {}, certainty.temper, no_experiment);
     for (RecordingFault& cause : described(problem, best.fit.hypothesis, fault, next)) {
       cause.confidence = confidence(rivals.odds, support.gain, certainty);
       cause.alternatives = rivals.alternatives;

@@ -10,10 +10,14 @@ double CandidateModel::penalised_chi_squared(const SelectionCriterion& criterion
   double sum = fit.chi_squared;
   for (const firmware::PlacedEffect& effect : effects) {
     sum += criterion.effect + criterion.parameter * static_cast<double>(effect.values.size());
-    if (effect.channel && effect.entry->lateness != model::Lateness::none) sum += thresholds::late_sensor;
+    sum += rarity(effect);
   }
   for (const PlacedFault& fault : faults()) sum += penalty(criterion, fault, channels);
   return sum;
+}
+
+double rarity(const firmware::PlacedEffect& effect) {
+  return effect.channel && effect.entry->lateness != model::Lateness::none ? thresholds::late_sensor : 0.0;
 }
 
 double penalty(const SelectionCriterion& criterion, const PlacedFault& fault, std::size_t channels) {

@@ -66,6 +66,10 @@ struct SelectionCriterion {
   [[nodiscard]] bool accepts(const CandidateModel& longer, const CandidateModel& shorter, double least_share) const;
 };
 
+/// −2 ln of how much rarer an effect is than others: what a late sensor costs in (1). A prior, so no model error makes
+/// less of it.
+[[nodiscard]] double rarity(const firmware::PlacedEffect& effect);
+
 /// Penalty of a fault in (1), beside `channels` measured ones.
 [[nodiscard]] double penalty(const SelectionCriterion& criterion, const PlacedFault& fault, std::size_t channels);
 

@@ -19,6 +19,7 @@
 #include "host_sim/identification/report/diagnosis_report.hpp"
 #include "host_sim/identification/report/verdict_json.hpp"
 #include "host_sim/identification/select/select_model.hpp"
+#include "host_sim/identification/select/thresholds.hpp"
 #include "tests/host_sim/identification/sample_problem.hpp"
 #include "tests/host_sim/identification/truth_recording.hpp"
 
@@ -39,6 +40,26 @@ TEST(Confidence, FollowsItsEquation) {
               (1.0 - thresholds::outside_share * 2.0 / 3.0) * thresholds::highest_confidence, 1e-12);
   EXPECT_DOUBLE_EQ(confidence({}, 1e9, {0.4, 1.0, 200.0, false}), 0.4 * thresholds::highest_confidence);
   EXPECT_LT(confidence({}, 2000.0, {1.0, 5.0, 200.0, false}), confidence({}, 2000.0, certain)) << "χ² is worth a fifth";
+}
+
+// Law. That sensors are seldom late is known whatever a model leaves: of a machine and a sensor that explain the same,
+// χ² of both sixteen times the noise's, the odds are those of the prior, 10 to 1. What χ² says counts a sixteenth.
+TEST(Confidence, DoesNotTemperAPrior) {
+  const firmware::CatalogueEntry* const lag = firmware::find_effect("sensor_lag");
+  const firmware::CatalogueEntry* const delay = firmware::find_effect("actuator_delay");
+  ASSERT_TRUE(lag != nullptr && delay != nullptr);
+  const Rival late{{lag, Channel::x_act, {0.01}}, 1000.0 + thresholds::late_sensor, {}};
+  const Rival worse{{delay, std::nullopt, {0.01}}, 1000.0 + 32.0, {}};
+  const auto none = [](const Hypothesis&) { return std::string(); };
+  const RatedRivals rivals = rated({late, worse}, 1000.0, 0.0, {}, 16.0, none);
+  ASSERT_EQ(rivals.odds.size(), 2U);
+  EXPECT_NEAR(rivals.odds[0], std::exp(0.5 * thresholds::late_sensor), 1e-9);
+  EXPECT_NEAR(rivals.odds[1], std::exp(1.0), 1e-9);
+  // And where the sensor was found first: the machine is then the more likely one.
+  const Rival machine{{delay, std::nullopt, {0.01}}, 1000.0, {}};
+  const double odds =
+      rated({machine}, 1000.0 + thresholds::late_sensor, thresholds::late_sensor, {}, 16.0, none).odds[0];
+  EXPECT_NEAR(odds, std::exp(-0.5 * thresholds::late_sensor), 1e-9);
 }
 
 // A law that could imitate others, beside a rest, is an imitation; another effect beside a rest is not.
