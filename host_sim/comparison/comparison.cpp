@@ -38,7 +38,7 @@ ComparedRecording::ComparedRecording(const firmware::RigDescription& description
     : recording_(std::move(recording)),
       step_(model_steps_per_sample(recording_.sample_period, description.rig.kind == model::RigKind::hil
                                                                  ? 1.0 / description.sample_rate
-                                                                 : longest_model_step)),
+                                                                 : longest_step(description.rig.kind, recording_))),
       range_(description.range),
       tared_(take_off_constants(description.rig, recording_, range_)),
       simulated_(interpolated(recording_, step_)),

@@ -25,6 +25,14 @@ bool is_stepped(const std::vector<double>& command) {
   return jumps > 0 && 2 * jumps > moves;
 }
 
+double longest_step(model::RigKind kind, const firmware::Recording& recording) {
+  constexpr double fastest = 30.0;  // [Hz] where longest_model_step is right
+  if (kind != model::RigKind::component_bench || is_stepped(recording[model::Channel::x_cmd])) {
+    return longest_model_step;
+  }
+  return longest_model_step * std::max(1.0, 2.0 * fastest * recording.sample_period);
+}
+
 firmware::Recording interpolated(const firmware::Recording& recording, std::size_t factor) {
   if (factor == 1 || recording.size() < 2) return recording;
   const std::size_t count = factor * (recording.size() - 1) + 1;

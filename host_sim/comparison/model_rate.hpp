@@ -5,12 +5,22 @@
 #include <vector>
 
 #include "firmware/recording/recording.hpp"
+#include "model/rig/rig_parameters.hpp"
 
 namespace host_sim {
 
 /// [s] The longest step of a simulation. Between samples the input is a cubic whose velocity has an error of (ωh)⁴/30:
 /// 4e-5 at 30 Hz and this step. Half: 3e-6, twice the time. Twice: 7e-4, and 3 % at 5 ms, which passes for an effect.
 inline constexpr double longest_model_step = 1e-3;
+
+/// [s] The same of a rig in a recording. A component_bench has no motion of its own that is slower than its machine and
+/// faster than its samples, and a recording nothing above half of its rate f, so (ωh)⁴/30 is the same 4e-5 at ω = π f:
+///
+///   (1)  h = max(longest_model_step, longest_model_step · 2 · 30 Hz / f)
+///
+/// Of a car its natural frequencies decide, whatever the rate; a command that is stepped has all frequencies, and each
+/// step of it would take h.
+[[nodiscard]] double longest_step(model::RigKind kind, const firmware::Recording& recording);
 
 /// Model steps for each sample of a recording, so that none is longer than `longest` by more than 5 %. `longest` is
 /// longest_model_step at least; the loop of a hil rig may be slower, which is no error of the simulation.

@@ -58,20 +58,35 @@ double ProblemRecording::noise_variance(Channel channel) const {
   return std::pow(noise[index(channel)].rms(samples->compared_period()), 2) + input_noise.variance[index(channel)];
 }
 
+namespace {
+
+/// Variance of a channel where it is compared and not clipped.
+double variance_of(const PreparedRecording& r, Channel channel, const Window& window) {
+  const std::vector<bool>& clipped = r.clipped[index(channel)];
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  for (std::size_t k = r.compared_from(window.from); k < window.to; k += r.step) {
+    if (!clipped.empty() && clipped[k]) continue;
+    const double value = r.recording[channel][k];
+    sum += value;
+    squares += value * value;
+    count += 1.0;
+  }
+  return count > 0.0 ? squares / count - std::pow(sum / count, 2) : 0.0;
+}
+
+}  // namespace
+
 bool ProblemRecording::holds_motion() const {
-  return std::any_of(samples->channels.begin(), samples->channels.end(), [&](Channel channel) {
-    const std::vector<bool>& clipped = samples->clipped[index(channel)];
+  const double period = samples->compared_period();
+  const auto moves = [&](Channel channel, double noise_power) {
     const Window window = samples->comparable(channel, is_fitted() ? fitted : held_out);
-    double sum = 0.0, squares = 0.0, count = 0.0;
-    for (std::size_t k = samples->compared_from(window.from); k < window.to; k += samples->step) {
-      if (!clipped.empty() && clipped[k]) continue;
-      const double value = samples->recording[channel][k];
-      sum += value;
-      squares += value * value;
-      count += 1.0;
-    }
-    return count > 0.0 &&
-           squares / count - std::pow(sum / count, 2) > thresholds::least_motion * noise_variance(channel);
+    return variance_of(*samples, channel, window) > thresholds::least_motion * noise_power;
+  };
+  const auto own_noise = [&](Channel channel) { return std::pow(noise[index(channel)].rms(period), 2); };
+  const Channel input = samples->input.channel;
+  const bool driven = samples->recording.has(input) && moves(input, own_noise(input));
+  return std::any_of(samples->channels.begin(), samples->channels.end(), [&](Channel channel) {
+    return moves(channel, driven ? own_noise(channel) : noise_variance(channel));
   });
 }
 

@@ -26,7 +26,8 @@ struct ProblemRecording {
   /// Of a sample of a channel by its own noise and by what the input's makes of it [SI²].
   [[nodiscard]] double noise_variance(model::Channel channel) const;
   /// Whether any channel of the fitted window, or of the one that is held out, moves by more than its noise: its
-  /// variance is thresholds::least_motion times that of the noise.
+  /// variance is thresholds::least_motion times that of the noise. Where the input does, too, noise is the channel's
+  /// own: what the input's noise makes of a stiff component may be larger than its motion.
   [[nodiscard]] bool holds_motion() const;
 };
 

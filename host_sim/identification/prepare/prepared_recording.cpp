@@ -184,7 +184,9 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   prepared.input = driving_input(rig, recording);
   prepared.step = sampled.step;
   prepared.noise = sampled.noise;
-  prepared.substeps = std::max(1, static_cast<int>(std::lround(prepared.input.period / thresholds::step_with_corners)));
+  // Where the step may be longer, so may that with corners: both follow the motion.
+  const double with_corners = sampled.slower * thresholds::step_with_corners;
+  prepared.substeps = std::max(1, static_cast<int>(std::lround(prepared.input.period / with_corners)));
   prepare_input(prepared, description, sampled, disagree);
   // Without its mean an acceleration does not begin at rest, even where the rig did.
   prepared.at_rest = !prepared.mean_unknown && begins_at_rest(rig, prepared.input, recording);

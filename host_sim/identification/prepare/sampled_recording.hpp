@@ -27,6 +27,7 @@ namespace host_sim::identification {
 struct SampledRecording {
   firmware::Recording recording;
   std::size_t step = 1;                              ///< samples for each one that is compared
+  double slower = 1.0;                               ///< its steps, relative to longest_model_step at most
   std::array<double, model::channel_count> noise{};  ///< level [SI] of a sample that is compared
   ChannelNoises channel_noise{};                     ///< the same with its colour
   std::optional<NoiseColour> expected_colour{};      ///< of the recorder: noise_spectrum.hpp

@@ -169,4 +169,19 @@ TEST(MeasuredMotion, GivesTheLoadCellOfEachRigItsForce) {
 }
 
 }  // namespace
+// Point. (1) of longest_step(): a recording at 10 Hz has nothing above 5 Hz, a sixth of 30 Hz. Not of a car, and not
+// behind a command that steps.
+TEST(ModelRate, FollowsWhatARecordingCanHold) {
+  firmware::Recording recording;
+  recording.sample_period = 0.1;
+  EXPECT_DOUBLE_EQ(host_sim::longest_step(model::RigKind::component_bench, recording), 6e-3);
+  EXPECT_EQ(host_sim::model_steps_per_sample(0.1, 6e-3), 17U);
+  EXPECT_EQ(host_sim::longest_step(model::RigKind::quarter_car, recording), host_sim::longest_model_step);
+  recording[model::Channel::x_cmd] = {0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0};
+  EXPECT_EQ(host_sim::longest_step(model::RigKind::component_bench, recording), host_sim::longest_model_step);
+  recording[model::Channel::x_cmd].clear();
+  recording.sample_period = 1e-3;
+  EXPECT_EQ(host_sim::longest_step(model::RigKind::component_bench, recording), host_sim::longest_model_step);
+}
+
 }  // namespace measured_motion_test

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <map>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -234,6 +235,32 @@ TEST(Diagnosis, RefusesARecordingOfNothingButNoise) {
     EXPECT_NE(std::string(error.what()).find("holds nothing but noise"), std::string::npos) << error.what();
   }
   EXPECT_NO_THROW((void)identification::diagnose(description, {{shrunk(0.05), Use::shared}}));
+}
+
+// Law. A machine of 0.2 s behind a command that is held between two samples of a tenth of a second, 300 of them, which
+// has not settled when the recording begins: its lag is named with nothing beside it and nothing left.
+TEST(Diagnosis, NamesASlowMachineInASlowRecording) {
+  const auto description = firmware::parse_rig(
+      "kind = \"component_bench\"\nsample_rate = 10.0\n[suspension]\nstiffness = 0.0\ndamping = 0.0\n", "rig.toml");
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> noise(0.0, 1e-5);
+  firmware::Recording recording;
+  recording.source = "rec.csv";
+  recording.sample_period = 0.1;
+  recording.time = firmware::sample_times(300, 10.0);
+  double reached = 0.0;
+  for (int k = 0; k < 300; ++k) {
+    const double command = (k / 9) % 2 == 0 ? 1e-3 : -1e-3;
+    recording[Channel::x_cmd].push_back(command);
+    recording[Channel::x_act].push_back(reached + noise(random));
+    reached += (command - reached) * -std::expm1(-0.1 / 0.2);
+  }
+  const Diagnosis found = identification::diagnose(description, {{recording, Use::shared}});
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].effect.entry->name, "actuator_lag");
+  EXPECT_NEAR(found.effects[0].parameters[0].value, 0.2, 0.002);  // 0.5 ms of the step of 1 ms, and noise
+  EXPECT_GT(found.effects[0].confidence, 0.8) << "10 to 1 against a late sensor";
+  EXPECT_FALSE(found.unexplained);
 }
 
 // Law. Where what is left is as large as the signals, nothing is explained: a loop that its machine's limit has driven
