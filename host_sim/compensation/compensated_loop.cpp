@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/description/compensation_setup.hpp"
 #include "firmware/simulation/compensated_period.hpp"
+#include "host_sim/compensation/arrived_series.hpp"
 #include "host_sim/stability/roots/eigenvalues.hpp"
 #include "host_sim/stability/roots/linear_rig.hpp"
 #include "host_sim/stability/roots/step_state.hpp"
@@ -36,11 +36,7 @@ Settings arrived(Settings settings, const model::RigParameters<double>& rig) {
   if (settings.kind == Kind::adaptive_time_series) {
     settings.kind = Kind::inverse;
     settings.gain = 1.0;
-    model::MachinePath<double> path;
-    rig.effects.act_on(path);
-    settings.given = settings.order <= 2 ? firmware::compensation::inverse_at(path, 1.0, firmware::wheel_mode(rig))
-                                         : firmware::compensation::inverse_series(path, 1.0);
-    keep_within_bounds(settings);
+    settings.given = arrived_series(settings, rig);
   }
   return settings;
 }
@@ -146,12 +142,6 @@ std::vector<Eigen::Index> kept_states(const CompensatedLoop& loop) {
 }
 
 }  // namespace
-
-void keep_within_bounds(Settings& settings) {
-  for (std::size_t i = 0; i < settings.given.size(); ++i) {
-    settings.given[i] = std::clamp(settings.given[i], settings.lowest[i], settings.highest[i]);
-  }
-}
 
 CompensatedLoop compensated_loop(const model::RigParameters<double>& rig, double period, const Settings* settings,
                                  double force_factor) {

@@ -17,8 +17,8 @@ using Complex = std::complex<double>;
 ///
 /// The columns are steps of model::VirtualCar, firmware::compensation::Compensator and model::RigModel from unit
 /// vectors: no second implementation. The rig must be linear (stability::sampled_part). Start-up, rate and limits do
-/// not act. adaptive_time_series has the coefficients that it converges to, those of the machine it runs on, within its
-/// bounds; adaptive_virtual_damping has its whole damping.
+/// not act. adaptive_time_series has the coefficients that it settles at (arrived_series); adaptive_virtual_damping has
+/// its whole damping.
 struct CompensatedLoop {
   Eigen::MatrixXd a, b_before, b_now, c, d;
   double period{};
@@ -30,9 +30,6 @@ struct CompensatedLoop {
   /// (F_w, x, x_act) ÷ z_r at ω [rad/s].
   [[nodiscard]] Eigen::Vector3cd response(double omega) const;
 };
-
-/// Coefficients of a time series, each within the bounds of its adaptation.
-void keep_within_bounds(firmware::compensation::Settings& settings);
 
 /// \param settings      nullptr: no compensation
 /// \param force_factor  of the measured force, before the compensator: for gain margins

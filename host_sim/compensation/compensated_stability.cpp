@@ -8,6 +8,7 @@
 
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "host_sim/compensation/arrived_series.hpp"
 #include "host_sim/report/formatted.hpp"
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/roots/eigenvalues.hpp"

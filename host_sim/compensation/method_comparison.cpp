@@ -5,6 +5,7 @@
 
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
+#include "host_sim/compensation/arrived_series.hpp"
 #include "host_sim/compensation/compensated_loop.hpp"
 #include "host_sim/compensation/delay_mismatch.hpp"
 #include "host_sim/compensation/ideal_machine.hpp"
@@ -15,7 +16,6 @@
 namespace host_sim::compensation {
 namespace {
 
-constexpr double lowest_hz = 0.1, highest_hz = 50.0;  ///< of road and response
 constexpr std::size_t frequency_count = 240;
 constexpr double share_off = 0.2;  ///< of the delay, for the robustness table
 constexpr double stiffer = 1.03;   ///< of the component

@@ -27,8 +27,15 @@ class SignalFilter {
     x.output(0) = x.input = at;
   }
   void step(State& x, double input) const;
+  /// y⁗ by (1).
+  [[nodiscard]] double fourth_derivative(const State& x) const {
+    double sum = highest_(0) * (x.output(0) - x.input);
+    for (int i = 1; i < derivatives; ++i) sum += highest_(i) * x.output(i);
+    return sum;
+  }
 
  private:
+  Output highest_;  ///< row of y⁗ in (1)
   model::Block<double, derivatives, derivatives> transition_;
   model::Block<double, derivatives, 2> input_;
 };

@@ -7,6 +7,8 @@ namespace {
 
 constexpr double root_two = 1.4142135623730951;
 constexpr double first_damping = 2.6131259297527532;  // √(4 + 2√2)
+/// `quiet` is a motion at this share of the filters' bandwidth, about that of a car's body.
+constexpr double quiet_share = 0.1;
 
 }  // namespace
 
@@ -25,6 +27,7 @@ SignalFilter::SignalFilter(double omega, double period) {
   input_ = exact.straight(b);
   double row = 1.0;
   for (int i = 0; i < derivatives; ++i, row *= omega) {
+    highest_(i) = a(3, i) * (omega * omega * omega) / row;
     input_.row(i) *= row;
     double column = 1.0;
     for (int j = 0; j < derivatives; ++j, column *= omega) transition_(i, j) *= row / column;
@@ -43,11 +46,12 @@ TimeSeries::TimeSeries(const Settings& settings, const Coefficients& assumed, do
     : count_(static_cast<std::size_t>(settings.order) + 1),
       period_(period),
       memory_(1.0 - period / settings.memory),
-      weight_(settings.quiet * settings.quiet * settings.memory),
+      weight_(quiet_share * quiet_share * settings.quiet * settings.quiet * settings.memory),
       filter_(turn * settings.bandwidth, period) {
   double scale = 1.0;
   for (std::size_t i = 0; i < count_; ++i, scale *= turn * settings.bandwidth) {
-    scale_[i] = scale;
+    scale_[i] = scale * turn * settings.bandwidth;
+    unit_[i] = scale;
     lowest_[i] = settings.lowest[i];
     highest_[i] = settings.highest[i];
     assumed_[i] = limited(assumed[i], lowest_[i], highest_[i]);
@@ -67,12 +71,15 @@ void TimeSeries::step(State& x, double wanted, double commanded, double measured
   filter_.step(x.wanted, wanted);
   filter_.step(x.commanded, commanded);
   filter_.step(x.reached, measured);
+  const auto derivative = [this](const SignalFilter::State& y, std::size_t i) {  // of order i + 1
+    return (i + 1 < coefficients ? y.output(static_cast<int>(i) + 1) : filter_.fourth_derivative(y)) / scale_[i];
+  };
   std::array<double, coefficients> p{}, z{};
   for (std::size_t i = 0; i < count_; ++i) {
-    p[i] = x.reached.output(static_cast<int>(i)) / scale_[i];
-    z[i] = x.wanted.output(static_cast<int>(i)) / scale_[i];
+    p[i] = derivative(x.reached, i);
+    z[i] = derivative(x.wanted, i);
   }
-  const double u = x.commanded.output(0);
+  const double u = derivative(x.commanded, 0);
   for (std::size_t i = 0; i < count_; ++i) {  // (1)
     for (std::size_t j = 0; j < count_; ++j) x.products[i][j] = memory_ * x.products[i][j] + period_ * z[i] * p[j];
     x.right[i] = memory_ * x.right[i] + period_ * z[i] * u;
@@ -89,7 +96,7 @@ Coefficients TimeSeries::solve(const State& x) const {
   for (std::size_t i = 0; i < count_; ++i) {
     for (std::size_t j = 0; j < count_; ++j) m[i][j] = x.products[i][j];
     m[i][i] += weight_;
-    m[i][count_] = x.right[i] + weight_ * (assumed_[i] * scale_[i]);
+    m[i][count_] = x.right[i] + weight_ * (assumed_[i] * unit_[i]);
   }
   for (std::size_t k = 0; k < count_; ++k) {
     std::size_t pivot = k;
@@ -112,7 +119,7 @@ Coefficients TimeSeries::solve(const State& x) const {
     for (std::size_t j = k + 1; j < count_; ++j) sum -= m[k][j] * a[j];
     a[k] = sum / m[k][k];
   }
-  for (std::size_t i = 0; i < count_; ++i) a[i] /= scale_[i];
+  for (std::size_t i = 0; i < count_; ++i) a[i] /= unit_[i];
   return a;
 }
 

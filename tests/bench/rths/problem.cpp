@@ -162,10 +162,12 @@ std::array<double, 9> judge(const Signals& s) {
   j[0] = 1e3 * lag(s.wanted, s.measured);
   j[1] = 100.0 * deviation(tracking) / deviation(s.wanted);
   j[2] = 100.0 * peak(tracking) / peak(s.wanted);
+  // The released evaluation counts rms and peak of floor 1, then rms of floors 2 and 3, then their peaks.
+  constexpr std::array<std::size_t, 3> rms_at{3, 5, 6}, peak_at{4, 7, 8};
   for (std::size_t floor = 0; floor < 3; ++floor) {
     const auto error = difference(floor == 0 ? s.reached : s.floors[floor], s.undivided[floor]);
-    j[3 + 2 * floor] = 100.0 * deviation(error) / deviation(s.undivided[floor]);
-    j[4 + 2 * floor] = 100.0 * peak(error) / peak(s.undivided[floor]);
+    j[rms_at[floor]] = 100.0 * deviation(error) / deviation(s.undivided[floor]);
+    j[peak_at[floor]] = 100.0 * peak(error) / peak(s.undivided[floor]);
   }
   return j;
 }

@@ -37,16 +37,16 @@ TEST(CompensatedLoop, WithoutCompensatorIsTheSampledLoopOfStability) {
 }
 
 // Journey. The paper's rig without virtual damping is unstable; the time series makes it stable, and its wheel-load
-// peak is within 5 % of the undelayed one, with a machine that is 20 % later still within 6 %. No such method needs a
-// model of the component.
+// peak is within 4 % of the undelayed one, also with a machine that is 20 % later. No such method needs a model of the
+// component. (Where deflections are compared in place of velocities the coefficients settle elsewhere: 14 %.)
 TEST(MethodComparison, KeepsThePaperRigsPeakWithoutVirtualDamping) {
   const auto comparison = compensation::compare_methods(paper(0.0));
   EXPECT_FALSE(method(comparison, "none").over_changes[0].stable);
   const auto& best = method(comparison, "adaptive_time_series");
   ASSERT_TRUE(best.over_changes[0].stable);
-  EXPECT_LE(*best.over_changes[0].peak_error, 0.05);
+  EXPECT_LE(*best.over_changes[0].peak_error, 0.04);
   ASSERT_TRUE(best.over_changes[1].stable);
-  EXPECT_LE(*best.over_changes[1].peak_error, 0.06);
+  EXPECT_LE(*best.over_changes[1].peak_error, 0.04);
   EXPECT_FALSE(best.needs_component_model);
   EXPECT_TRUE(method(comparison, "smith").needs_component_model);
   // What adapts bears more error of the assumed delay than what does not.
