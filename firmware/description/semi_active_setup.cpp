@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "firmware/description/filtered_rig.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/loop/semi_active.hpp"
 
@@ -71,9 +72,10 @@ std::unique_ptr<KalmanFilter> kalman_filter(const RigDescription& description, c
 
 std::unique_ptr<Companion> companion(const RigDescription& description) {
   if (!description.controller.kalman.enabled) return nullptr;
-  const EstimatorEquations equations(kalman_settings(description), description.rig);
+  const KalmanSettings settings = kalman_settings(description);
+  const EstimatorEquations equations(settings, filtered_rig(description, settings));
   if (description.rig.has_fdva) {
-    const auto wrong = DuctPolicy::check(description.controller.ducts, description.rig, description.period());
+    const auto wrong = DuctPolicy::check(description.controller.ducts, equations.rig(), description.period());
     if (!wrong.empty()) {
       throw InputError(description.source, description.line_of("valves"), "the duct policy does not fit", wrong);
     }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "firmware/description/filtered_rig.hpp"
 #include "firmware/description/semi_active_setup.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/recording_csv.hpp"
@@ -158,7 +159,8 @@ Estimate run_filter(const firmware::RigDescription& description, const std::vect
                     const std::vector<Ages>& ages) {
   firmware::RigDescription used = with_sensors(description, parts.front());
   used.sample_rate = 1.0 / parts.front().sample_period;
-  const EstimatorEquations equations(firmware::kalman_settings(used), used.rig);
+  const firmware::KalmanSettings settings = firmware::kalman_settings(used);
+  const EstimatorEquations equations(settings, firmware::filtered_rig(used, settings));
   const auto filter = firmware::kalman_filter(used, equations);
   Estimate result;
   Columns columns(equations, result);

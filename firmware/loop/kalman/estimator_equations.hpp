@@ -39,8 +39,8 @@ struct EstimatorState {
 ///
 /// State: those of model::RigEquations that the rig has (4 … 8), the road (5, or 1 with bandwidth 0: ż_r then is white
 /// noise, of which (2) takes the mean), and one for each bias. w: S_w = 1, one-sided.
-/// Force laws that are not linear – friction, stops, free play, laws from tables – are left out; their action is in the
-/// innovations. The mass at a wheel-load sensor (force_sensor_inertia) is in the row of F_w.
+/// Force laws that are not linear – friction, stops, free play – are left out; their action is in the innovations. A
+/// description's laws from tables, air spring and lever come as springs and dampers (description/filtered_rig). The mass at a wheel-load sensor (force_sensor_inertia) is in the row of F_w.
 class EstimatorEquations {
  public:
   /// What makes settings unfit for a rig and its sensors, or an empty text.
