@@ -1,6 +1,7 @@
 // Parts that are right alone, two at a time: each pair rests where it begins, and its analysis is that of the step.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -8,6 +9,8 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/stability/margins/analysis.hpp"
+#include "host_sim/stability/roots/linear_rig.hpp"
+#include "host_sim/stability/roots/sides_of_rest.hpp"
 #include "model/rig/rig_model.hpp"
 #include "tests/host_sim/stability/rigs.hpp"
 
@@ -103,6 +106,49 @@ TEST(PairsOfParts, AreAnalysedAndRestWhereTheyBegin) {
       if (!model::find_fault(rig, 1e-3, model::RigModel<>::Line::longest)) expect_rest(rig, who + ", quarter_car");
     }
   }
+}
+
+/// dz_b and F of a rig that a road of a few 0.1 µm shakes, less those at rest.
+std::vector<double> small_motion(const Rig& rig) {
+  const model::RigModel<> model(rig, 1e-3);
+  auto x = model.start();
+  const double at_rest = model.signals(x)[model::index(Channel::F)];
+  std::vector<double> moved;
+  for (int k = 1; k <= 400; ++k) {
+    const double t = 1e-3 * k, rise = 1e-7 * (1.0 - std::cos(30.0 * t)), rate = 3e-6 * std::sin(30.0 * t);
+    model.step(x, {.foot_point = {rise, rate, 9e-5 * std::cos(30.0 * t)}});
+    moved.push_back(31500.0 * model.deflection(x).position);
+    moved.push_back(model.signals(x)[model::index(Channel::F)] - at_rest);
+  }
+  return moved;
+}
+
+// Law. What is analysed is the small motion of the rig: the linear part of every pair whose parts all have one moves as
+// the pair does near rest, by differences of the model's step.
+TEST(PairsOfParts, LinearPartIsTheSmallMotion) {
+  int compared = 0;
+  for (std::size_t a = 0; a < parts().size(); ++a) {
+    for (std::size_t b = a + 1; b < parts().size(); ++b) {
+      Rig rig = stability_tests::linear_rig(0.005, 1140.0);
+      parts()[a].fit(rig);
+      parts()[b].fit(rig);
+      rig.delay_variation = {};
+      rig.fdva.minor_loss = 0.0;  // of the square of the motion
+      if (model::find_fault(rig, 1e-3, model::RigModel<>::Line::longest)) continue;
+      if (host_sim::stability::sides_of_rest(rig).size() > 1) continue;
+      if (!host_sim::stability::linearise(rig).left_out.empty()) continue;
+      const auto whole = small_motion(rig), linear = small_motion(host_sim::stability::sampled_part(rig));
+      double off = 0.0, size = 0.0;
+      for (std::size_t i = 0; i < whole.size(); ++i) {
+        off = std::max(off, std::abs(whole[i] - linear[i]));
+        size = std::max(size, std::abs(whole[i]));
+      }
+      // Laws act explicitly in a step, their slopes exactly; the heat of an air spring is a branch behind it.
+      EXPECT_LT(off, 0.02 * size) << parts()[a].name << " and " << parts()[b].name;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 40);
 }
 
 }  // namespace
