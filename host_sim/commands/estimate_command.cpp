@@ -100,6 +100,10 @@ void estimate(const EstimateOptions& options) {
 void add_estimate(CLI::App& app, EstimateOptions& options) {
   CLI::App* command = app.add_subcommand(
       "estimate", "Run the controller's Kalman filter over a recording: states, wheel load, is the model right?");
+  command->footer(
+      "Ducts: columns duct_1 ... of the recording, else [fdva] open_ducts. Air spring, lever and laws from tables "
+      "count "
+      "as springs and dampers over the road of [estimator]; the force of a skyhook is refused.");
   command->add_option("--rig", options.rig, "Rig description, a quarter_car with [noise]")->required();
   command->add_option("--data", options.data, "Recording: CSV or MATLAB")->required();
   command->add_option("--out", options.out, "Estimates to write: CSV, or MATLAB if the name ends in .mat")->required();

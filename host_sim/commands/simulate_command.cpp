@@ -142,6 +142,11 @@ void simulate(const SimulateOptions& options) {
 
 void add_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::App* command = app.add_subcommand("simulate", "Drive a simulated rig over a road through the firmware");
+  command->footer(
+      "Ducts: [fdva] open_ducts, or switched by [valves] plan = [{ t, open }] or policy = \"force_velocity\" or "
+      "\"rollout\" (with [estimator] kind = \"kalman\"); the recording has duct_1 ...\n"
+      "Air spring: [air_spring] pressure, area, volume; skyhook moves its area, levelling_rate its height. Without a "
+      "spring beside it, pressure times area times the [lever] ratio at rest must carry the body.");
   command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
   command
       ->add_option("--out", options.out,

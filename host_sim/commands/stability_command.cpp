@@ -414,6 +414,9 @@ void examine_stability(const StabilityOptions& options) {
 void add_stability(CLI::App& app, StabilityOptions& options) {
   CLI::App* command = app.add_subcommand(
       "stability", "Delay stability of a hil rig: poles, critical delay, margins, interface location, varying delay");
+  command->footer(
+      "Ducts: [fdva] open_ducts; the limits hold for every number of ducts that [valves] plan opens.\n"
+      "Air spring: a spring with the branch of its heat; its skyhook is part of the loop and not late.");
   command->add_option("--rig", options.rig, "Rig description (TOML), kind = \"hil\"");
   command->add_option("--write-limits", options.write_limits,
                       "Write into this rig description for which loop it was found stable, and the delay that is left: "
