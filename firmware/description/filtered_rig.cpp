@@ -151,8 +151,8 @@ Rig linear_for(const Rig& rig, const Motions& motions) {
   return linear;
 }
 
-/// What the places of laws do over the road of the filter. A lever turns the deflection into the component's travel.
-Motions motions_of(const Rig& rig, const Rig& linear, const KalmanSettings& settings, double period) {
+/// What the places of laws do over the road of the filter. (find_fault: no law of the suspension behind a lever.)
+Motions motions_of(const Rig& linear, const KalmanSettings& settings, double period) {
   const EstimatorEquations equations(settings, linear);
   const auto gains = std::make_unique<SteadyGains>(equations, period);
   gains->compute(linear.has_fdva ? linear.fdva.open_ducts : 0);
@@ -171,9 +171,8 @@ Motions motions_of(const Rig& rig, const Rig& linear, const KalmanSettings& sett
   }
   const EstimatorVector wheel = unit(CoreIndex::wheel_position), wheel_rate = unit(CoreIndex::wheel_velocity);
   const EstimatorVector body = unit(CoreIndex::body_position), body_rate = unit(CoreIndex::body_velocity);
-  const double ratio = model::lever_at_rest(rig).ratio;
   Motions motions{};
-  motions[model::index(LawPlace::suspension)] = {ratio * rms(wheel - body), ratio * rms(wheel_rate - body_rate)};
+  motions[model::index(LawPlace::suspension)] = {rms(wheel - body), rms(wheel_rate - body_rate)};
   motions[model::index(LawPlace::tyre)] = {rms(EstimatorVector::Unit(equations.foot_point()) - wheel),
                                            rms(foot_velocity - wheel_rate)};
   motions[model::index(LawPlace::body_guide)] = {rms(body), rms(body_rate)};
@@ -192,7 +191,7 @@ model::RigParameters<double> filtered_rig(const RigDescription& description, con
   }
   Rig linear = linear_for(rig, {});
   for (int round = 0; round < rounds_of_slopes && rig.laws.any(); ++round) {
-    linear = linear_for(rig, motions_of(rig, linear, settings, description.period()));
+    linear = linear_for(rig, motions_of(linear, settings, description.period()));
   }
   return linear;
 }
