@@ -244,9 +244,9 @@ std::vector<ParameterOff> parameters_off(const firmware::RigDescription& descrip
       continue;
     }
     const FoundCause& cause = suspect.cause;
-    RatedRivals rivals = rated(cause.rivals, 0.0, 0.0, cause.parameters, certainty.temper, [&](const Hypothesis& rival) {
-      return best_experiment(problem, found.best.fit.hypothesis, rival);
-    });
+    RatedRivals rivals =
+        rated(cause.rivals, 0.0, 0.0, cause.parameters, certainty.temper,
+              [&](const Hypothesis& rival) { return best_experiment(problem, found.best.fit.hypothesis, rival); });
     off.alternatives = std::move(rivals.alternatives);
     off.confidence = confidence(rivals.odds, cause.gain, certainty);
     list.push_back(std::move(off));
