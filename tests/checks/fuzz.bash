@@ -11,8 +11,8 @@ trap 'rm -rf "$grown"' EXIT
 corpus=tests/fuzz/corpus/$target
 [ -d "$corpus" ] || { echo "$corpus is missing: a fuzzer needs seeds"; exit 1; }
 limits="-runs=50000 -max_total_time=10 -max_len=4096 -timeout=10"
-# A whole diagnosis takes half a minute without optimisation, so their number is fixed: half of the seeds of the corpus. All and more by hand, with -runs=N.
-[ "$target" = fuzz_diagnose ] && limits="-runs=6 -max_len=64 -timeout=600 -close_fd_mask=1"
+# A whole diagnosis takes half a minute without optimisation, so their number is fixed: a quarter of the seeds of the corpus. All and more by hand, with -runs=N.
+[ "$target" = fuzz_diagnose ] && limits="-runs=3 -max_len=64 -timeout=600 -close_fd_mask=1"
 # libFuzzer's own status for a finding, 77, is what a skipped test ends with here.
 # shellcheck disable=SC2086
 "$builds/sanitize/bin/$target" -seed=1 $limits -error_exitcode=1 -print_final_stats=1 \
