@@ -104,6 +104,7 @@ void run_plan(const PlanOptions& options) {
   identification::scale(setting.motion, options.level);
   setting.without = without;
   setting.seed = options.seed;
+  setting.stationary = options.road.starts_with("iso8608:");
   std::optional<Progress> progress(std::in_place, "plan");
   const plan::Plan made = plan::make_plan(rig, std::move(setting),
                                           [&](double share, const std::string& what) { progress->show(share, what); });

@@ -98,13 +98,15 @@ Outcome outcome_of(const Rehearsal& rehearsal, const std::vector<Rival>& rivals)
     if (auto change = strong_change(rehearsal, rivals[i])) {
       const bool signs = std::all_of(strong->entry->parameters.begin(), strong->entry->parameters.end(),
                                      [](const auto& p) { return p.lower < 0.0; });
-      directions[i].push_back({std::move(*change), signs});
+      const double square = rehearsal.product(*change, *change);
+      directions[i].push_back({std::move(*change), signs, square});
     }
   }
   for (std::size_t i = 0; i < rivals.size(); ++i) {
-    double least = directions[i].empty() ? 0.0 : rehearsal.significance(directions[i].front().change);
+    const double whole = directions[i].empty() ? 0.0 : directions[i].front().square;
+    double least = std::sqrt(std::max(whole, 0.0));
     for (std::size_t j = 0; j < rivals.size() && !directions[i].empty(); ++j) {
-      if (j != i) least = std::min(least, left_of(rehearsal, directions[i].front().change, directions[j]));
+      if (j != i) least = std::min(least, left_of(rehearsal, directions[i].front().change, whole, directions[j]));
     }
     outcome.left.push_back(std::isfinite(least) ? least : 0.0);
   }

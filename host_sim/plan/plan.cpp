@@ -28,6 +28,7 @@ struct Sized {
   std::vector<PlannedEffect> rows;       ///< one for each of its parameters that has a size
   std::optional<std::size_t> leading{};  ///< of `rows`
   double growth = 1.0;                   ///< what stands for the road that was cut: √(whole ÷ rehearsed)
+  std::shared_ptr<SizeSearch> search{};  ///< of the leading parameter
   Rival rival;
 };
 
@@ -81,11 +82,14 @@ Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double g
       sized.leading = 0;
     }
     sized.rows.push_back(std::move(row));
-    sized.rival.directions = directions_of(rehearsal, sized.rival);
+    add_directions(rehearsal, sized.rival);
     return sized;
   }
   for (std::size_t p = 0; p < subject.values.size(); ++p) {
-    SizeSearch search(rehearsal, subject, p);
+    const auto own = std::make_shared<SizeSearch>(rehearsal, subject, p);
+    SizeSearch& search = *own;
+    // The highest peak of the whole comes once, and in the rehearsed stretch: what only it reaches grows no more.
+    if (p == 0 && search.falls()) sized.growth = growth = 1.0;
     PlannedEffect row{subject, p, search.at_default(), std::nullopt};
     row.at_default.significance *= growth;
     if (const auto size = search.with(thresholds::shows / growth)) {
@@ -98,6 +102,7 @@ Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double g
     // A value that is read off, a period, is no size.
     if (row.shows_at && !sized.leading && subject.entry->parameters[p].kept_within == 0.0) {
       sized.leading = sized.rows.size();
+      sized.search = own;
       sized.rival.strong = subject.placed();
       const auto strong = search.with(thresholds::told_apart / growth);
       sized.rival.strong->values[p] = strong ? strong->value : search.strongest().value;
@@ -105,7 +110,7 @@ Sized sized_subject(const Rehearsal& rehearsal, const Subject& subject, double g
     }
     sized.rows.push_back(std::move(row));
   }
-  sized.rival.directions = directions_of(rehearsal, sized.rival);
+  add_directions(rehearsal, sized.rival);
   return sized;
 }
 
@@ -121,7 +126,9 @@ std::vector<ParameterRival> parameter_rivals(const Rehearsal& rehearsal) {
   std::vector<ParameterRival> rivals;
   for (std::size_t i = 0; i < suspects.size(); ++i) {
     rivals.push_back({suspects[i].path, {}});
-    rivals.back().directions.push_back({rehearsal.as_change(j.col(static_cast<Eigen::Index>(i))), true});
+    Change change = rehearsal.as_change(j.col(static_cast<Eigen::Index>(i)));
+    const double square = rehearsal.product(change, change);
+    rivals.back().directions.push_back({std::move(change), true, square});
   }
   return rivals;
 }
@@ -143,9 +150,9 @@ struct Separation {
 /// One row of the matrix, for a change that an effect makes. The parameters of its nearest rivals are fitted.
 std::vector<Separation> separations_of(const Rehearsal& rehearsal, const Sized& own, const Change& change,
                                        const std::vector<Sized>& all, const std::vector<ParameterRival>& parameters) {
-  const double whole = own.growth * rehearsal.significance(change);
+  const double whole = rehearsal.product(change, change);
   const auto left_beside = [&](const std::vector<Direction>& rival) {
-    return std::min(whole, own.growth * left_of(rehearsal, change, rival));
+    return own.growth * left_of(rehearsal, change, whole, rival);
   };
   std::vector<Separation> columns;
   for (const Sized& other : all) {
@@ -183,11 +190,21 @@ std::vector<TakenFor> taken_for(const std::vector<Separation>& columns) {
 
 /// Of sizes that grow from the given one by thresholds::promise_step each, the next one after the first that leaves a
 /// rest.
-std::optional<double> with_a_rest(const Rehearsal& rehearsal, const PlannedEffect& row, Size size, SizeSearch& search) {
+std::optional<double> with_a_rest(const Rehearsal& rehearsal, const Sized& own, const std::vector<Sized>& all,
+                                  Size size, SizeSearch& search) {
+  const PlannedEffect& row = own.rows[*own.leading];
+  std::vector<const Rival*> others;
+  for (const Sized& other : all) {
+    if (&other != &own && !other.rival.subject.entry->imitates) others.push_back(&other.rival);
+  }
   for (int step = 0; step < thresholds::promise_steps; ++step) {
     firmware::PlacedEffect effect = row.subject.placed();
     effect.values[row.parameter] = size.value;
-    const bool rest = rehearsal.leaves_a_rest(effect);
+    const auto change = search.change(size.value);
+    const bool may_leave =
+        change &&
+        own.growth * left_of_several(rehearsal, *change, others, thresholds::subtracted_rivals) >= thresholds::shows;
+    const bool rest = may_leave && rehearsal.leaves_a_rest(effect);
     const auto larger = search.with(size.significance * thresholds::promise_step);
     if (!larger) return std::nullopt;
     size = *larger;
@@ -216,8 +233,8 @@ std::optional<double> reached_by(const Others& others, const PlannedEffect& row,
 std::optional<double> named_at(const Rehearsal& rehearsal, const Others& others, const Sized& own,
                                const std::vector<Sized>& all, const std::vector<ParameterRival>& parameters) {
   const PlannedEffect& row = own.rows[*own.leading];
-  if (!row.shows_at || row.taken_for.empty()) return std::nullopt;
-  SizeSearch search(rehearsal, row.subject, row.parameter);
+  if (!row.shows_at || row.taken_for.empty() || !own.search) return std::nullopt;
+  SizeSearch& search = *own.search;
   double whole = own.growth * rehearsal.significance(own.rival.directions.front().change),
          left = row.taken_for.front().left;
   for (int trial = 0; trial < thresholds::promise_trials; ++trial) {
@@ -229,7 +246,7 @@ std::optional<double> named_at(const Rehearsal& rehearsal, const Others& others,
     const auto beside = taken_for(separations_of(rehearsal, own, *change, all, parameters));
     left = beside.front().left;
     if (left < thresholds::told_apart * (1.0 - 2.0 * thresholds::size_error)) continue;
-    if (row.subject.entry->imitates) return with_a_rest(rehearsal, row, *size, search);
+    if (row.subject.entry->imitates) return with_a_rest(rehearsal, own, all, *size, search);
     return search.falls() ? reached_by(others, row, *size) : size->value;
   }
   return std::nullopt;
@@ -304,7 +321,16 @@ Plan make_plan(const firmware::RigDescription& description, Setting setting, con
   Plan plan;
   plan.duration = static_cast<double>(setting.motion.size()) / description.sample_rate;
   double growth = 1.0;
-  if (plan.duration > thresholds::longest) {
+  if (const std::optional<Stretch> stretch = stretch_of(description, setting)) {
+    growth = stretch->growth;
+    setting.motion = stretch->setting.motion;
+    char remark[192];
+    std::snprintf(remark, sizeof remark,
+                  "of %.0f s of a random road the %.0f s from %.0f s on are rehearsed, with its highest peaks; "
+                  "significances grow with the duration, %.2f times",
+                  plan.duration, thresholds::stretch, stretch->from, growth);
+    plan.remarks.emplace_back(remark);
+  } else if (plan.duration > thresholds::longest) {
     growth = std::sqrt(plan.duration / thresholds::longest);
     setting.motion.resize(static_cast<std::size_t>(thresholds::longest * description.sample_rate));
     char remark[128];
@@ -339,6 +365,7 @@ Plan make_plan(const firmware::RigDescription& description, Setting setting, con
   for (Sized& one : sized) {
     for (PlannedEffect& row : one.rows) plan.effects.push_back(std::move(row));
     one.rival.directions.clear();
+    one.rival.without.reset();
     rivals.push_back(std::move(one.rival));
   }
   sort(plan.effects);

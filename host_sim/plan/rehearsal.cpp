@@ -1,6 +1,7 @@
 #include "host_sim/plan/rehearsal.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -29,6 +30,20 @@ double rms_of(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(values.size(), 1)));
 }
 
+/// Eight sums beside each other: one sum waits for each of its additions.
+double inner(const Eigen::VectorXf& a, const Eigen::VectorXf& b) {
+  constexpr std::size_t lanes = 8;
+  std::array<double, lanes> sums{};
+  const float *const x = a.data(), *const y = b.data();
+  const auto n = static_cast<std::size_t>(a.size());
+  std::size_t i = 0;
+  for (; i + lanes <= n; i += lanes) {
+    for (std::size_t k = 0; k < lanes; ++k) sums[k] += static_cast<double>(x[i + k]) * static_cast<double>(y[i + k]);
+  }
+  for (; i < n; ++i) sums[0] += static_cast<double>(x[i]) * static_cast<double>(y[i]);
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+}
+
 /// A road that begins in motion fades in over a second: the described rig starts from rest, and so do its sensors.
 firmware::FootPointMotion from_rest(const firmware::FootPointMotion& motion, double rate) {
   if (motion.empty() || std::abs(motion.front().velocity) < 1e-9) return motion;
@@ -55,6 +70,12 @@ firmware::Recording run(const firmware::RigDescription& description, const Setti
   }
   made.recording.source = description.source;
   return std::move(made.recording);
+}
+
+void take_steps(std::vector<identification::PreparedRecording>& recordings, double step) {
+  for (identification::PreparedRecording& r : recordings) {
+    r.substeps = std::max(1, static_cast<int>(std::lround(r.input.period / step)));
+  }
 }
 
 /// A channel that the run does not record, as the described rig moves.
@@ -108,6 +129,7 @@ Rehearsal::Rehearsal(const firmware::RigDescription& description, const Setting&
   std::vector<identification::Record> records;
   records.push_back({std::move(recording), identification::Use::shared});
   identification::PreparedData data = identification::prepare(noisy, std::move(records));
+  take_steps(data.recordings, thresholds::step_with_corners);
   for (identification::PreparedRecording& r : data.recordings) {  // as declared: one run's luck is no plan
     for (const Channel channel : r.channels) r.noise[index(channel)] = noisy.noise[index(channel)].value_or(0.0);
   }
@@ -180,6 +202,7 @@ bool Rehearsal::leaves_a_rest(const firmware::PlacedEffect& hidden) const {
       records.push_back({run(with, setting, firmware::SimulatedRig::Noise::as_described), identification::Use::shared});
       for (const Channel channel : setting.without) records.front().recording[channel].clear();
       identification::PreparedData data = identification::prepare(description_, std::move(records));
+      take_steps(data.recordings, thresholds::step_of_diagnosis);
       const Hypothesis given = identification::described_hypothesis(description_, data.recordings);
       identification::IdentificationProblem problem(std::move(data.recordings), given);
       const identification::SearchSpace space = identification::search_space(description_, problem.samples(), given);
@@ -200,11 +223,56 @@ Eigen::MatrixXd Rehearsal::jacobian(const std::vector<FreeParameter>& parameters
 }
 
 double Rehearsal::product(const Change& a, const Change& b) const {
-  const double whole = a.whitened.cast<double>().dot(b.whitened.cast<double>());
+  const double whole = inner(a.whitened, b.whitened);
   return a.tolerated.size() == 0 ? whole : whole - a.tolerated.dot(tolerances_.solve(b.tolerated));
 }
 
 double Rehearsal::significance(const Change& d) const { return std::sqrt(std::max(0.0, product(d, d))); }
+
+std::optional<Stretch> stretch_of(const firmware::RigDescription& description, const Setting& setting) {
+  const double rate = description.sample_rate;
+  const auto samples = [rate](double seconds) { return static_cast<std::size_t>(std::lround(seconds * rate)); };
+  const std::size_t whole = setting.motion.size(), length = samples(thresholds::stretch);
+  if (!setting.stationary || whole < length + length / 2) return std::nullopt;
+  const firmware::Recording made = run(description, setting, firmware::SimulatedRig::Noise::none);
+  const std::size_t fitted = length - length / 4, faded = samples(1.0);  // three quarters are fitted
+  std::vector<const std::vector<double>*> compared;
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    const bool is_used = is_compared(description.rig, made, model::channel_at(c)) && rms_of(made.channels[c]) > 0.0;
+    if (is_used) compared.push_back(&made.channels[c]);
+  }
+  if (compared.empty()) return std::nullopt;
+  const auto peak = [](const std::vector<double>& y, std::size_t from, std::size_t to) {
+    double highest = 0.0;
+    for (std::size_t k = from; k < std::min(to, y.size()); ++k) highest = std::max(highest, std::abs(y[k]));
+    return highest;
+  };
+  std::size_t best = 0;
+  double nearest = -1.0;
+  for (std::size_t from = 0; from + length <= whole; from += faded) {
+    double sum = 0.0;
+    for (const auto* y : compared) {
+      sum += std::min(1.0, peak(*y, from + faded, from + fitted) / peak(*y, 0, whole - whole / 4));
+    }
+    if (sum <= nearest) continue;
+    nearest = sum;
+    best = from;
+  }
+  double ratio = 0.0;
+  for (const auto* y : compared) {
+    const auto energy = [y](std::size_t from, std::size_t to) {
+      double squares = 0.0;
+      for (std::size_t k = from; k < std::min(to, y->size()); ++k) squares += (*y)[k] * (*y)[k];
+      return squares;
+    };
+    ratio += energy(0, whole) / energy(best, best + length) / static_cast<double>(compared.size());
+  }
+  Stretch stretch{setting, static_cast<double>(best) / rate};
+  const auto begin = setting.motion.begin() + static_cast<std::ptrdiff_t>(best);
+  stretch.setting.motion.assign(begin, begin + static_cast<std::ptrdiff_t>(length));
+  stretch.growth = std::sqrt(std::min(static_cast<double>(whole) / static_cast<double>(length), ratio));
+  return stretch;
+}
 
 std::vector<std::unique_ptr<const Rehearsal>> within_tolerances(const firmware::RigDescription& description,
                                                                 const Setting& setting) {

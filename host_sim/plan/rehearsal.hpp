@@ -19,9 +19,27 @@ struct Setting {
   std::vector<model::Channel> without{};  ///< channels that are not recorded
   std::optional<model::Channel> added{};  ///< a channel that the recorder does not have yet
   std::uint64_t seed = 1;                 ///< of the sensor noise
+  bool stationary = false;                ///< a random road, any stretch of which is like the whole
 };
 
-/// Jacobian of the whitened residuals and of the tolerance terms with respect to the rig's parameters.
+/// A part of a stationary road that stands for the whole.
+///
+///   (1)  growth² = min(T/t, mean over channels of  Σ y² of the whole ÷ Σ y² of the stretch)      T, t: lengths
+///
+/// A signature that is stationary grows as √T; one that follows the size of the motion as its energy, and a stretch
+/// with the highest peaks has more than its share of it.
+struct Stretch {
+  Setting setting;      ///< its motion
+  double from = 0.0;    ///< [s]
+  double growth = 1.0;  ///< of significances, from the stretch to the whole
+};
+
+/// Of the stretches of thresholds::stretch seconds the one whose fitted part comes nearest to the highest peak of every
+/// channel that is compared, in their mean: what a limit or a clearance shows there it shows in the whole. nullopt:
+/// the road is no longer, or not stationary.
+[[nodiscard]] std::optional<Stretch> stretch_of(const firmware::RigDescription& description, const Setting& setting);
+
+/// What a change of the rig changes in the whitened residuals.
 struct Change {
   Eigen::VectorXf whitened;   ///< d
   Eigen::VectorXd tolerated;  ///< Jᵀd, J: columns of the tolerated parameters

@@ -46,6 +46,9 @@ inline constexpr int promise_trials = 4;
 /// which leaves as much luck as told_apart does: 10/6.3.
 inline constexpr double promise_step = 1.6;
 inline constexpr int promise_steps = 5;
+/// Rivals that are subtracted one after the other from a law before diagnose is rehearsed with it: with less than
+/// `shows` beside them there is no rest to be found.
+inline constexpr int subtracted_rivals = 3;
 /// In so many recordings with other noise it must leave a rest: near its limit a test of a rest is luck.
 inline constexpr int rehearsed_noises = 2;
 /// [s] of the road that diagnose is rehearsed on at most; a longer one shows smaller sizes. Twice: twice the time.
@@ -60,7 +63,16 @@ inline constexpr double open = 0.5;
 /// [1] Share of the largest entry below which a parameter is no part of an open combination.
 inline constexpr double part_of_combination = 0.1;
 
-/// [s] of the road that are rehearsed at most; of a longer one the beginning, and significances grow with √duration.
+/// [s] of a stationary road that stand for the whole, once it is half as long again. Derivation: 12 s of it are fitted,
+/// ten periods of the slowest mode of a car, whose signatures have a scatter of √(2/20) = 0.3 in their squares, 15 % in
+/// sizes. Half: twice that. Twice: twice the time.
+inline constexpr double stretch = 16.0;
+/// [s] Step of the rehearsals where friction, free play or stops act; diagnose steps twice as finely. Derivation: at 1 ms
+/// friction is found 0.1 % too large (prepare/thresholds.hpp), sizes are asked for to 5 %. Twice: a free play of some
+/// micrometres is promised four times too large (paper_rig_fdva). A rehearsed diagnosis steps as the run that it looks
+/// at was simulated: at 1 ms.
+inline constexpr double step_with_corners = 0.5e-3, step_of_diagnosis = 1e-3;
+/// [s] of another road that are rehearsed at most; of a longer one the beginning, and significances grow with √duration.
 /// Derivation: a class B road has 50 periods of the slowest mode in it. Twice: twice the time.
 inline constexpr double longest = 120.0;
 /// [s] of the rehearsals that advice compares: what is compared is the same road. Half: the least that diagnose takes

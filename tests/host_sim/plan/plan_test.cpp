@@ -134,20 +134,48 @@ TEST(Plan, FitsTheParametersOfARival) {
   Rival rival;
   rival.subject = subject_named(list, "relaxation");
   rival.strong = rival.subject.placed();
-  rival.directions = directions_of(rehearsal, rival);
+  add_directions(rehearsal, rival);
   firmware::PlacedEffect hidden = rival.subject.placed();
   hidden.values = {2000.0, 0.02};
   const auto change = rehearsal.change(hidden);
   ASSERT_TRUE(change);
-  const double whole = rehearsal.significance(*change), linear = left_of(rehearsal, *change, rival.directions);
+  const double whole = rehearsal.significance(*change), square = rehearsal.product(*change, *change);
+  const double linear = left_of(rehearsal, *change, square, rival.directions);
   EXPECT_GT(linear, 0.02 * whole);
   EXPECT_LT(left_when_refitted(rehearsal, *change, rival), 0.01 * whole);
   // Next to nothing of Coulomb friction looks like it: there nothing is fitted.
   Rival friction;
   friction.subject = subject_named(list, "coulomb_friction");
   friction.strong = friction.subject.placed();
-  friction.directions = directions_of(rehearsal, friction);
-  EXPECT_LE(left_when_refitted(rehearsal, *change, friction), left_of(rehearsal, *change, friction.directions));
+  add_directions(rehearsal, friction);
+  EXPECT_LE(left_when_refitted(rehearsal, *change, friction), left_of(rehearsal, *change, square, friction.directions));
+}
+
+// Law. A stretch of a random road stands for the whole, with the growth that (1) of Stretch says: gain, friction and
+// damping within 15 % of their significance on all of it, a limit within the difference of the two peaks. A road of
+// sines is not stationary by being named so long as nobody says it, and a short one stays whole.
+TEST(Plan, StretchOfARandomRoadStandsForTheWhole) {
+  const firmware::RigDescription rig = bench();
+  Setting setting = over(firmware::excitation(rig.rig, firmware::drive_over({.bandwidth = 30.0}, rate, 60'000), rate));
+  EXPECT_FALSE(stretch_of(rig, setting));
+  setting.stationary = true;
+  const auto stretch = stretch_of(rig, setting);
+  ASSERT_TRUE(stretch);
+  EXPECT_LT(stretch->setting.motion.size(), setting.motion.size() / 3);
+  EXPECT_GT(stretch->growth, 1.5);
+  EXPECT_LE(stretch->growth, std::sqrt(60.0 / 16.0) + 1e-9);
+  const Rehearsal part(rig, stretch->setting), whole(rig, setting);
+  const std::vector<Subject> list = subjects(whole);
+  for (const char* const name : {"sensor_gain of F", "coulomb_friction", "viscous_damping"}) {
+    const firmware::PlacedEffect effect = subject_named(list, name).placed();
+    const double all = whole.significance(*whole.change(effect));
+    EXPECT_NEAR(stretch->growth * part.significance(*part.change(effect)) / all, 1.0, 0.15) << name;
+  }
+  const Subject& limit = subject_named(list, "sensor_saturation of F");
+  const double at = SizeSearch(part, limit, 0).with(3.0).value().value;
+  EXPECT_NEAR(at / SizeSearch(whole, limit, 0).with(3.0).value().value, 1.0, 0.1);
+  setting.motion.resize(20'000);
+  EXPECT_FALSE(stretch_of(rig, setting));
 }
 
 // Of a law that could imitate others a name is promised where those leave a rest, and no less than it would have to
