@@ -39,6 +39,7 @@ void HilInterface::receive(double measured, bool in_run, std::uint64_t sample) {
     const double s = elapsed / force_ramp_;
     share = s * s * (3.0 - 2.0 * s);
   }
+  whole_force_ = force;
   compensation_.note_force((force - measured) * share);
   car_->receive_force(state_, force * share);
 }
@@ -50,10 +51,14 @@ hal::Command HilInterface::step(const Motion& foot_point, const Instant& instant
   car_->step(state_, input);
   const auto suspension = car_->deflection(state_);
   const auto deflection = car_->component_stroke(suspension);
-  // A force that is faded in feeds energy by itself.
-  if (fading_in(instant.sample)) energy_guard_.start(deflection.position);
-  hazard_ = energy_guard_.follow(state_.received_force, deflection.position,
-                                 state_.core(CoreIndex::wheel_position) - wheel, instant.now);
+  // A force that is faded in feeds energy by itself: the guard sees the whole force, from the rest before the run on.
+  const std::optional<Trip> fed = energy_guard_.follow(whole_force_, deflection.position,
+                                                       state_.core(CoreIndex::wheel_position) - wheel, instant.now);
+  if (fading_in(instant.sample)) {
+    energy_guard_.begin_judging();
+  } else {
+    hazard_ = fed;
+  }
   const auto signals = car_->signals(state_);
   const model::Motion<double> wanted{
       deflection.position, deflection.velocity,

@@ -71,6 +71,7 @@ class HilInterface {
 
   double period_;
   double force_ramp_;
+  double whole_force_ = 0.0;  ///< of this period, before it is faded in [N]
   std::optional<VirtualCar> car_{};
   [[no_unique_address]] CompensationPlace compensation_{};
   EnergyGuard energy_guard_;

@@ -30,6 +30,10 @@ namespace firmware {
 /// of the command, no equilibrium. For x = x₀ e^(st) with m s² + b̃ s = −k the sums have the ratio −k/(b̃ s) > 1.
 /// Some twenty additions and products a period.
 ///
+/// While the force is faded in at the begin of a run it is given whole, and nothing is judged. From rest (1) and (2) are one
+/// filter of one relation; begun in mid-motion they are not: f and y would count from values of that instant, and what a
+/// component with inertia gives back outwards, having taken it before, would be fed by nobody.
+///
 /// Leaves out: what the road does through the tyre's damper. Guides there are none: in a hil rig body and wheel are
 /// numbers, and a rig description that gives them drag or friction is refused.
 class EnergyGuard {
@@ -40,6 +44,12 @@ class EnergyGuard {
 
   /// The car begins at rest, with this deflection [m].
   void start(double deflection);
+
+  /// What has been judged so far counts for nothing: cycles in a row, time of growth. (1) to (5) go on.
+  void begin_judging() {
+    cycles_ = 0;
+    growing_ = 0.0;
+  }
 
   /// One period: force held [N], deflection at its end [m], way of the wheel [m].
   [[nodiscard]] std::optional<Trip> follow(double force, double deflection, double wheel_way,

@@ -417,4 +417,28 @@ TEST(Arming, LetsTheForceInByARamp) {
   }
 }
 
+// The energy guard follows the whole force from the rest before a run on: when it begins to judge, behind the ramp, it
+// knows the motion that it begins in. It trips on nothing meanwhile, and on a wrong sign of the force soon behind it.
+TEST(Arming, TheEnergyGuardKnowsTheMotionOfTheRamp) {
+  for (const double sign : {1.0, -1.0}) {
+    Scene scene = checked(RigKind::hil, 4000);
+    scene.settings.arming.probe_amplitude = 0.0;  // which would find the sign
+    scene.deviations.force_sign = sign;
+    Journey run{scene};
+    arm(run);
+    run.loop.start();
+    run.periods(4000);
+    const std::vector<Record> rows = run.rows(Mode::running);
+    ASSERT_GT(rows.size(), 500U);
+    EXPECT_GT(rows[499].energy_taken, 0.0);
+    EXPECT_NE(rows[499].energy_fed, 0.0);
+    if (sign > 0.0) {
+      EXPECT_FALSE(is_fault(run.loop.trip().reason)) << name(run.loop.trip().reason);
+    } else {
+      EXPECT_LT(rows.size(), 800U);
+      EXPECT_EQ(run.loop.trip().reason, Reason::growth) << name(run.loop.trip().reason);
+    }
+  }
+}
+
 }  // namespace
