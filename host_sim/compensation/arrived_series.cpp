@@ -16,7 +16,6 @@ namespace {
 
 using firmware::compensation::Coefficients;
 using firmware::compensation::Settings;
-using stability::Complex;
 
 /// Each frequency times this is the next. Twice the step: a peak of 1 % damping has three points, a₁ moves by 1e-4.
 constexpr double finer_grid = 1.01;
@@ -25,9 +24,9 @@ constexpr double finer_grid = 1.01;
 constexpr int series_rounds = 6;
 
 struct SeriesLine {
-  Complex s, machine;  ///< jω; M
-  Complex loop;        ///< e^{−sτ} Q/P
-  double power{};      ///< |G ω x|² of the loop without a machine, times |1 + Q₀/P₀|² and df
+  stability::Complex s, machine;  ///< jω; M
+  stability::Complex loop;        ///< e^{−sτ} Q/P
+  double power{};                 ///< |G ω x|² of the loop without a machine, times |1 + Q₀/P₀|² and df
 };
 
 std::vector<SeriesLine> lines_of(const model::RigParameters<double>& rig, double bandwidth) {
@@ -37,8 +36,8 @@ std::vector<SeriesLine> lines_of(const model::RigParameters<double>& rig, double
   std::vector<SeriesLine> lines;
   for (double hz = lowest_hz; hz < highest_hz; hz *= finer_grid) {
     const double omega = full_turn * hz;
-    const Complex s(0.0, omega);
-    const Complex x = road(model::Channel::x_cmd, omega) * (1.0 + ideal.q(s) / ideal.p(s));
+    const stability::Complex s(0.0, omega);
+    const stability::Complex x = road(model::Channel::x_cmd, omega) * (1.0 + ideal.q(s) / ideal.p(s));
     const double filter = 1.0 / (1.0 + std::pow(hz / bandwidth, 8.0));
     lines.push_back({s, over(s) / under(s) * std::polar(1.0, -omega * real.machine_delay),
                      real.q(s) / real.p(s) * std::polar(1.0, -omega * real.delay()), std::norm(x) * filter * hz});
@@ -69,14 +68,14 @@ Coefficients arrived_series(const Settings& settings, const model::RigParameters
     Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
     for (const SeriesLine& line : lines) {
       Eigen::VectorXcd powers(count);  // of jω/unit
-      Complex series;
-      Complex power = 1.0;
+      stability::Complex series;
+      stability::Complex power = 1.0;
       for (Eigen::Index i = 0; i < count; ++i, power *= line.s / unit) {
         powers(i) = power;
         series += found.given[static_cast<std::size_t>(i)] * std::pow(unit, static_cast<double>(i)) * power;
       }
       const double weight = line.power / std::norm(1.0 + line.loop * series);  // (2)
-      const Complex reached = line.machine * series;
+      const stability::Complex reached = line.machine * series;
       products += weight * (powers.conjugate() * (reached * powers).transpose()).real();
       right += weight * (powers.conjugate() * series).real();
     }
