@@ -91,8 +91,17 @@ void add_laws(const Rig& rig, const Motions& motions, Rig& linear) {
       continue;
     }
     const bool velocity = table.over == model::LawOver::velocity;
-    add(linear, table.place,
-        slopes_of([&](double x, double v) { return curve(velocity ? v : x); }, motions[model::index(table.place)]));
+    Slopes slopes =
+        slopes_of([&](double x, double v) { return curve(velocity ? v : x); }, motions[model::index(table.place)]);
+    if (table.behind > 0.0) {  // s in series: s k/(s + k); c in series: the Maxwell branch of k and c/k
+      auto& branch = linear.effects.get<model::Relaxation>();
+      if (velocity && table.place == LawPlace::suspension && !branch.active && slopes.damping > 0.0) {
+        branch = {true, {table.behind, slopes.damping / table.behind}};
+        continue;
+      }
+      slopes.stiffness *= table.behind / (table.behind + std::max(slopes.stiffness, 0.0));
+    }
+    add(linear, table.place, slopes);
   }
   for (std::size_t i = 0; i < laws.surface_count; ++i) {
     const model::Surface<double> surface(laws.surfaces[i]);

@@ -48,7 +48,8 @@ bool are_alike(const model::Laws<double>& a, const model::Laws<double>& b) {
   }
   return std::equal(a.curves.begin(), a.curves.begin() + a.curve_count, b.curves.begin(),
                     [](const auto& x, const auto& y) {
-                      return x.place == y.place && x.over == y.over && x.channel == y.channel && x.count == y.count;
+                      return x.place == y.place && x.over == y.over && x.channel == y.channel && x.count == y.count &&
+                             (x.behind > 0.0) == (y.behind > 0.0);
                     }) &&
          std::equal(a.surfaces.begin(), a.surfaces.begin() + a.surface_count, b.surfaces.begin(),
                     [](const auto& x, const auto& y) {

@@ -91,6 +91,40 @@ class Curve {
   [[nodiscard]] S of_each(S x, const CurveOf& curve_of) const {
     return value(pieces_of_each(interval(x), curve_of), x);
   }
+  /// The x with f(x) + κ x = y, κ > 0, of a curve that nowhere falls. The interval is counted; in it Newton's method
+  /// begins on the straight line between the ends and never leaves it. The work is the same for every y.
+  [[nodiscard]] S where(S y, S kappa) const {
+    S n = S(0);
+    for (std::size_t i = 0; i < 4 * fours; ++i) {
+      n += select(y >= pieces_[i + 1].value + kappa * knots_[i], S(1), S(0));
+    }
+    const auto length_of = [](std::size_t i, double from, double to) {  // outside of the table, where it is straight: 0
+      return i > 0 && to < std::numeric_limits<double>::max() ? to - from : 0.0;
+    };
+    Piece p;
+    S length;
+    if constexpr (lane_count<S> == 1) {
+      const auto i = static_cast<std::size_t>(n);
+      p = pieces_[i];
+      length = length_of(i, p.from, knots_[i]);
+    } else {
+      p = pieces_of_each(n, [this](std::size_t) -> const Curve& { return *this; });
+      length = S::each([&](std::size_t lane) {
+        const auto i = static_cast<std::size_t>(n[lane]);
+        return length_of(i, p.from[lane], knots_[i][lane]);
+      });
+    }
+    const S rest = y - p.value - kappa * p.from;
+    const auto inside = length > S(0);
+    S t = rest / (kappa + p.slope + length * (p.square + length * p.cube));
+    constexpr int rounds = 4;  // leave 1e-8 of the force of a bent interval
+    for (int i = 0; i < rounds; ++i) {
+      const S value = t * (kappa + p.slope + t * (p.square + t * p.cube));
+      t += (rest - value) / (kappa + p.slope + t * (S(2) * p.square + t * S(3) * p.cube));
+      t = select(inside && t < S(0), S(0), select(inside && t > length, length, t));
+    }
+    return p.from + t;
+  }
   /// df/dx
   [[nodiscard]] S slope(S x) const {
     const Piece p = piece(x);

@@ -54,7 +54,7 @@ inline constexpr LawCapacity law_capacity{.curves = usual_laws.curves,
                                           .branches = usual_laws.branches,
                                           .extensions = usual_laws.extensions&& lane_count<S> == 1};
 
-/// A curve through points, f(at[i]) = value[i].
+/// A curve through points, f(at[i]) = value[i]; with `behind` > 0 in series with a spring (behind_spring.hpp).
 template <class S>
 struct CurveTable {
   LawPlace place = LawPlace::suspension;
@@ -63,6 +63,7 @@ struct CurveTable {
   std::uint8_t count = 0;               ///< points in use, 2 … 33
   std::array<S, curve_points> at{};     ///< [m/s], [m]; of a sensor [unit of the channel]; ascending
   std::array<S, curve_points> value{};  ///< [N]; of a sensor [unit of the channel]
+  S behind{};                           ///< [N/m] stiffness of the spring; 0: the curve itself is at the place
 };
 
 /// A surface through a grid of points, f(deflection[i], velocity[j]) = value[i][j].
@@ -108,6 +109,7 @@ constexpr void for_each_law_number(Laws& laws, const Visit& visit) {
       visit(laws.curves[i].at[k]);
       visit(laws.curves[i].value[k]);
     }
+    visit(laws.curves[i].behind);
   }
   for (std::size_t i = 0; i < laws.surface_count; ++i) {
     auto& surface = laws.surfaces[i];

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "model/laws/behind_spring.hpp"
 #include "model/laws/branch.hpp"
 #include "model/laws/curve.hpp"
 #include "model/laws/surface.hpp"
@@ -52,7 +53,10 @@ class PlacedLaws {
       for (std::size_t i = 0; i < laws.curve_count; ++i) {
         const CurveTable<S>& table = laws.curves[i];
         if (table.place != place) continue;
-        curves_[end_[p].curves++] = {table.over, table.channel, Curve<S>(table.at, table.value, table.count)};
+        PlacedCurve& curve = curves_[end_[p].curves++];
+        curve = {table.over, table.channel, Curve<S>(table.at, table.value, table.count)};
+        curve.is_behind = place != LawPlace::sensor && same(table.behind > S(0));
+        if (curve.is_behind) curve.spring = BehindSpring<S>(table.behind, table.over, period);
       }
       for (std::size_t i = 0; i < laws.surface_count; ++i) {
         if (laws.surfaces[i].place == place) surfaces_[end_[p].surfaces++] = Surface<S>(laws.surfaces[i]);
@@ -90,6 +94,12 @@ class PlacedLaws {
     S delta = S(0), stiffness = S(0), damping = S(0);  // Σ c over deflection and velocity
     for (std::size_t i = first.curves; i < last.curves; ++i) {
       const PlacedCurve& c = curves_[i];
+      if (c.is_behind) {
+        const S end = behind(c, x.curves[i], free.position, moved);
+        delta += end - x.curves[i];
+        stiffness += chord(end - behind(c, x.curves[i], start.position, S(0)), per_moved, c.spring.stiffness());
+        continue;
+      }
       const bool velocity = c.over == LawOver::velocity;
       const S change = c.law.near(velocity ? free.velocity : free.position, x.places[i]) - x.curves[i];
       delta += change;
@@ -124,6 +134,10 @@ class PlacedLaws {
     S force = S(0);
     for (std::size_t i = first.curves; i < last.curves; ++i) {
       const PlacedCurve& c = curves_[i];
+      if (c.is_behind) {
+        force += x.curves[i] = behind(c, x.curves[i], motion.position, moved);
+        continue;
+      }
       const bool velocity = c.over == LawOver::velocity;
       force += x.curves[i] = c.law.near(velocity ? motion.velocity : motion.position, x.places[i]);
     }
@@ -138,15 +152,20 @@ class PlacedLaws {
     x.at[index(place)] = motion;
   }
 
-  /// A place in this motion, branches without force.
+  /// A place in this motion; branches without force, curves over a velocity behind a spring with that of rest.
   void start(LawPlace place, State& x, const Stroke<S>& motion) const {
     for (std::size_t i = begin(place).branches; i < end(place).branches; ++i) x.branches[i] = S(0);
+    for (std::size_t i = begin(place).curves; i < end(place).curves; ++i) x.curves[i] = curves_[i].law(S(0));
     x.at[index(place)] = motion;
     finish(place, x, motion);
   }
 
-  /// Branches whose force has decayed below `least` have none.
+  /// Forces that have decayed below `least` are none.
   void flush(State& x, S least) const {
+    for (std::size_t i = 0; i < end(LawPlace::sensor).curves; ++i) {
+      S& u = x.curves[i];
+      if (curves_[i].is_behind) u = select(u < least && u > -least, S(0), u);
+    }
     for (std::size_t i = 0; i < end(LawPlace::sensor).branches; ++i) {
       S& u = x.branches[i];
       u = select(u < least && u > -least, S(0), u);
@@ -158,6 +177,8 @@ class PlacedLaws {
     LawOver over{};
     Channel channel{};
     Curve<S> law{};
+    bool is_behind = false;
+    BehindSpring<S> spring{};
   };
   struct Count {
     std::uint8_t curves = 0, surfaces = 0, branches = 0;
@@ -168,6 +189,10 @@ class PlacedLaws {
   }
   [[nodiscard]] RIGTWIN_INLINE Count end(LawPlace place) const { return end_[index(place)]; }
 
+  /// The force of a curve behind a spring at this deflection, after this travel from the force before.
+  [[nodiscard]] static S behind(const PlacedCurve& c, S before, S deflection, S travel) {
+    return c.over == LawOver::velocity ? c.spring.after(c.law, before, travel) : c.spring.at(c.law, deflection);
+  }
   /// 1/distance, 0 for no distance.
   [[nodiscard]] RIGTWIN_INLINE static S inverse(S distance) {
     return select(distance == S(0), S(0), S(S(1) / distance));

@@ -77,6 +77,15 @@ template <class Numbers>
   return true;
 }
 
+/// Whether no one of the first `count` numbers is below the one before.
+template <class Numbers>
+[[nodiscard]] bool rises(const Numbers& value, std::size_t count) {
+  for (std::size_t i = 1; i < count; ++i) {
+    if (!(value[i] >= value[i - 1])) return false;
+  }
+  return true;
+}
+
 /// Whether this kind of rig has the place of a law.
 [[nodiscard]] constexpr bool has_place(RigKind kind, bool has_fdva, LawPlace place, Channel channel) {
   switch (place) {
@@ -117,6 +126,9 @@ std::optional<RigFault> find_law_fault(const RigParameters<S, capacity>& rig) {
       demand(curve.count >= 2 && curve.count <= curve_points && ascends(curve.at, curve.count), "at",
              "2 to 33 ascending numbers");
       for (std::size_t j = 0; j < curve.count && !fault; ++j) demand(finite(curve.value[j]), "value", "finite numbers");
+      demand(finite(curve.behind) && curve.behind >= S(0) &&
+                 (!(curve.behind > S(0)) || (curve.place != LawPlace::sensor && rises(curve.value, curve.count))),
+             "behind", "a stiffness > 0, of a force that nowhere falls");
     }
     for (std::size_t i = 0; i < laws.surface_count && !fault; ++i) {
       const SurfaceTable<S>& surface = laws.surfaces[i];

@@ -43,6 +43,7 @@ std::vector<std::pair<std::string, std::string>> law_lines(const LawDescription&
     }
     lines.emplace_back("at", list_of(curve.at, curve.count));
     lines.emplace_back("value", list_of(curve.value, curve.count));
+    if (curve.behind > 0.0) lines.emplace_back("behind", toml_real(curve.behind));
   }
   if (law.surface != LawDescription::none) {
     const auto& surface = rig.laws.surfaces[law.surface];

@@ -8,6 +8,7 @@
 #include "firmware/description/laws/law_file.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
+#include "model/rig/rig_check.hpp"
 
 namespace firmware {
 namespace {
@@ -22,6 +23,9 @@ constexpr std::string_view places = "suspension, tyre, piston, body_guide, wheel
 /// reading of nothing would be refused, at twice a damper of 2 kN lets the body sink by 1.3 mm on 31 500 N/m.
 constexpr double most_at_rest = 0.01;
 
+/// [N/m] Stiffest spring in series: a steel bar of 1 m² and 0.2 m. Stiffer is another unit, or none at all.
+constexpr double most_behind = 1e12;
+
 /// Reads one [laws.NAME].
 class LawReader {
  public:
@@ -34,6 +38,7 @@ class LawReader {
     if (curve) read_curve_or_surface();
     const bool branches = table_.has("branches");
     if (branches) read_branches();
+    if (table_.has("behind")) read_behind(branches);
     table_.finish();
     if (!curve && !branches) table_.need("at", "a curve (over, at, value or file) or branches");
     return law_;
@@ -212,6 +217,28 @@ class LawReader {
         "the law " + law_.name + (velocity ? " pushes the way it moves" : " pushes further the way it is deflected"),
         std::string(velocity ? "a force that grows with the velocity" : "a force that grows with the deflection") +
             " (compression positive), or feeds_energy = true");
+  }
+
+  /// A spring in series with the curve.
+  void read_behind(bool branches) {
+    const double stiffness = table_.positive("behind");
+    const std::string curve = "a curve over velocity or deflection";
+    if (place_ == LawPlace::sensor)
+      table_.fail("behind", "a sensor's curve behind a spring", "a place where a force acts");
+    if (branches || law_.curve == LawDescription::none) {
+      table_.fail("behind", branches ? "branches behind a spring" : "a surface behind a spring",
+                  branches ? curve + "; a single branch behind k has the stiffness k c/(k + c)" : curve);
+    }
+    if (stiffness > most_behind) {
+      table_.fail("behind", table_.path("behind") + " = " + shortest(stiffness) + " N/m",
+                  "a stiffness in N/m, at most " + shortest(most_behind));
+    }
+    model::CurveTable<double>& table = rig_.laws.curves[law_.curve];
+    if (!model::rises(table.value, table.count)) {
+      table_.fail("behind", "the law " + law_.name + " falls, and is behind a spring: it would jump",
+                  "values that nowhere fall");
+    }
+    table.behind = stiffness;
   }
 
   void read_surface() {

@@ -12,6 +12,7 @@
 #include "host_sim/signal/spectrum.hpp"
 #include "host_sim/stability/margins/analysis.hpp"
 #include "model/components/quarter_car.hpp"
+#include "model/laws/behind_spring.hpp"
 #include "model/laws/branch.hpp"
 #include "model/laws/curve.hpp"
 #include "model/laws/surface.hpp"
@@ -43,6 +44,9 @@ class FirstHarmonic {
       cosine_[i] = std::cos(phase);
     }
   }
+
+  /// [s] between two points
+  [[nodiscard]] double period() const { return full_turn / omega_ / turn_points; }
 
   /// force(x, ẋ)
   template <class Force>
@@ -84,6 +88,16 @@ void add_laws(FirstHarmonic& harmonic, const model::Laws<double>& laws, LawPlace
     const auto& table = laws.curves[i];
     if (table.place != place) continue;
     const model::Curve<double> curve(table.at, table.value, table.count);
+    if (table.behind > 0.0) {
+      const model::BehindSpring<double> spring(table.behind, table.over, harmonic.period());
+      if (table.over == LawOver::deflection) {
+        harmonic.add([&](double x, double /*v*/) { return spring.at(curve, x); });
+      } else {
+        harmonic.add_with_memory([&](double u, double travel) { return spring.after(curve, u, travel); },
+                                 [](double u) { return u; });
+      }
+      continue;
+    }
     harmonic.add([&](double x, double v) { return curve(table.over == LawOver::velocity ? v : x); });
   }
   for (std::size_t i = 0; i < laws.surface_count; ++i) {

@@ -1,6 +1,7 @@
 #include "host_sim/stability/roots/linear_rig.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "model/components/machine.hpp"
@@ -242,6 +243,16 @@ namespace {
 using model::LawPlace;
 using Laws = model::Laws<double>;
 
+/// A curve over the velocity behind a spring k, of slope c at rest: a Maxwell branch of time constant c/k. None without
+/// a slope, where the spring carries nothing.
+std::optional<model::BranchNumbers<double>> as_branch(const model::CurveTable<double>& table) {
+  if (!(table.behind > 0.0) || table.over != model::LawOver::velocity) return std::nullopt;
+  const double slope = model::Curve<double>(table.at, table.value, table.count).slope(0.0);
+  if (!(slope > 0.0)) return std::nullopt;
+  return model::BranchNumbers<double>{
+      .place = table.place, .stiffness = table.behind, .time_constant = slope / table.behind};
+}
+
 /// Laws of the loop with a slope at rest, as the parameters that they are there. A sensor's curve is a gain.
 void add_law_slopes(const Laws& laws, model::RigParameters<double>& linear) {
   const auto add = [&linear](LawPlace place, double stiffness, double damping) {
@@ -257,6 +268,10 @@ void add_law_slopes(const Laws& laws, model::RigParameters<double>& linear) {
     const auto& table = laws.curves[i];
     const double slope = model::Curve<double>(table.at, table.value, table.count).slope(0.0);
     const bool velocity = table.over == model::LawOver::velocity;
+    if (table.behind > 0.0) {
+      if (!velocity) add(table.place, slope * table.behind / (slope + table.behind), 0.0);
+      continue;  // over the velocity: a Maxwell branch, below
+    }
     add(table.place, velocity ? 0.0 : slope, velocity ? slope : 0.0);
     if (table.place != LawPlace::sensor || table.channel != model::Channel::F) continue;
     auto& gain = linear.effects.get<model::SensorGain>(model::Channel::F);
@@ -273,6 +288,12 @@ void add_law_slopes(const Laws& laws, model::RigParameters<double>& linear) {
     throw UnfitLoop("[laws] make a stiffness, a damping or the gain of F negative at rest");
   }
   auto& relaxation = linear.effects.get<model::Relaxation>();
+  for (std::size_t i = 0; i < laws.curve_count; ++i) {
+    const auto branch = as_branch(laws.curves[i]);
+    if (branch && branch->place == LawPlace::suspension && !relaxation.active) {
+      relaxation = {true, {branch->stiffness, branch->time_constant}};
+    }
+  }
   for (std::size_t i = 0; i < laws.branch_count; ++i) {
     const auto& branch = laws.branches[i];
     if (branch.slip_force > 0.0) {
@@ -284,7 +305,7 @@ void add_law_slopes(const Laws& laws, model::RigParameters<double>& linear) {
 }
 
 /// What add_law_slopes() cannot say by a parameter: laws of the piston, and all Maxwell branches but the first of a
-/// suspension without the effect relaxation.
+/// suspension without the effect relaxation. A curve behind a spring is such a branch.
 std::vector<std::string> laws_left_out(const model::RigParameters<double>& rig) {
   const Laws& laws = rig.laws;
   std::vector<std::string> names;
@@ -294,7 +315,11 @@ std::vector<std::string> laws_left_out(const model::RigParameters<double>& rig) 
                     std::string(model::name(place)));
   };
   for (std::size_t i = 0; i < laws.curve_count; ++i) {
-    if (laws.curves[i].place == LawPlace::piston) name("curve", i, LawPlace::piston);
+    const LawPlace place = laws.curves[i].place;
+    const bool maxwell = as_branch(laws.curves[i]).has_value();
+    const bool taken = maxwell && place == LawPlace::suspension && !has_relaxation;
+    if (taken) has_relaxation = true;
+    if (place == LawPlace::piston || (maxwell && !taken)) name("curve", i, place);
   }
   for (std::size_t i = 0; i < laws.surface_count; ++i) {
     if (laws.surfaces[i].place == LawPlace::piston) name("surface", i, LawPlace::piston);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -100,6 +101,9 @@ void draw_laws(Random& random, Rig& rig) {
       curve.at[k] = width * (from_middle + random.between(-0.3, 0.3)) / curve.count;
       curve.value[k] = 200.0 * std::tanh(3.0 * curve.at[k] / width) + random.between(-5.0, 5.0);
     }
+    if (curve.place == model::LawPlace::sensor || random.chance(0.7)) continue;
+    std::sort(curve.value.begin(), curve.value.begin() + curve.count);
+    curve.behind = random.between(1e4, 1e6);
   }
   if (random.chance(0.3)) {
     model::SurfaceTable<double>& surface = rig.laws.surfaces[rig.laws.surface_count++];
@@ -136,6 +140,8 @@ Rig another(Random& random, const Rig& rig) {
   for (model::CurveTable<double>& curve : other.laws.curves) {
     for (double& at : curve.at) at *= wider;
     for (double& value : curve.value) value *= harder * random.between(0.99, 1.01);
+    curve.behind *= wider;
+    if (curve.behind > 0.0) std::sort(curve.value.begin(), curve.value.begin() + curve.count);
   }
   for (model::SurfaceTable<double>& surface : other.laws.surfaces) {
     for (double& at : surface.deflection) at *= wider;

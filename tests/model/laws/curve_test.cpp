@@ -45,6 +45,17 @@ TEST(Curve, ReadsNothingBeyondItsTable) {
   EXPECT_DOUBLE_EQ(f.near(0.5, place), 0.4375) << "and finds back";
 }
 
+// Law. where(y, κ) solves f(x) + κ x = y, in a table and beyond, for a soft κ and a stiff one, also where f is level.
+TEST(Curve, FindsWhereItsSumWithALineHasAValue) {
+  const Curve f = through({-1.0, -0.1, 0.0, 0.02, 0.5, 1.0}, {-900.0, -700.0, 0.0, 600.0, 600.0, 1500.0});
+  for (const double kappa : {1.0, 126.0, 1e4, 1e9}) {
+    for (double x = -3.0; x < 3.0; x += 0.0137) {
+      const double y = f(x) + kappa * x;
+      EXPECT_NEAR(y - kappa * f.where(y, kappa), f(x), 1e-4 * 700.0 + 1e-15 * std::abs(y)) << kappa << ", " << x;
+    }
+  }
+}
+
 // Law. For every number of points: it passes through each of them, and its slope has no jump there.
 TEST(Curve, PassesThroughEachPointWithoutAKink) {
   std::mt19937 random(1);

@@ -121,6 +121,78 @@ TEST(LawsInSteps, MaxwellBranchIsTheRelaxation) {
   }
 }
 
+// Law. A straight damper c behind a spring k is the effect `relaxation` with k and T = c/k, which is exact; a straight
+// spring s is one of k s/(k + s).
+TEST(LawsInSteps, StraightCurveBehindASpringIsAMaxwellBranchOrASofterSpring) {
+  for (const RigKind kind : {RigKind::quarter_car, RigKind::component_bench}) {
+    const Channel channel = kind == RigKind::component_bench ? Channel::F : Channel::zdd_b;
+    const Parameters without = support::linear_rig(kind);
+    for (const double stiffness : {4e4, 4.3e5}) {
+      Parameters law = without, effect = without;
+      add_line(law, LawPlace::suspension, LawOver::velocity, 800.0);
+      law.laws.curves[0].behind = stiffness;
+      effect.effects.add(model::Relaxation<double>{stiffness, 800.0 / stiffness});
+      const double coarse = difference(law, 1e-3, effect, 1e-3, channel);
+      EXPECT_LT(coarse, 5e-3) << stiffness;
+      EXPECT_LT(difference(law, 5e-4, effect, 5e-4, channel), 0.3 * coarse) << stiffness;
+      EXPECT_GT(difference(without, 1e-3, effect, 1e-3, channel), 0.05) << "it matters";
+    }
+    Parameters law = without, softer = without;
+    add_line(law, LawPlace::suspension, LawOver::deflection, 3e4);
+    law.laws.curves[0].behind = 1e4;
+    add_line(softer, LawPlace::suspension, LawOver::deflection, 0.75e4);
+    EXPECT_LT(difference(law, 1e-3, softer, 1e-3, channel), 1e-9);
+  }
+}
+
+/// A damper with a knee and the gas of 70 N, behind a spring.
+Parameters kneed_behind(RigKind kind, double stiffness) {
+  Parameters rig = support::linear_rig(kind);
+  rig.suspension = {};
+  add_curve(rig, LawPlace::suspension, LawOver::velocity, {-1.0, -0.1, -0.02, 0.0, 0.03, 0.1, 1.0},
+            {-1370.0, -520.0, -400.0, 0.0, 600.0, 700.0, 2000.0});
+  rig.laws.curves[0].behind = stiffness;
+  return rig;
+}
+
+// Law. The same from the other end, worked out here: with x_i(t) prescribed, x = x_i + f(ẋ_i)/k is what moves a bench
+// whose force is f(ẋ_i), whatever the knee. The error falls with h².
+TEST(LawsInSteps, CurveBehindASpringSharesItsForce) {
+  const Parameters rig = kneed_behind(RigKind::component_bench, 4.3e5);
+  const auto& table = rig.laws.curves[0];
+  const model::Curve<double> curve(table.at, table.value, table.count);
+  const auto inside = [](double t) { return 0.02 * std::sin(25.0 * t) * std::sin(2.0 * t); };
+  const auto velocity = [](double t) {
+    return 0.5 * std::cos(25.0 * t) * std::sin(2.0 * t) + 0.04 * std::sin(25.0 * t) * std::cos(2.0 * t);
+  };
+  const auto outside = [&](double t) { return inside(t) + curve(velocity(t)) / 4.3e5; };
+  const auto error = [&](double h) {
+    const Rig model(rig, h);
+    auto x = model.start();
+    double squares = 0.0, size = 0.0;
+    for (double t = h; t < 1.5; t += h) {
+      model.step(x, {.command = {outside(t), (outside(t + 1e-6) - outside(t - 1e-6)) / 2e-6}});
+      const double force = model.signals(x)[index(Channel::F)];
+      squares += std::pow(force - curve(velocity(t)), 2);
+      size += force * force;
+    }
+    return std::sqrt(squares / size);
+  };
+  EXPECT_LT(error(1e-3), 0.01);
+  EXPECT_LT(error(2.5e-4), 0.15 * error(1e-3));
+}
+
+// Limit. Behind a very stiff spring the curve is itself; behind none that carries anything, nothing.
+TEST(LawsInSteps, VeryStiffSpringHidesNothing) {
+  const Parameters itself = kneed_behind(RigKind::quarter_car, 0.0), stiff = kneed_behind(RigKind::quarter_car, 1e10);
+  const double coarse = difference(stiff, 1e-3, itself, 1e-3, Channel::F_w);
+  EXPECT_LT(coarse, 0.01);
+  EXPECT_LT(difference(stiff, 2.5e-4, itself, 2.5e-4, Channel::F_w), 0.5 * coarse);
+  Parameters none = itself;
+  none.laws = {};
+  EXPECT_LT(difference(kneed_behind(RigKind::quarter_car, 1e-3), 1e-3, none, 1e-3, Channel::F_w), 1e-3);
+}
+
 // Law. A curve with points on v|v| is the effect quadratic_damping, but for the curve between its points.
 TEST(LawsInSteps, CurveIsTheEffectThatItWasTakenFrom) {
   Parameters law = support::linear_rig(RigKind::quarter_car), effect = law;
@@ -169,6 +241,10 @@ TEST(LawsInSteps, TakeEnergyHoweverSteepTheyAre) {
       [](Parameters& r) { add_line(r, LawPlace::suspension, LawOver::velocity, 1e7); },
       [](Parameters& r) {
         add_curve(r, LawPlace::suspension, LawOver::velocity, {-1.0, -1e-4, 1e-4, 1.0}, {-2100.0, -2e3, 2e3, 2100.0});
+      },
+      [](Parameters& r) {
+        add_curve(r, LawPlace::suspension, LawOver::velocity, {-1.0, -1e-4, 1e-4, 1.0}, {-2100.0, -2e3, 2e3, 2100.0});
+        r.laws.curves[0].behind = 1e9;
       },
       [](Parameters& r) { add_line(r, LawPlace::tyre, LawOver::velocity, 1e7); },
       [](Parameters& r) { add_line(r, LawPlace::body_guide, LawOver::velocity, 1e8); },

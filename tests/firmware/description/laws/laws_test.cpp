@@ -55,6 +55,30 @@ TEST(Laws, TheExamplesOfTheContractAreRead) {
   EXPECT_EQ(laws.branches[1].slip_force, 60.0);
 }
 
+// Point. `behind` is a spring in series; what cannot be behind one is an error with its line.
+TEST(Laws, ACurveMayBeBehindASpring) {
+  const RigDescription rig = with(std::string(damper) + "behind = 4.3e5\n");
+  EXPECT_EQ(rig.rig.laws.curves[0].behind, 4.3e5);
+  EXPECT_EQ(with(damper).rig.laws.curves[0].behind, 0.0);
+  const RigDescription again = parse_rig(firmware::format_rig(rig), "again.toml");
+  EXPECT_EQ(again.rig.laws.curves[0].behind, 4.3e5);
+  const auto expect = [](const std::string& laws, const std::string& place, const std::string& why) {
+    const std::string error = error_of(laws);
+    EXPECT_NE(error.find(place), std::string::npos) << error;
+    EXPECT_NE(error.find(why), std::string::npos) << error;
+  };
+  expect(std::string(damper) + "behind = -1.0\n", "rig.toml:18", "behind");
+  expect(std::string(damper) + "behind = 1e15\n", "rig.toml:18", "N/m");
+  expect("[laws.b]\nplace = \"suspension\"\nbehind = 1e5\nbranches = [{ stiffness = 8e3, time_constant = 0.02 }]\n",
+         "rig.toml:15", "branches behind a spring");
+  expect(
+      "[laws.b]\nplace = \"suspension\"\nover = \"velocity\"\nat = [-1.0, 0.0, 0.1, 1.0]\n"
+      "value = [-900.0, 0.0, 700.0, 600.0]\nbehind = 1e5\n",
+      "rig.toml:18", "it would jump");
+  expect("[laws.b]\nplace = \"sensor F_w\"\nat = [-1.0, 1.0]\nvalue = [-1.0, 1.1]\nbehind = 1e5\n", "rig.toml:17",
+         "sensor");
+}
+
 // Law. Written and read again it is the same rig, under the same names.
 TEST(Laws, AreWrittenAsTheyWereRead) {
   const std::string rest =
