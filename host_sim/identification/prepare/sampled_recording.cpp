@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -143,24 +142,17 @@ std::array<Outliers, model::channel_count> leave_out_outliers(model::RigKind kin
   return outliers;
 }
 
-/// What two channels have in common: averaged cross and own powers of overlapping blocks, line by line.
-struct CommonSpectrum {
-  double line = 0.0;                    ///< [Hz] between two lines
-  double independent = 2.0;             ///< blocks that do not overlap
-  std::vector<double> power, coherent;  ///< of the first channel; |S_ab|²/(S_aa S_bb). Empty: too few samples
-};
-
-CommonSpectrum common_spectrum(const std::vector<double>& a, const std::vector<double>& b, double period) {
+/// Median over the lines above the motion of the coherence of two channels, |S_ab|²/(S_aa S_bb); 0: too few samples.
+double coherence_above_motion(const std::vector<double>& a, const std::vector<double>& b, double period) {
   constexpr std::size_t fewest_blocks = 8;
   const double rate = 1.0 / period;
   const std::size_t wanted = std::min(static_cast<std::size_t>(rate), 2 * a.size() / (fewest_blocks + 1));
-  if (wanted < 32) return {};
+  if (wanted < 32) return 0.0;
   const std::size_t length = good_fft_size_at_most(wanted);
   BlockTransform transform(hann_window(length), Detrend::line);
   std::vector<double> aa(transform.bins(), 0.0), bb = aa;
   std::vector<std::complex<double>> ab(transform.bins(), 0.0);
-  double blocks = 0.0;
-  for (std::size_t from = 0; from + length <= a.size(); from += length / 2, ++blocks) {
+  for (std::size_t from = 0; from + length <= a.size(); from += length / 2) {
     const auto of_a = transform(std::span(a).subspan(from, length));
     const std::vector<std::complex<double>> kept(of_a.begin(), of_a.end());
     const auto of_b = transform(std::span(b).subspan(from, length));
@@ -170,21 +162,12 @@ CommonSpectrum common_spectrum(const std::vector<double>& a, const std::vector<d
       ab[k] += std::conj(kept[k]) * of_b[k];
     }
   }
-  CommonSpectrum common{rate / static_cast<double>(length), std::max(2.0, 0.5 * (blocks + 1.0)), aa,
-                        std::vector<double>(aa.size(), 0.0)};
-  for (std::size_t k = 0; k < aa.size(); ++k) {
-    if (aa[k] > 0.0 && bb[k] > 0.0) common.coherent[k] = std::norm(ab[k]) / (aa[k] * bb[k]);
-  }
-  return common;
-}
-
-/// Median of the coherence over the lines above the motion.
-double coherence_above_motion(const CommonSpectrum& common, double rate) {
   const double first = std::min(thresholds::noise_begins, thresholds::noise_begins_share * rate);
   std::vector<double> coherences;
-  for (std::size_t k = 0; k < common.power.size(); ++k) {
-    const double f = static_cast<double>(k) * common.line;
-    if (f >= first && f <= thresholds::noise_ends_share * rate) coherences.push_back(common.coherent[k]);
+  for (std::size_t k = 0; k < aa.size(); ++k) {
+    const double f = static_cast<double>(k) * rate / static_cast<double>(length);
+    if (f < first || f > thresholds::noise_ends_share * rate) continue;
+    if (aa[k] > 0.0 && bb[k] > 0.0) coherences.push_back(std::norm(ab[k]) / (aa[k] * bb[k]));
   }
   if (coherences.empty()) return 0.0;
   const auto middle = coherences.begin() + static_cast<std::ptrdiff_t>(coherences.size() / 2);
@@ -192,30 +175,8 @@ double coherence_above_motion(const CommonSpectrum& common, double rate) {
   return *middle;
 }
 
-/// The share of a channel's power that another does not have: noise has no more. Of n independent blocks two noises
-/// have a coherence of 1/n:
-///
-///   (1)  Σ S_aa min(1, (1 − coherence) n/(n − 1)) / Σ S_aa
-double incoherent_share(const CommonSpectrum& common) {
-  double all = 0.0, rest = 0.0;
-  const double of_chance = common.independent / (common.independent - 1.0);
-  for (std::size_t k = 0; k < common.power.size(); ++k) {
-    all += common.power[k];
-    rest += common.power[k] * std::min(1.0, (1.0 - common.coherent[k]) * of_chance);
-  }
-  return all > 0.0 ? rest / all : 1.0;
-}
-
-double power_of_motion(const std::vector<double>& samples) {
-  const double mean = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
-  double squares = 0.0;
-  for (const double value : samples) squares += (value - mean) * (value - mean);
-  return squares / static_cast<double>(samples.size());
-}
-
-/// Noise of two sensors is not coherent, a motion and its tail are. Of two channels whose noise nobody declared:
-/// where their spectra are one motion above the frequencies that are driven, only the rest can be noise; and a colour
-/// that makes more of a channel than the other leaves is the motion's: a chirp that a drive cuts off fills all bands.
+/// Noise of two sensors is not coherent, the tail of a motion is: where the spectra of two channels whose noise nobody
+/// declared are one motion above the frequencies that are driven, only the rest can be noise.
 void leave_motion_out(SampledRecording& result, const firmware::RigDescription& description,
                       const firmware::Recording& recording) {
   std::vector<std::size_t> open;
@@ -225,24 +186,16 @@ void leave_motion_out(SampledRecording& result, const firmware::RigDescription& 
     const bool is_open = is_measured && recording.has(channel) && !description.noise[c] && !result.renewals[c];
     if (is_open && result.channel_noise[c].level > 0.0) open.push_back(c);
   }
-  const double period = recording.sample_period;
-  std::array<double, model::channel_count> most{}, least_rest;
-  least_rest.fill(1.0);
-  for (const std::size_t i : open) {
-    for (const std::size_t j : open) {
-      if (i == j) continue;
-      const CommonSpectrum common = common_spectrum(recording.channels[i], recording.channels[j], period);
-      most[i] = std::max(most[i], coherence_above_motion(common, 1.0 / period));
-      least_rest[i] = std::min(least_rest[i], incoherent_share(common));
+  std::array<double, model::channel_count> most{};
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    for (std::size_t j = i + 1; j < open.size(); ++j) {
+      const double coherence =
+          coherence_above_motion(recording.channels[open[i]], recording.channels[open[j]], recording.sample_period);
+      most[open[i]] = std::max(most[open[i]], coherence);
+      most[open[j]] = std::max(most[open[j]], coherence);
     }
   }
   for (const std::size_t c : open) {
-    const std::vector<double>& samples = recording.channels[c];
-    ChannelNoise& noise = result.channel_noise[c];
-    if (const double rms = noise.rms(period), rest = least_rest[c] * power_of_motion(samples); rms * rms > rest) {
-      noise = {std::min(estimated_noise(samples), std::sqrt(rest)), {}, 1.0, 0.0, 0.0};
-      result.noise[c] = noise.level;
-    }
     if (most[c] < thresholds::coherent_motion) continue;
     const double least = exactness_of_model(recording.channels[c], recording.filled);
     const double rest = result.channel_noise[c].level * std::sqrt(1.0 - most[c]);
@@ -260,10 +213,9 @@ void believe_declared(SampledRecording& result, const firmware::RigDescription& 
   for (const model::Channel channel : {model::Channel::F, model::Channel::x_act, model::Channel::zdd_b}) {
     const std::size_t c = index(channel);
     if (!description.noise[c] || !recording.has(channel) || result.renewals[c]) continue;
-    const bool one_motion = channel == model::Channel::F ||
-                            coherence_above_motion(common_spectrum(recording[model::Channel::F], recording[channel],
-                                                                   recording.sample_period),
-                                                   1.0 / recording.sample_period) >= thresholds::coherent_motion;
+    const bool one_motion =
+        channel == model::Channel::F || coherence_above_motion(recording[model::Channel::F], recording[channel],
+                                                               recording.sample_period) >= thresholds::coherent_motion;
     if (!one_motion) continue;
     const double level = std::hypot(*description.noise[c], rounding_noise(steps[c]));
     result.channel_noise[c] = {level, {}, thresholds::grid_error, 0.0, 0.0};
@@ -318,9 +270,8 @@ void find_noise(SampledRecording& result, const firmware::RigDescription& descri
 }
 
 void interpolate(SampledRecording& sampled, model::RigKind kind) {
-  const double period = sampled.recording.sample_period;
   const double longest = longest_step(kind, sampled.recording);
-  sampled.step = model_steps_per_sample(period, longest);
+  sampled.step = model_steps_per_sample(sampled.recording.sample_period, longest);
   sampled.slower = longest / longest_model_step;
   if (sampled.step == 1) return;
   sampled.recording = interpolated(sampled.recording, sampled.step);

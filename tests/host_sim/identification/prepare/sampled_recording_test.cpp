@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "host_sim/identification/diagnosis.hpp"
 #include "tests/host_sim/identification/truth_recording.hpp"
@@ -95,32 +94,21 @@ TEST(DiagnosisAtAnyRate, TakesShortRecordings) {
   EXPECT_THROW((void)diagnosis_at(1000.0, "none:quarter_car", 2.0), firmware::InputError);
 }
 
-// Law. Noise is no louder than what a channel does not share with any other. A force of 0 to 60 Hz whose spectrum
-// falls as that of coloured noise, beside the position it moves: nobody declared noise, and what is left to it is what
-// was added, a hundredth of the force, within what 39 blocks say.
-TEST(SampledRecording, DoesNotTakeAMotionForNoise) {
+// Point. A bench at 10 Hz takes 17 steps a sample, and with corners four times as many, as at any rate.
+TEST(SampledRecording, TakesLongerStepsWhereABenchIsSlow) {
   const auto description = firmware::parse_rig(support::bench_text, "rig.toml");
-  firmware::RigDescription silent = description;
-  silent.noise = {};
-  std::mt19937_64 random(7);
-  std::normal_distribution<double> normal;
-  const double rate = 200.0, keep = std::exp(-2.0 * 3.141592653589793 * 50.0 / rate);
   firmware::Recording recording;
   recording.source = "REC.csv";
-  recording.sample_period = 1.0 / rate;
-  recording.time = firmware::sample_times(4000, rate);
-  double force = 0.0, position = 0.0;
-  for (std::size_t k = 0; k < 4000; ++k) {
-    force = keep * force + normal(random);
-    position = 0.5 * position + 1e-3 * force;
-    recording[Channel::F].push_back(force + 0.01 * normal(random));
-    recording[Channel::x_act].push_back(position + 1e-5 * normal(random));
+  recording.sample_period = 0.1;
+  recording.time = firmware::sample_times(200, 10.0);
+  for (int k = 0; k < 200; ++k) {
+    recording[Channel::x_cmd].push_back(1e-3 * std::sin(0.2 * k));
+    recording[Channel::F].push_back(30.0 * std::sin(0.2 * k));
   }
-  const SampledRecording found = sampled(silent, recording);
-  double squares = 0.0;
-  for (const double value : recording[Channel::F]) squares += value * value;
-  const double rms = std::sqrt(squares / 4000.0);
-  EXPECT_LT(found.channel_noise[index(Channel::F)].rms(1.0 / rate), 0.2 * rms);
+  const SampledRecording slow = sampled(description, recording);
+  EXPECT_EQ(slow.step, 17U);
+  EXPECT_DOUBLE_EQ(slow.slower, 6.0);
+  EXPECT_EQ(prepare_recording(description, slow, Use::shared, false).substeps, 4);
 }
 
 }  // namespace
