@@ -193,7 +193,10 @@ Eigen::MatrixXd Fit::covariance() const {
     const auto k = static_cast<Eigen::Index>(i);
     h(k, k) += 1e-12 * h(k, k) + 1e-30;
     const double width = parameters[i].upper - parameters[i].lower;
-    if (parameters[i].role == FreeParameter::Role::tolerated) h(k, k) += 12.0 / (width * width);
+    // Where a machine begins shows nowhere while the model has none: then it is known to its bounds alone.
+    const bool bounded =
+        parameters[i].role == FreeParameter::Role::tolerated || parameters[i].role == FreeParameter::Role::start;
+    if (bounded) h(k, k) += 12.0 / (width * width);
   }
   return h.ldlt().solve(Eigen::MatrixXd::Identity(h.rows(), h.cols()));
 }
