@@ -160,7 +160,7 @@ Rig linear_for(const Rig& rig, const Motions& motions) {
   return linear;
 }
 
-/// What the places of laws do over the road of the filter. (find_fault: no law of the suspension behind a lever.)
+/// rms motion of each place of laws over the road of the filter. (find_fault: no law of the suspension behind a lever.)
 Motions motions_of(const Rig& linear, const KalmanSettings& settings, double period) {
   const EstimatorEquations equations(settings, linear);
   const auto gains = std::make_unique<SteadyGains>(equations, period);

@@ -16,7 +16,7 @@ namespace host_sim {
 /// Place in InitialState of how far the machine of a component_bench is from where it would have settled.
 inline constexpr int bench_machine_state = 0;
 
-/// Whether it matters: a machine without a lag, a resonance or a rate limit forgets, but for its delay.
+/// true: a lag, a resonance or a rate limit, so that where the machine begins acts on what follows.
 template <class S>
 [[nodiscard]] bool remembers(const model::MachinePath<S>& machine) {
   using model::same;

@@ -13,8 +13,8 @@ namespace host_sim {
 /// 4e-5 at 30 Hz and this step. Half: 3e-6, twice the time. Twice: 7e-4, and 3 % at 5 ms, which passes for an effect.
 inline constexpr double longest_model_step = 1e-3;
 
-/// [s] The same of a rig in a recording. A component_bench has no motion of its own that is slower than its machine and
-/// faster than its samples, and a recording nothing above half of its rate f, so (ωh)⁴/30 is the same 4e-5 at ω = π f:
+/// [s] The same of a rig in a recording. A component_bench moves as it is recorded, with nothing above half of the rate
+/// f, so (ωh)⁴/30 is the same 4e-5 at ω = π f:
 ///
 ///   (1)  h = max(longest_model_step, longest_model_step · 2 · 30 Hz / f)
 ///

@@ -213,17 +213,6 @@ InitialState resting(const Rig& rig, const SimulationInput& input) {
   return start;
 }
 
-std::vector<int> free_states(const Rig& rig, const SimulationInput& input, const firmware::Recording& recording) {
-  std::vector<int> states;
-  if (rig.kind == RigKind::component_bench) {
-    if (input.channel == Channel::x_cmd && recording.has(Channel::x_act)) states.push_back(bench_machine_state);
-  } else {
-    states = input.wheel_prescribed || input.is_force() ? std::vector{2, 3} : std::vector{0, 1, 2, 3};
-  }
-  if (rig.has_fdva && rig.fdva.open_ducts > 0) states.insert(states.end(), {4, 5});
-  return states;
-}
-
 namespace {
 
 /// simulate() with a model that has room for what the rig has.
@@ -249,12 +238,16 @@ Response simulated(const Rig& rig, const SimulationInput& input, const InitialSt
   const auto& first = input.motion.front();
   model::MachinePath<double> machine{};
   model->parameters().effects.act_on(machine);
-  model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
-  const double away = remembers(machine) ? start(bench_machine_state) : 0.0;
-  reached = bench ? model::Stroke<double>{first.position + away, first.velocity} : model->component_stroke(reached);
-  reached.position -= reached.velocity * machine.delay;
   InitialState core = start;
-  if (bench) core(bench_machine_state) = 0.0;
+  model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
+  if (bench) {
+    const double away = remembers(machine) ? core(bench_machine_state) : 0.0;
+    reached = {first.position + away, first.velocity};
+    core(bench_machine_state) = 0.0;
+  } else {
+    reached = model->component_stroke(reached);
+  }
+  reached.position -= reached.velocity * machine.delay;
   auto x = model->start(core, first, reached);
   if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();
 

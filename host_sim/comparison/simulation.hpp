@@ -60,11 +60,6 @@ struct SimulationInput {
 /// resonance or a rate limit is from where it would have settled on its command [m].
 using InitialState = model::Column<double, 6>;
 
-/// Those of InitialState that a recording does not tell: of a car all but what a prescribed wheel or a fixed base does,
-/// of a bench behind its command the machine, where x_act is recorded; of ducts the fluid.
-[[nodiscard]] std::vector<int> free_states(const model::RigParameters<double>& rig, const SimulationInput& input,
-                                           const firmware::Recording& recording);
-
 /// At rest above the first sample of the input; on a prescribed wheel moving with it.
 [[nodiscard]] InitialState resting(const model::RigParameters<double>& rig, const SimulationInput& input);
 

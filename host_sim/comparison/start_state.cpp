@@ -14,6 +14,9 @@ using model::Channel;
 using model::RigKind;
 using Rig = model::RigParameters<double>;
 
+/// [1] of a channel's rms: what is nearer than this is where it would be at rest.
+constexpr double allowed_share = 0.05;
+
 double rms(const std::vector<double>& values) {
   double squares = 0.0;
   for (const double v : values) squares += v * v;
@@ -116,8 +119,7 @@ class StartProblem {
 }  // namespace
 
 bool begins_at_rest(const Rig& rig, const SimulationInput& input, const firmware::Recording& recording) {
-  constexpr std::size_t beginning = 10;   // samples
-  constexpr double allowed_share = 0.05;  // of the channel's rms
+  constexpr std::size_t beginning = 10;  // samples
   const Response quiet = simulate(rig, input, resting(rig, input), 1);
   for (const Channel channel : channels_to_fit(rig, input, recording)) {
     const auto& data = recording[channel];
@@ -128,6 +130,21 @@ bool begins_at_rest(const Rig& rig, const SimulationInput& input, const firmware
     }
   }
   return true;
+}
+
+std::vector<int> free_states(const Rig& rig, const SimulationInput& input, const firmware::Recording& recording) {
+  std::vector<int> states;
+  if (rig.kind == RigKind::component_bench) {
+    const std::vector<double>& reached = recording[Channel::x_act];
+    if (input.channel == Channel::x_cmd && !reached.empty() &&
+        std::abs(reached.front() - recording[Channel::x_cmd].front()) > allowed_share * rms(reached)) {
+      states.push_back(bench_machine_state);
+    }
+  } else {
+    states = input.wheel_prescribed || input.is_force() ? std::vector{2, 3} : std::vector{0, 1, 2, 3};
+  }
+  if (rig.has_fdva && rig.fdva.open_ducts > 0) states.insert(states.end(), {4, 5});
+  return states;
 }
 
 InitialState estimated_start(const Rig& rig, const SimulationInput& input, const firmware::Recording& recording,

@@ -1,6 +1,8 @@
 // The state in which a recording begins.
 #pragma once
 
+#include <vector>
+
 #include "host_sim/comparison/simulation.hpp"
 
 namespace host_sim {
@@ -10,6 +12,11 @@ namespace host_sim {
 /// parameters; twice would call a slow motion rest, which leaves a decaying error of a tenth of the signal.
 [[nodiscard]] bool begins_at_rest(const model::RigParameters<double>& rig, const SimulationInput& input,
                                   const firmware::Recording& recording);
+
+/// Places in InitialState that a recording does not tell: of a car all but what a prescribed wheel or a fixed base does,
+/// of ducts the fluid; of a bench the machine, where the first x_act is away from x_cmd by more than that 5 %.
+[[nodiscard]] std::vector<int> free_states(const model::RigParameters<double>& rig, const SimulationInput& input,
+                                           const firmware::Recording& recording);
 
 /// The state x₀ at the first sample that fits the first 3 s best:
 ///

@@ -1,4 +1,4 @@
-// Where the coefficients of adaptive_time_series settle in a loop.
+// Settled coefficients of adaptive_time_series in a loop.
 #pragma once
 
 #include "firmware/loop/compensation/settings.hpp"

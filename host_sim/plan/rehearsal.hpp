@@ -39,7 +39,7 @@ struct Stretch {
 /// the road is no longer, or not stationary.
 [[nodiscard]] std::optional<Stretch> stretch_of(const firmware::RigDescription& description, const Setting& setting);
 
-/// What a change of the rig changes in the whitened residuals.
+/// Change of the whitened residuals by a change of the rig.
 struct Change {
   Eigen::VectorXf whitened;   ///< d
   Eigen::VectorXd tolerated;  ///< Jᵀd, J: columns of the tolerated parameters

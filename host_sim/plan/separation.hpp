@@ -35,7 +35,7 @@ struct Rival {
 [[nodiscard]] double left_of(const Rehearsal& rehearsal, const Change& a, double whole,
                              const std::vector<Direction>& rival);
 
-/// What is left of a change after the nearest direction of all rivals is taken off, and of that again, so many times.
+/// Rest of a change after the nearest direction of all rivals is taken off, and of that again, so many times.
 /// No less than all of them together would leave.
 [[nodiscard]] double left_of_several(const Rehearsal& rehearsal, Change a, const std::vector<const Rival*>& rivals,
                                      int times);

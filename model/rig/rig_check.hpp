@@ -77,7 +77,7 @@ template <class Numbers>
   return true;
 }
 
-/// Whether no one of the first `count` numbers is below the one before.
+/// true: the first `count` numbers nowhere fall.
 template <class Numbers>
 [[nodiscard]] bool rises(const Numbers& value, std::size_t count) {
   for (std::size_t i = 1; i < count; ++i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host_sim/comparison/start_state.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 
 namespace host_sim::identification {
