@@ -24,7 +24,11 @@ constexpr std::array usual_settings{
     Usual{"limits", "following", 0.0, 0.025},     // a tenth of the usual stroke
     Usual{"limits", "following_least", 0.0, 0.005},
     Usual{"supervision", "bridged_in_a_row", 1.0, 10.0},
+    Usual{"supervision", "bridged_leak", 0.05, 0.5},  // more: half of all samples may be bad for ever
     Usual{"supervision", "stale_after", 1.0, 20.0},
+    Usual{"supervision", "late_after", 0.01, 0.5},
+    Usual{"supervision", "late_leak", 0.05, 0.5},  // more: every second period may be late for ever
+    Usual{"motion", "braking", 5.0, 100.0},        // 49 mm from the usual speed; a knock beyond the acceleration limit
     Usual{"supervision", "speed_time", 0.0, 0.2},
     Usual{"supervision", "following_time", 0.0, 0.2},
     Usual{"supervision", "following_memory", 0.0, 2.0},
@@ -72,20 +76,30 @@ MotionObjection wide_objection(const RigDescription& description) {
   const Settings settings = control_settings(description);
   const double force = settings.limits.force, low_force = settings.limits.highest_low_force();
   const double low_speed = settings.highest_low_speed();
+  const bool hil = description.rig.kind == model::RigKind::hil;
   struct Value {
     std::string_view table, key;
     double value, lowest, highest;
   };
   for (const Value& v : {
            Value{"limits", "speed", controller.speed, 0.0, 2.0},  // faster than the cylinders of such rigs
-           Value{"limits", "ramp", controller.ramp, 0.0, 0.2},    // four fifths of the reduced speed below
-           Value{"limits", "low_speed", low_speed, 0.0, 0.25},    // reduced speed of ISO 10218-1, beside people
+           Value{"limits", "force", force, 0.0, 100e3},
+           Value{"limits", "stroke", settings.limits.stroke, 0.0, 1.0},
+           Value{"limits", "measured_stroke", settings.limits.highest_measured_stroke(), 0.0,
+                 1.1 * settings.limits.stroke},
+           Value{"limits", "measured_speed", settings.limits.highest_measured_speed(), 0.0,
+                 2.0 * settings.limits.speed},
+           Value{"limits", "ramp", controller.ramp, 0.0, 0.2},  // four fifths of the reduced speed below
+           Value{"limits", "low_speed", low_speed, 0.0, 0.25},  // reduced speed of ISO 10218-1, beside people
            Value{"limits", "low_force", low_force, 0.0, 0.5 * force},
            Value{"limits", "energy_gain", controller.energy_gain, 0.0, 1.5},
            Value{"controller", "late_in_a_row", static_cast<double>(description.hardware.schedule.late_in_a_row), 1.0,
                  50.0},
            Value{"arming", "preload", arming.preload, 0.0, 0.25 * force},
            Value{"arming", "sway", arming.sway, 0.0, 0.05 * force},
+           Value{"arming", "wander", arming.wander, 0.0, 0.005},
+           Value{"arming", "stop_test", arming.stop_test / 3600.0, 0.0, 168.0},       // a week; ISO 14119: a month
+           Value{"arming", "force_ramp", arming.force_ramp, hil ? 0.05 : 0.0, 10.0},  // 0: F enters a car at once
            Value{"arming", "position_tolerance", arming.position_tolerance, 0.0, 0.02},
        }) {
     if (v.value < v.lowest || v.value > v.highest) return objection(v.table, v.key, v.value, v.lowest, v.highest);

@@ -42,6 +42,8 @@ constexpr std::array loop_setting_list{
                                                      "a measured speed in m/s"),
     loop_setting<in_limits, &Limits::bridged_in_a_row>("supervision", "bridged_in_a_row", 1.0, 100.0,
                                                        "a number of samples"),
+    loop_setting<in_limits, &Limits::bridged_leak>("supervision", "bridged_leak", 0.01, 1.0,
+                                                   "bad samples that a good one makes up for"),
     loop_setting<in_limits, &Limits::stale_after>("supervision", "stale_after", 1.0, 1000.0, "an age in periods"),
     loop_setting<in_limits, &Limits::speed_time>("supervision", "speed_time", 0.0, 1.0, "a time in s"),
     loop_setting<in_supervision, &Supervision::following_time>("supervision", "following_time", 0.0, 1.0,

@@ -58,6 +58,8 @@ std::string_view Settings::check() const {
     return "limits.low_force: expected a force of at most limits.force";
   }
   if (limits.bridged_in_a_row < 1) return "limits.bridged_in_a_row: expected at least 1 sample";
+  if (!(limits.bridged_leak > 0.0 && limits.bridged_leak <= 1.0))
+    return "limits.bridged_leak: expected above 0, at most 1";
   if (!(limits.stale_after >= 1.0 && limits.stale_after <= 1000.0)) {
     return "limits.stale_after: expected 1 to 1000 periods";
   }

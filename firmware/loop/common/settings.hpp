@@ -11,17 +11,18 @@ namespace firmware {
 
 /// What a rig may do and its samples may be. README.md says why each limit acts as it does.
 struct Limits {
-  double stroke = 0.250;      ///< whole travel; a command stays within ± half of it [m]. Beyond: trips at once
-  double speed = 0.7;         ///< of the command [m/s]. Beyond: limited and counted
-  double acceleration = 0.0;  ///< of the command [m/s²]. Beyond: limited and counted. 0: highest_acceleration()
-  double speed_time = 0.050;  ///< limited for longer than this without a break: trips [s]
-  double force = 25e3;        ///< |measured force| [N]. Beyond: trips at once
-  double low_force = 0.0;     ///< the same while the drive arms, approaches, returns [N]; 0: highest_low_force()
-  double low_speed = 0.0;     ///< of the measured position meanwhile [m/s]; 0: Settings::highest_low_speed()
-  int bridged_in_a_row = 3;   ///< a bad sample is bridged by the last good one; so many in a row trip (1: at once)
-  double stale_after = 5.0;   ///< a sample older (or from further in the future) than so many periods is bad
-  double late_after = 0.25;   ///< a period that begins so many periods after it was due is late
-  int late_in_a_row = 5;      ///< so many late periods in a row trip; LatenessGuard counts
+  double stroke = 0.250;       ///< whole travel; a command stays within ± half of it [m]. Beyond: trips at once
+  double speed = 0.7;          ///< of the command [m/s]. Beyond: limited and counted
+  double acceleration = 0.0;   ///< of the command [m/s²]. Beyond: limited and counted. 0: highest_acceleration()
+  double speed_time = 0.050;   ///< limited for longer than this without a break: trips [s]
+  double force = 25e3;         ///< |measured force| [N]. Beyond: trips at once
+  double low_force = 0.0;      ///< the same while the drive arms, approaches, returns [N]; 0: highest_low_force()
+  double low_speed = 0.0;      ///< of the measured position meanwhile [m/s]; 0: Settings::highest_low_speed()
+  int bridged_in_a_row = 3;    ///< a bad sample is bridged by the last good one; so many in a row trip (1: at once)
+  double bridged_leak = 0.25;  ///< a good sample makes up for so many bad ones
+  double stale_after = 5.0;    ///< a sample older (or from further in the future) than so many periods is bad
+  double late_after = 0.25;    ///< a period that begins so many periods after it was due is late
+  int late_in_a_row = 5;       ///< so many late periods in a row trip; LatenessGuard counts
 
   // Of what the rig does: MotionGuard says what they mean.
   double following = 0.010;       ///< |measured − expected position| [m]. For following_time: trips

@@ -5,7 +5,8 @@ namespace firmware {
 using model::Channel;
 
 SampleGuard::SampleGuard(const Limits& limits, hal::Time period, const hal::SensorSource& sensors)
-    : most_in_a_row_(limits.bridged_in_a_row),
+    : weight_(static_cast<int>(1.0 / limits.bridged_leak + 0.5)),
+      full_(weight_ * limits.bridged_in_a_row),
       force_limit_(limits.force),
       oldest_(hal::seconds(limits.stale_after * period.seconds())) {
   for (std::size_t i = 0; i < model::channel_count; ++i) fitted_[i] = sensors.fitted(i);
@@ -27,17 +28,17 @@ void SampleGuard::take(const hal::Result<hal::Frame>& frame, hal::Time now) {
   for (std::size_t i = 0; i < model::channel_count; ++i) {
     if (!fitted_[i]) continue;
     const hal::Reading& reading = frame_.channels[i];
-    const Reason reason = judge(reading, now);
-    if (reason == Reason::none) {
+    int& level = levels_[i];
+    if (judge(reading, now) == Reason::none) {
       good_[i] = reading.value - tare_[i];
       seen_[i] = true;
-      in_a_row_[i] = 0;
+      if (level > 0) --level;  // (3)
       continue;
     }
     bridged_ = static_cast<std::uint16_t>(bridged_ | (1U << i));
     ++bridged_count_;
-    if (in_a_row_[i] < most_in_a_row_) ++in_a_row_[i];
-    if (in_a_row_[i] >= most_in_a_row_ || !seen_[i]) {
+    level = level < full_ - weight_ ? level + weight_ : full_;  // (2)
+    if (level == full_ || !seen_[i]) {
       bad_ = static_cast<std::uint16_t>(bad_ | (1U << i));
       report(bad_sample(i, now), (borne_ >> i & 1U) != 0);
     }
@@ -78,7 +79,7 @@ std::optional<Trip> SampleGuard::beyond_limit(Channel channel, hal::Time now) co
 
 Trip SampleGuard::bad_sample(std::size_t channel, hal::Time now) const {
   const hal::Reading& reading = frame_.channels[channel];
-  return {judge(reading, now), model::channel_at(channel), reading.value, static_cast<double>(most_in_a_row_), now};
+  return {judge(reading, now), model::channel_at(channel), reading.value, static_cast<double>(full_ / weight_), now};
 }
 
 Reason SampleGuard::judge(const hal::Reading& reading, hal::Time now) const {

@@ -18,11 +18,17 @@ static_assert(model::channel_count <= hal::channel_capacity, "the firmware index
 /// Bridges bad samples with the last good one, and says when they are too many.
 ///
 /// Bad is: missing, not finite, clipped (all three judged by hal), or stale. A bad sample is counted and replaced by
-/// the channel's last good value. Limits::bridged_in_a_row bad ones in a row, or a first sample that is bad (there is
-/// nothing to bridge with), are a hazard. So is a force F or F_w whose size, less its tare, is beyond a limit; where a
-/// force may be beyond it and becomes smaller (the way back from a force limit), only one that grows:
+/// the channel's last good value. Limits::bridged_in_a_row bad ones in a row, a lasting share of bad ones that a bucket
+/// of that size does not lose again, or a first sample that is bad (there is nothing to bridge with), are a hazard. So
+/// is a force F or F_w whose size, less its tare, is beyond a limit; where a force may be beyond it and becomes smaller
+/// (the way back from a force limit), only one that grows:
 ///
 ///   (1)  |F| > limit and |F| > F₀ + growth · limit,   F₀ ← min(F₀, |F|)
+///   (2)  level ← min(level + 1, bridged_in_a_row)     a bad sample of a channel; a hazard where the level is full
+///   (3)  level ← max(0, level − bridged_leak)         a good one; 1/bridged_leak is taken for a whole number
+///
+/// With a leak of ¼ any lasting share of bad samples above one in five trips: by then a channel is late by a fifth of a
+/// period in the mean, and by one and two periods in turns.
 class SampleGuard {
  public:
   SampleGuard(const Limits& limits, hal::Time period, const hal::SensorSource& sensors);
@@ -91,7 +97,8 @@ class SampleGuard {
 
   static constexpr double growth = 0.02;  ///< share of the limit: 500 N of 25 kN, 50 σ of a force sensor
 
-  int most_in_a_row_;
+  int weight_;  ///< of a bad sample, in good ones: 1/bridged_leak
+  int full_;    ///< of a level, in good samples
   double force_limit_;
   bool growing_ = false;
   std::array<double, 2> least_force_{never_reached, never_reached};  ///< F₀ of F and F_w
@@ -104,7 +111,7 @@ class SampleGuard {
   std::array<double, model::channel_count> good_{};
   std::array<double, model::channel_count> tare_{};
   std::array<bool, model::channel_count> seen_{};
-  std::array<int, model::channel_count> in_a_row_{};
+  std::array<int, model::channel_count> levels_{};
   hal::Frame frame_{};
   std::uint16_t bridged_ = 0;
   std::uint64_t bridged_count_ = 0;

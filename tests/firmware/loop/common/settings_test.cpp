@@ -61,6 +61,8 @@ TEST(Settings, SayWhichKeyIsWrong) {
       {"limits.speed_time", [](Settings& s) { s.limits.speed_time = -1e-3; }},
       {"limits.force", [](Settings& s) { s.limits.force = nan; }},
       {"limits.bridged_in_a_row", [](Settings& s) { s.limits.bridged_in_a_row = 0; }},
+      {"limits.bridged_leak", [](Settings& s) { s.limits.bridged_leak = 0.0; }},
+      {"limits.bridged_leak", [](Settings& s) { s.limits.bridged_leak = 1.1; }},
       {"limits.stale_after", [](Settings& s) { s.limits.stale_after = 0.5; }},
       {"limits.stale_after", [](Settings& s) { s.limits.stale_after = 1e4; }},
       {"limits.late_after", [](Settings& s) { s.limits.late_after = 0.0; }},

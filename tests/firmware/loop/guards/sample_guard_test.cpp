@@ -71,17 +71,38 @@ TEST(SampleGuard, BridgesTwoBadSamplesAndTripsOnTheThird) {
   }
 }
 
-TEST(SampleGuard, BeginsAnewAfterAGoodSample) {
+// Eight good ones make up for two bad ones at a leak of ¼.
+TEST(SampleGuard, BeginsAnewAfterGoodSamples) {
   Guarded g;
   g.take(5.0);
-  for (int k = 0; k < 10; ++k) {
+  for (int k = 0; k < 100; ++k) {
     g.take(0.0, Quality::missing);
     g.take(0.0, Quality::missing);
     EXPECT_FALSE(g.guard.hazard());
-    g.take(6.0 + k);
+    for (int good = 0; good < 8; ++good) g.take(6.0 + k);
     EXPECT_EQ(g.guard.value(Channel::F), 6.0 + k);
     EXPECT_EQ(g.guard.bridged(), 0U);
   }
+}
+
+// A sensor that loses one sample in five may go on, one that loses more for long may not: (2) and (3) by hand, one bad
+// and three good ones add ¼ to the level, so the ninth bad sample fills it (1 + 8 · ¼ = 3); bad and good in turns add
+// ¾, so the fourth does.
+TEST(SampleGuard, TripsOnALastingShareOfBadSamples) {
+  const auto trips_at = [](int good_between) {
+    Guarded g;
+    g.take(5.0);
+    for (int bad = 1; bad <= 1000; ++bad) {
+      g.take(0.0, Quality::missing);
+      if (g.guard.hazard()) return bad;
+      for (int good = 0; good < good_between; ++good) g.take(1.0 * good);
+    }
+    return 0;
+  };
+  EXPECT_EQ(trips_at(4), 0);
+  EXPECT_EQ(trips_at(3), 9);
+  EXPECT_EQ(trips_at(1), 4);
+  EXPECT_EQ(trips_at(0), 3);
 }
 
 // There is nothing to bridge a first sample with: to invent a value would be to measure by guessing.
