@@ -125,6 +125,7 @@ struct ParameterPath {
 /// The parameter "table.key" or "effects.name.key" of a rig, nullptr when there is none of that name or the rig does
 /// not have that part or effect.
 [[nodiscard]] double* find_parameter(model::RigParameters<double>& rig, std::string_view path);
+[[nodiscard]] const double* find_parameter(const model::RigParameters<double>& rig, std::string_view path);
 
 /// nullopt, or the reason why the model refuses these parameters: model::find_fault, or (table and key empty) rates of
 /// change that a step of this period [s] cannot resolve.

@@ -36,6 +36,13 @@ constexpr std::array<ParameterPath, 25> paths{{
     {"fdva", "coupling_stiffness", "N/m", [](Rig& r) -> double& { return r.fdva.coupling_stiffness; }},
 }};
 
+/// Takes "table." from the beginning of a path, if that is there.
+bool take(std::string_view& path, std::string_view table) {
+  if (!path.starts_with(table) || path.size() <= table.size() || path[table.size()] != '.') return false;
+  path.remove_prefix(table.size() + 1);
+  return true;
+}
+
 }  // namespace
 
 std::span<const ParameterPath> parameter_paths() { return paths; }
@@ -55,21 +62,27 @@ double* find_parameter(model::RigParameters<double>& rig, std::string_view path)
       return has_part(rig, p.table) ? &p.value(rig) : nullptr;
     }
   }
+  if (!take(path, "effects")) return nullptr;
   double* found = nullptr;
-  const auto look = [&](auto& slot, const std::string& table) {
+  const auto look = [&found](auto& slot, std::string_view key) {
     using Effect = std::remove_cvref_t<decltype(slot.effect)>;
-    if (!slot.active) return;
     for (std::size_t i = 0; i < Effect::card.parameters.size(); ++i) {
-      if (table + "." + std::string(Effect::card.parameters[i].name) == path) found = &(slot.effect.*Effect::values[i]);
+      if (key == Effect::card.parameters[i].name) found = &(slot.effect.*Effect::values[i]);
     }
   };
-  rig.effects.for_each(
-      [&](auto& slot) { look(slot, "effects." + std::string(std::remove_cvref_t<decltype(slot.effect)>::card.name)); });
+  rig.effects.for_each([&](auto& slot) {
+    std::string_view key = path;
+    if (slot.active && take(key, slot.effect.card.name)) look(slot, key);
+  });
   rig.effects.for_each_sensor([&](auto& slot, model::Channel channel) {
-    look(slot, "effects." + std::string(std::remove_cvref_t<decltype(slot.effect)>::card.name) + "." +
-                   std::string(model::name(channel)));
+    std::string_view key = path;
+    if (slot.active && take(key, slot.effect.card.name) && take(key, model::name(channel))) look(slot, key);
   });
   return found;
+}
+
+const double* find_parameter(const Rig& rig, std::string_view path) {
+  return find_parameter(const_cast<Rig&>(rig), path);  // which is not written to
 }
 
 std::optional<model::RigFault> find_rig_fault(const model::RigParameters<double>& rig, double period) {

@@ -14,8 +14,8 @@
 #include "host_sim/commands/common/how_made.hpp"
 #include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/commands/common/progress.hpp"
+#include "host_sim/commands/common/recorded_as.hpp"
 #include "host_sim/comparison/refit.hpp"
-#include "host_sim/identification/predict/recording_faults.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "host_sim/show/comparison_page.hpp"
 
@@ -133,19 +133,6 @@ void print(const RecordingComparison& recording) {
   }
 }
 
-/// [recording] of a description.
-RecordedAs recorder_in(const firmware::RigDescription& description) {
-  if (!description.recorder.any()) return {};
-  const firmware::RecorderDescription& recorder = description.recorder;
-  return {[recorder](const auto& rig, std::size_t samples, double period) {
-            return identification::variation_of(rig, identification::described_faults(recorder, {}, {}), samples,
-                                                period);
-          },
-          [recorder](const firmware::Recording& measured, model::Channel input, Response& channels) {
-            identification::record_with(recorder, input, measured, channels);
-          }};
-}
-
 StartChoice start_choice(const std::string& word) {
   if (word == "automatic") return StartChoice::automatic;
   if (word == "rest") return StartChoice::rest;
@@ -162,7 +149,7 @@ void compare(const CompareOptions& options) {
   for (const auto& file : options.data) {
     for (firmware::Recording& part :
          read_parts(file, description.channels, description.sample_rate, description.rig.kind)) {
-      recordings.emplace_back(description, std::move(part), options.start, recorder_in(description));
+      recordings.emplace_back(description, std::move(part), options.start, recorded_as(description));
     }
   }
 

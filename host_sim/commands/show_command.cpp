@@ -11,6 +11,7 @@
 #include "firmware/recording/output_file.hpp"
 #include "host_sim/commands/common/how_made.hpp"
 #include "host_sim/commands/common/json_output.hpp"
+#include "host_sim/commands/common/recorded_as.hpp"
 #include "host_sim/comparison/comparison.hpp"
 #include "host_sim/recording_files/recording_files.hpp"
 #include "host_sim/show/recording_page.hpp"
@@ -57,7 +58,7 @@ void show_recordings(const ShowOptions& options) {
   }
   for (show::Shown& one : shown) {
     for (std::size_t r = 0; r < rigs.size(); ++r) {
-      const ComparedRecording compared(rigs[r], one.recording, StartChoice::automatic);
+      const ComparedRecording compared(rigs[r], one.recording, StartChoice::automatic, recorded_as(rigs[r]));
       one.models.push_back(
           {std::filesystem::path(options.rigs[r]).filename().string(), compared.simulate(rigs[r].rig)});
     }

@@ -7,6 +7,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/recording/unread_columns.hpp"
+#include "host_sim/comparison/fine_steps.hpp"
 #include "host_sim/comparison/model_rate.hpp"
 #include "host_sim/comparison/start_state.hpp"
 
@@ -43,7 +44,9 @@ ComparedRecording::ComparedRecording(const firmware::RigDescription& description
       tared_(take_off_constants(description.rig, recording_, range_)),
       simulated_(interpolated(recording_, step_)),
       input_(simulation_input(description.rig, simulated_)),
+      fine_(fine_steps(input_.period, longest_step(description.rig.kind, recording_) / longest_model_step)),
       recorder_(std::move(recorder)) {
+  if (recorder_.moved) recorder_.moved(recording_, simulated_, input_);
   constexpr std::size_t least = 16;  // fewer samples resolve no band and no state at the start
   if (recording_.size() < least) {
     throw firmware::InputError(recording_.source, 0, "only " + std::to_string(recording_.size()) + " samples",
@@ -94,7 +97,8 @@ ComparedRecording::ComparedRecording(const firmware::RigDescription& description
 
 Response ComparedRecording::simulate(const model::RigParameters<double>& rig) const {
   Response response = host_sim::simulate(
-      rig, input_, at_rest_ ? resting(rig, input_) : estimated_start(rig, input_, simulated_, range_), 0, 1,
+      rig, input_, at_rest_ ? resting(rig, input_) : estimated_start(rig, input_, simulated_, range_), 0,
+      steps_of(rig, input_.period, fine_),
       recorder_.varied ? recorder_.varied(rig, input_.size(), input_.period) : RigVariation{});
   if (recorder_.recorded) recorder_.recorded(simulated_, input_.channel, response);
   if (step_ == 1) return response;

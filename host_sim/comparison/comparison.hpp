@@ -46,8 +46,12 @@ struct RecordingComparison {
 /// How the state at the first sample is found.
 enum class StartChoice { automatic, rest, estimated };
 
-/// What lies between a rig's channels and the samples of a recording, where the description has a recorder.
+/// What lies between a rig's channels and the samples of a recording.
 struct RecordedAs {
+  /// The input as the rig has had it, without the noise of its sensor. `simulated`: the recording with a sample for
+  /// each step of the simulation.
+  std::function<void(const firmware::Recording& recorded, const firmware::Recording& simulated, SimulationInput& input)>
+      moved{};
   /// The rig whose parameters change over `samples`, `period` [s] apart.
   std::function<RigVariation(const model::RigParameters<double>& rig, std::size_t samples, double period)> varied{};
   /// Simulated channels become recorded ones, in the place of those of `measured`; both at one rate.
@@ -91,6 +95,7 @@ class ComparedRecording {
   std::vector<StaticValue> tared_;
   firmware::Recording simulated_;  ///< the recording at the model's rate
   SimulationInput input_;
+  int fine_;  ///< steps for each of these where forces bend (fine_steps.hpp)
   RecordedAs recorder_;
   bool at_rest_ = false;
   std::vector<Judged> judged_;

@@ -28,21 +28,27 @@ class LaneLoop {
   void run() {
     typename Rig::State x = start();
     typename Rig::Input in;
+    model::MachinePath<S> machine{};
+    model_.parameters().effects.act_on(machine);
+    const bool foot_machine = moves_foot_point(job_.kind, machine);
     for (std::size_t k = 0;; ++k) {
       keep(k, model_.measured(x));
       if (k + 1 == job_.samples) return;
       if (k > 0 && job_.every > 0 && k % job_.every == 0) become(k / job_.every);
       if (job_.opened != nullptr && job_.opened[k] != x.ducts.open()) model_.open_ducts(x, job_.opened[k]);
       const S force = job_.actuator_force == nullptr ? S(0.0) : S(job_.actuator_force[k + 1]);
+      const SampledValues<S> sampled{x.received_force, x.reached, x.acceleration};
       for (int substep = 1; substep < job_.substeps; ++substep) {
         const double share = static_cast<double>(substep) / job_.substeps;
         take(in, motion(k, share));
         in.actuator_force = x.actuator_force + (force - x.actuator_force) / S(job_.substeps - substep + 1);
         model_.step(x, in);
+        x.received_force = sampled.force;
       }
       take(in, motion(k + 1));
       in.actuator_force = force;
       model_.step(x, in);
+      if (foot_machine && job_.substeps > 1) sampled.move_foot_point(x, S(job_.period));
     }
   }
 

@@ -6,6 +6,7 @@
 
 #include "model/components/channel.hpp"
 #include "model/components/fdva.hpp"
+#include "model/components/stroke_acceleration.hpp"
 #include "model/components/subsystems.hpp"
 #include "model/laws/law_tables.hpp"
 #include "model/numerics/motion.hpp"
@@ -22,6 +23,30 @@ template <class S>
   using model::same;
   return same(machine.lag + machine.resonance_frequency + machine.rate_limit > S(0));
 }
+
+/// true: a machine moves the foot point of a quarter car.
+template <class S>
+[[nodiscard]] bool moves_foot_point(model::RigKind kind, const model::MachinePath<S>& machine) {
+  using model::same;
+  return kind == model::RigKind::quarter_car && (remembers(machine) || same(machine.delay > S(0)));
+}
+
+/// What belongs to the samples and not to the steps between them.
+template <class S>
+struct SampledValues {
+  S force;                                    ///< F that enters the car of a hil rig, held for a sample
+  model::Stroke<S> reached;                   ///< of a machine
+  model::StrokeAcceleration<S> acceleration;  ///< of it
+
+  /// Behind the last step of a sample: z̈_r is that of the strokes at the samples. Where a machine at its limit turns,
+  /// the velocity jumps, and the acceleration of a shorter step would be larger as it is shorter.
+  template <class State>
+  void move_foot_point(State& x, S period) const {
+    x.acceleration = acceleration;
+    x.acceleration.step(reached, x.reached, period);
+    x.foot_point.acceleration = x.acceleration.value();
+  }
+};
 
 /// The laws of a rig. Of a table counts here what it is, not its numbers.
 struct LaneLaws {

@@ -20,13 +20,12 @@ using model::Channel;
 using model::RigKind;
 using Rig = model::RigParameters<double>;
 
-/// Without the machine: what is known to have been reached needs no machine.
-Rig without_machine(Rig rig) {
+/// What is known to have been reached needs no machine.
+void leave_out_machine(Rig& rig) {
   rig.delay_variation = {};
   rig.effects.for_each([](auto& slot) {
     if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::machine) slot.active = false;
   });
-  return rig;
 }
 
 /// The area that the skyhook of the control loop has commanded, from the body's displacement.
@@ -44,24 +43,22 @@ std::vector<double> commanded_area(const Rig& rig, const std::vector<double>& bo
 
 /// On a wheel that moves as prescribed: a tyre so stiff that the wheel follows within (ω² m_w/k = 3e-5 at 40 Hz), at
 /// critical damping, without effects of its own. F_w is then what it takes to move the wheel so.
-Rig on_prescribed_wheel(Rig rig) {
+void put_on_prescribed_wheel(Rig& rig) {
   constexpr double stiffness = 1e11;  // [N/m]
   rig.tyre.stiffness = stiffness;
   rig.tyre.damping = 2.0 * std::sqrt(stiffness * rig.wheel.mass);
   rig.effects.for_each([](auto& slot) {
     if (std::remove_cvref_t<decltype(slot.effect)>::card.subsystem == model::Subsystem::tyre) slot.active = false;
   });
-  return rig;
 }
 
-/// Without what moves between load cell and component: add_load_cell() has its force.
-Rig without_load_cell(Rig rig) {
+/// What moves between load cell and component: add_load_cell() has its force.
+void leave_out_load_cell(Rig& rig) {
   rig.effects.for_each([](auto& slot) {
     if constexpr (model::ActsOn<std::remove_cvref_t<decltype(slot.effect)>, model::LoadCell<double>>) {
       slot.active = false;
     }
   });
-  return rig;
 }
 
 double moving_mass(const Rig& rig) {
@@ -70,8 +67,9 @@ double moving_mass(const Rig& rig) {
   return cell.moving_mass;
 }
 
-/// A rig whose load cell says nothing is added behind a simulation without its sensor of F.
-Rig without_sensor_of_force(Rig rig) {
+/// A rig without load cell and sensor of F, both of which act behind a simulation.
+Rig without_measured_force(Rig rig) {
+  leave_out_load_cell(rig);
   rig.effects.for_each_sensor([](auto& slot, Channel channel) {
     if (channel == Channel::F) slot.active = false;
   });
@@ -115,8 +113,13 @@ void add_load_cell(const Rig& rig, const SimulationInput& input, const RigVariat
 }
 
 Rig answering(const Rig& rig, const SimulationInput& input) {
-  const Rig answers = input.deflection_reached ? without_load_cell(without_machine(rig)) : rig;
-  return input.wheel_prescribed ? on_prescribed_wheel(answers) : answers;
+  Rig answers = rig;
+  if (input.deflection_reached) {
+    leave_out_machine(answers);
+    leave_out_load_cell(answers);
+  }
+  if (input.wheel_prescribed) put_on_prescribed_wheel(answers);
+  return answers;
 }
 
 SimulationInput simulation_input(const Rig& rig, const firmware::Recording& recording) {
@@ -248,6 +251,7 @@ Response simulated(const Rig& rig, const SimulationInput& input, const InitialSt
     reached = model->component_stroke(reached);
   }
   reached.position -= reached.velocity * machine.delay;
+  const bool foot_machine = moves_foot_point(rig.kind, machine);
   auto x = model->start(core, first, reached);
   if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();
 
@@ -260,6 +264,7 @@ Response simulated(const Rig& rig, const SimulationInput& input, const InitialSt
     if (!input.area.empty()) model->command_area(x, input.area[k]);
     const auto& next = input.motion[k + 1];
     const double actuator_force = input.actuator_force.empty() ? 0.0 : input.actuator_force[k + 1];
+    const SampledValues<double> sampled{x.received_force, x.reached, x.acceleration};
     for (int substep = 1; substep < substeps; ++substep) {
       const double share = static_cast<double>(substep) / substeps;
       const model::Motion<double> inside = between_samples(input.motion[k], next, share, input.period);
@@ -267,8 +272,10 @@ Response simulated(const Rig& rig, const SimulationInput& input, const InitialSt
           x, {.foot_point = inside,
               .command = {inside.position, inside.velocity},
               .actuator_force = x.actuator_force + (actuator_force - x.actuator_force) / (substeps - substep + 1)});
+      x.received_force = sampled.force;
     }
     model->step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
+    if (foot_machine && substeps > 1) sampled.move_foot_point(x, input.period);
   }
 }
 
@@ -283,10 +290,10 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
                   int substeps, const std::vector<Channel>& channels, const RigVariation& variation) {
   if (input.deflection_reached && moving_mass(rig) > 0.0) {
     // Its force is that of the measured acceleration, which the model's step, knowing the past alone, has less exactly.
-    const Rig bare = without_sensor_of_force(without_load_cell(rig));
+    const Rig bare = without_measured_force(rig);
     RigVariation varied = variation;
     if (variation.every > 0) {
-      varied.at = [&](std::size_t k) { return without_sensor_of_force(without_load_cell(variation.at(k))); };
+      varied.at = [&](std::size_t k) { return without_measured_force(variation.at(k)); };
     }
     Response response = simulate(bare, input, start, samples, substeps, channels, varied);
     add_load_cell(rig, input, variation, response);

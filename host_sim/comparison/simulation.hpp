@@ -65,8 +65,8 @@ using InitialState = model::Column<double, 6>;
 
 /// Simulated channels, by model::Channel; those that the rig does not have stay empty. `samples`: how many, 0 for all.
 /// `substeps`: model steps per sample. Between samples the input is interpolated as the model does it. With several
-/// substeps a law with a corner (friction, a stop) acts near its own instant and not at the next sample. A controller
-/// runs 1.
+/// substeps a law with a corner (friction, a stop) acts near its own instant and not at the next sample. The loop of a
+/// hil rig stays the sampled one: the force that enters the car is that of the sample, for all of its substeps.
 using Response = std::array<std::vector<double>, model::channel_count>;
 
 /// A rig whose parameters change while it moves: from every `every`-th sample on it is `at` that sample.

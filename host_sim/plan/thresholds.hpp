@@ -68,7 +68,7 @@ inline constexpr double part_of_combination = 0.1;
 /// sizes. Half: twice that. Twice: twice the time.
 inline constexpr double stretch = 16.0;
 /// [s] Step of the rehearsals where friction, free play or stops act; diagnose steps twice as finely. Derivation: at 1 ms
-/// friction is found 0.1 % too large (prepare/thresholds.hpp), sizes are asked for to 5 %. Twice: a free play of some
+/// friction is found 0.1 % too large (comparison/fine_steps.hpp), sizes are asked for to 5 %. Twice: a free play of some
 /// micrometres is promised four times too large (paper_rig_fdva). A rehearsed diagnosis steps as the run that it looks
 /// at was simulated: at 1 ms.
 inline constexpr double step_with_corners = 0.5e-3, step_of_diagnosis = 1e-3;

@@ -62,14 +62,6 @@ Rig with_corners(const Rig& rig, double share) {
   return smoothed;
 }
 
-bool has_corners(const Rig& rig) {
-  bool any = false;
-  rig.effects.for_each([&any](const auto& slot) {
-    any = any || (slot.active && std::remove_cvref_t<decltype(slot.effect)>::card.corner != model::Corner::none);
-  });
-  return any;
-}
-
 DriveModel::DriveModel(const firmware::RigDescription& description, std::vector<Channel> channels)
     : rig_(description.rig), period_(description.period()), channels_(std::move(channels)) {}
 

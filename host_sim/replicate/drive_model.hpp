@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
+#include "host_sim/comparison/fine_steps.hpp"
 #include "host_sim/comparison/simulation.hpp"
 
 namespace host_sim::replicate {
@@ -56,6 +57,5 @@ class DriveModel {
 
 /// The rig with its corners (dry friction, stops, play, limits of speed) at `share` of their size; 0: without them.
 [[nodiscard]] model::RigParameters<double> with_corners(const model::RigParameters<double>& rig, double share);
-[[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
 
 }  // namespace host_sim::replicate

@@ -365,6 +365,8 @@ class RigModel {
   [[nodiscard]] S lever_law(const State& x, S parallel) const;
   void vary_delay(State& x) const;
   void start_machine(State& x, const Stroke<S>& reached) const;
+  void start_behind_mount(State& x) const;
+  [[nodiscard]] S ahead_behind_mount(State& x, S inside) const;
   void start_laws(State& x) const;
   void flush(State& x) const;
 

@@ -219,16 +219,7 @@ void RigModel<S, D, variant, capacity>::start_machine(State& x, const Stroke<S>&
     if (x.ducts.open_count() == 0) x.core(CoreIndex::piston_velocity) = S(0);
     const S outside = outer_stroke(x).position;
     x.core(CoreIndex::relaxed_deflection) = x.core(CoreIndex::inner_deflection) = outside;
-    if (equations_.has_mount()) {  // (5b) at rest, where the relaxing branch carries nothing: one linear equation of e
-      typename Equations::ComponentState c = x.core.template tail<component_states>();
-      const auto rate_at = [&](S inside) {
-        c(ComponentIndex::relaxed_deflection) = c(ComponentIndex::inner_deflection) = inside;
-        return equations_.component(c, {.deflection = outside}, x.ducts.open_count())(ComponentIndex::inner_deflection);
-      };
-      const S at_zero = rate_at(S(0));
-      const S per_metre = rate_at(S(1)) - at_zero;
-      x.core(CoreIndex::relaxed_deflection) = x.core(CoreIndex::inner_deflection) = -at_zero / per_metre;
-    }
+    if (equations_.has_mount()) start_behind_mount(x);
     start_laws(x);
     x.received_force = has_machine() ? shown_by_law(Channel::F, component_force<true>(x)) : S(0);
     if constexpr (has_sensors) {
@@ -237,6 +228,38 @@ void RigModel<S, D, variant, capacity>::start_machine(State& x, const Stroke<S>&
       if (has_machine()) x.received_force = sensors_.reading(x.sensors, Channel::F, x.received_force);
     }
   }
+}
+
+/// (5b) with ė = ẋ, where the relaxing branch carries nothing: what is behind the mount moves along with what is before
+/// it. At rest, and where nothing bends, one linear equation of e; else Newton's method.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+void RigModel<S, D, variant, capacity>::start_behind_mount(State& x) const {
+  const bool bends = has_suspension_law_ || law_forces();
+  const S difference = S(bends ? 1e-7 : 1.0);  // [m]
+  S inside = bends ? outer_stroke(x).position : S(0);
+  for (int rounds = bends ? 8 : 1; rounds > 0; --rounds) {
+    const S left = ahead_behind_mount(x, inside);
+    inside -= left * difference / (ahead_behind_mount(x, inside + difference) - left);
+  }
+  x.core(CoreIndex::relaxed_deflection) = x.core(CoreIndex::inner_deflection) = inside;
+}
+
+/// ė − ẋ where e is `inside`, with the laws of that motion.
+template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
+RIGTWIN_NOINLINE S RigModel<S, D, variant, capacity>::ahead_behind_mount(State& x, S inside) const {
+  const Stroke<S> outside = outer_stroke(x), seen{inside, outside.velocity};
+  x.core(CoreIndex::relaxed_deflection) = x.core(CoreIndex::inner_deflection) = inside;
+  S bent = has_suspension_law_ ? suspension_law(seen) : S(0);
+  if constexpr (LawsInSteps::possible) {
+    if (laws_.at(LawPlace::suspension)) {
+      laws_.start(LawPlace::suspension, x.laws, seen);
+      bent += law_force(x, LawPlace::suspension);
+    }
+  }
+  const typename Equations::ComponentInput in{
+      .deflection = outside.position, .velocity = outside.velocity, .parallel_force = bent};
+  const auto rate = equations_.component(x.core.template tail<component_states>(), in, x.ducts.open_count());
+  return rate(ComponentIndex::inner_deflection) - outside.velocity;
 }
 
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
@@ -490,7 +513,7 @@ RIGTWIN_INLINE void RigModel<S, D, variant, capacity>::finish_laws(State& x, boo
       const Stroke<S> motion = prescribed ? x.reached : at_place<0>(place, x.core, x.foot_point);
       if (start) {
         Stroke<S> seen = seen_by_law(place, x, motion);
-        if (place == LawPlace::suspension && equations_.has_mount()) seen.velocity = S(0);
+        if (place == LawPlace::suspension && equations_.has_mount()) seen.velocity = outer_stroke(x).velocity;
         laws_.start(place, x.laws, seen);
       } else {
         laws_.finish(place, x.laws, seen_by_law(place, x, motion));
@@ -816,7 +839,6 @@ void RigModel<S, D, variant, capacity>::start_history(State& x) const {
 template <class S, std::size_t D, ModelVariant variant, LawCapacity capacity>
 void RigModel<S, D, variant, capacity>::start_laws(State& x) const {
   if (has_tyre_law_ && has_car()) x.tyre_load.start(tyre_law(x));
-  if (law_forces()) finish_laws(x, true);
   start_history(x);
   constexpr int samples = 4;  // now, before, earlier, earliest
   for (int i = 0; i < samples; ++i) {
@@ -826,6 +848,7 @@ void RigModel<S, D, variant, capacity>::start_laws(State& x) const {
                       typename DuctFlows<S>::Step{.decay = Pair<S>::both(S(1)), .piston_area = duct_step_.piston_area});
     }
   }
+  if (law_forces()) finish_laws(x, true);
 }
 
 /// F of a test machine's component. Where the deflection is prescribed dry friction follows the sign of its velocity.

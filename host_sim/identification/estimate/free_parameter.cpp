@@ -32,8 +32,7 @@ double FreeParameter::get(const Hypothesis& hypothesis) const {
   if (role == Role::start) return coordinate(hypothesis.starts[recording](state));
   if (role == Role::fault) return coordinate(hypothesis.faults[fault].values[number]);
   if (role == Role::law) return coordinate(hypothesis.laws[law].value(number));
-  model::RigParameters<double> rig = hypothesis.rig;
-  const double* const parameter = firmware::find_parameter(rig, path);
+  const double* const parameter = firmware::find_parameter(hypothesis.rig, path);
   return parameter != nullptr ? coordinate(*parameter) : 0.0;
 }
 

@@ -111,9 +111,23 @@ void add_hum(std::vector<double>& values, const PlacedFault& hum, Channel channe
 
 /// A drifting parameter is renewed so often, [s] at least and [1] of the recording, with its value in the middle.
 /// Derivation: of a change by 50 % each of 600 steps is 0.083 %, wrong by 0.024 % rms, which comes and goes faster than
-/// 10 Hz: below 1e-4 of a signal whose sensitivity to the parameter is 1 (a test measures it). Half: twice the time for
-/// building models. Twice: 2e-4.
-constexpr double drift_refresh = 0.05, drift_steps = 600.0;
+/// 10 Hz: below 1e-4 of a signal whose sensitivity to the parameter is 1 (a test measures it). A smaller change needs
+/// fewer steps for that: halved as often as the change is, so that a fit seldom meets another number of them, down to
+/// 19, which are wrong by 1.5 % of the change. Half: twice the time for building models. Twice: 2e-4.
+constexpr double drift_refresh = 0.05, drift_steps = 600.0, drift_of_steps = 0.5, fewest_drift_steps = 18.0;
+
+/// Steps in which parameters drift.
+double steps_of_drift(const std::vector<PlacedFault>& faults) {
+  double largest = 0.0;
+  for (const PlacedFault& fault : faults) {
+    if (fault.kind == FaultKind::drift) largest = std::max(largest, std::abs(fault.values[0]));
+  }
+  double steps = drift_steps;
+  for (double change = drift_of_steps; largest < 0.5 * change && steps > 2.0 * fewest_drift_steps; change *= 0.5) {
+    steps *= 0.5;
+  }
+  return steps;
+}
 
 /// Those of `channels` that are not in `group`.
 std::vector<Channel> without(const std::vector<Channel>& channels, const std::vector<Channel>& group) {
@@ -176,7 +190,7 @@ RigVariation variation_of(const model::RigParameters<double>& rig, const std::ve
                           std::size_t samples, double period) {
   if (!drifts(faults)) return {};
   const auto length = static_cast<double>(std::max<std::size_t>(samples, 1));
-  const double every = std::max(drift_refresh / period, length / drift_steps);
+  const double every = std::max(drift_refresh / period, length / steps_of_drift(faults));
   return {std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(every))), [=](std::size_t k) {
             const double middle = (static_cast<double>(k) + 0.5 * every) / length;
             return drifted(rig, faults, std::min(middle, 1.0));

@@ -16,27 +16,6 @@ using Rig = model::RigParameters<double>;
 
 namespace {
 
-template <class Predicate>
-bool any_corner(const Rig& rig, Predicate is_it) {
-  bool any = false;
-  rig.effects.for_each([&](const auto& slot) { any = any || (slot.active && is_it(slot.effect.card.corner)); });
-  return any;
-}
-
-}  // namespace
-
-bool has_corners(const Rig& rig) {
-  return any_corner(rig, [](model::Corner corner) { return corner != model::Corner::none; });
-}
-
-bool has_free_play(const Rig& rig) {
-  return any_corner(rig, [](model::Corner corner) { return corner == model::Corner::free_play; });
-}
-
-bool is_stepped_finely(const Rig& rig) { return has_corners(rig) || rig.laws.any(); }
-
-namespace {
-
 Rig without_sensors(const Rig& rig) {
   Rig bare = rig;
   bare.effects.for_each_sensor([](auto& slot, Channel) { slot = {}; });
@@ -54,9 +33,7 @@ Rig moved_by(Rig rig, const std::vector<firmware::PlacedEffect>& machine) {
 
 /// Model steps per sample.
 int steps_of(const Rig& bare, double period, Resolution resolution) {
-  const bool finely = is_stepped_finely(bare) && !firmware::find_rig_fault(bare, period / resolution.substeps);
-  const int wanted = resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps;
-  return finely ? wanted : 1;
+  return host_sim::steps_of(bare, period, resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps);
 }
 
 /// z̈_r is no channel of a simulation: its input holds it.

@@ -3,19 +3,12 @@
 
 #include <vector>
 
+#include "host_sim/comparison/fine_steps.hpp"
 #include "host_sim/identification/predict/hypothesis.hpp"
 
 namespace host_sim::identification {
 
-/// Whether a rig has an effect with a corner (model::Corner): dry friction, free play, a stop, a limit of velocity.
-[[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
-/// True if a rig has an effect with free play (model::Corner::free_play).
-[[nodiscard]] bool has_free_play(const model::RigParameters<double>& rig);
-
-/// Whether several model steps are taken per sample: a rig with corners, or with laws, which may bend as sharply.
-[[nodiscard]] bool is_stepped_finely(const model::RigParameters<double>& rig);
-
-/// Model steps per sample of a rig with corners. The difference of two simulations may take half of them: what a step
+/// Model steps per sample of a rig that is stepped finely (comparison/fine_steps.hpp). The difference of two simulations may take half of them: what a step
 /// gets wrong is nearly the same in both.
 struct Resolution {
   int substeps = 1;

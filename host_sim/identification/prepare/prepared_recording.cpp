@@ -5,6 +5,7 @@
 
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/number_text.hpp"
+#include "host_sim/comparison/fine_steps.hpp"
 #include "host_sim/comparison/start_state.hpp"
 #include "host_sim/identification/prepare/driving_input.hpp"
 #include "host_sim/identification/prepare/input_fusion.hpp"
@@ -37,6 +38,17 @@ std::optional<FootSensors> foot_sensors(const firmware::RigDescription& descript
   return sensors;
 }
 
+/// f_e of a measured displacement [Hz]; 0: nothing is to be taken away.
+double edge_of_input(const SampledRecording& sampled, Channel input) {
+  const auto& renewals = sampled.renewals[index(input)];
+  const double noise = sampled.noise[index(input)];
+  if ((renewals && renewals->regular) || !(noise > 0.0)) return 0.0;
+  const firmware::Recording& recording = sampled.recording;
+  return edge_of_motion(recording[input], {noise, sampled.channel_noise[index(input)].colour}, recording.sample_period,
+                        sampled.step)
+      .value_or(0.0);
+}
+
 void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& description,
                    const SampledRecording& sampled, bool disagree) {
   const firmware::Recording& recording = sampled.recording;
@@ -51,13 +63,9 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
   const double h = recording.sample_period;
   const auto sensors = foot_sensors(description, sampled);
   if (!sensors) {
-    const auto& renewals = sampled.renewals[index(input)];
-    const bool held = renewals && renewals->regular;
-    if (integrated || held || !(noise.position > 0.0)) return;
-    const std::vector<double>& samples = recording[input];
-    prepared.input_edge =
-        edge_of_motion(samples, {noise.position, noise.position_colour}, h, prepared.step).value_or(0.0);
-    if (prepared.input_edge > 0.0) prepared.input.motion = prepared.motion_of_input(samples);
+    if (integrated) return;
+    prepared.input_edge = edge_of_input(sampled, input);
+    if (prepared.input_edge > 0.0) prepared.input.motion = prepared.motion_of_input(recording[input]);
     return;
   }
   prepared.inputs_disagree = disagree;
@@ -127,6 +135,19 @@ firmware::FootPointMotion PreparedRecording::motion_of_input(const std::vector<d
   return motion_of(input.channel, smoothed(samples, input_edge, input.period), input.period);
 }
 
+void smooth_input(const firmware::RigDescription& description, const firmware::Recording& recorded,
+                  const firmware::Recording& simulated, SimulationInput& input) {
+  const bool bench = description.rig.kind == RigKind::component_bench && input.channel == Channel::x_act;
+  const bool car = description.rig.kind == RigKind::quarter_car && input.channel == Channel::z_r;
+  if (!bench && !(car && !recorded.has(Channel::zdd_r))) return;
+  const double duration = recorded.sample_period * static_cast<double>(recorded.size());
+  if (duration < 2.0 * thresholds::smoothing_reach) return;
+  const double edge = edge_of_input(sampled(description, recorded), input.channel);
+  if (edge > 0.0) {
+    input.motion = motion_of(input.channel, smoothed(simulated[input.channel], edge, input.period), input.period);
+  }
+}
+
 Window PreparedRecording::comparable(Channel channel, Window window) const {
   if (channel != Channel::zdd_r || !(acceleration_known > 0.0)) return window;
   const auto margin = static_cast<std::size_t>(thresholds::smoothing_reach / input.period);
@@ -184,9 +205,7 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
   prepared.input = driving_input(rig, recording);
   prepared.step = sampled.step;
   prepared.noise = sampled.noise;
-  // Where the step may be longer, so may that with corners: both follow the motion.
-  const double with_corners = sampled.slower * thresholds::step_with_corners;
-  prepared.substeps = std::max(1, static_cast<int>(std::lround(prepared.input.period / with_corners)));
+  prepared.substeps = fine_steps(prepared.input.period, sampled.slower);
   prepare_input(prepared, description, sampled, disagree);
   // Without its mean an acceleration does not begin at rest, even where the rig did.
   prepared.at_rest = !prepared.mean_unknown && begins_at_rest(rig, prepared.input, recording);

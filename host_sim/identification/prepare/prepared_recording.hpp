@@ -73,7 +73,7 @@ struct PreparedRecording {
   /// Where z_r alone gives z̈_r: the frequency [Hz] up to which z_r is above its noise. 0: not needed.
   double acceleration_known = 0.0;
   double input_edge = 0.0;  ///< [Hz] the input is smoothed above (smoothed_input.hpp); 0: it is as recorded
-  /// Model steps per sample where friction, free play or stops act (thresholds::step_with_corners).
+  /// Model steps per sample where friction, free play or stops act (comparison/fine_steps.hpp).
   int substeps = 1;
 
   /// The motion that samples of the driving channel say, smoothed as the input is.
@@ -120,6 +120,12 @@ enum class Use { fitted, shared, held_out };
                                                   Use use, bool disagree);
 [[nodiscard]] PreparedRecording prepare_recording(const firmware::RigDescription& description,
                                                   firmware::Recording recording, Use use, bool disagree);
+
+/// Takes the noise above its motion from a measured displacement that drives a simulation, as prepare_recording() does,
+/// so that `compare` says of a rig what `diagnose` has said of it. `recorded`: as it was read; `simulated`: the same
+/// with a sample for each step. An input that is computed, or that a second sensor measures, stays as it is.
+void smooth_input(const firmware::RigDescription& description, const firmware::Recording& recorded,
+                  const firmware::Recording& simulated, SimulationInput& input);
 
 /// The time from renewal to renewal of a held channel, and the half width of what its instants, rounded to samples,
 /// allow [s]. nullopt: it is not held.

@@ -44,13 +44,6 @@ inline constexpr double recorded_share_of_rate = 0.45;
 /// 1.8e308. Half and twice: no difference.
 inline constexpr double largest_sample = 1e100;
 
-// Simulation --------------------------------------------------------------------------------------------------------
-
-/// [s] Step of the simulation where friction, free play or stops act: inside a step their instant is known only at the
-/// step's end, an error ∝ step. Experiment: a rig of tests/truth with 50 N of friction; at 1 ms the friction is found
-/// 0.1 % too large, so 0.025 % at this step. Half: half of that, at half the speed. Twice: twice of that.
-inline constexpr double step_with_corners = 0.25e-3;
-
 // Sample and hold ---------------------------------------------------------------------------------------------------
 
 /// [samples per value] A channel that keeps each value for longer is held. Derivation: noise makes a chance repetition

@@ -99,7 +99,8 @@ class MachineSearch {
   [[nodiscard]] const Effort& effort() const { return effort_; }
 
  private:
-  /// From each of the starts, of two effects from each pair of theirs.
+  /// From each of the starts, of two effects from each pair of theirs, a few steps; then to the end from the best that
+  /// stay inside the bounds of the cards.
   [[nodiscard]] CandidateModel fitted(const std::vector<std::size_t>& set) const {
     std::vector<std::vector<PlacedEffect>> starts{{}};
     for (const std::size_t i : set) {
@@ -112,17 +113,30 @@ class MachineSearch {
       }
       starts = std::move(longer);
     }
-    CandidateModel best;
-    best.fit.chi_squared = std::numeric_limits<double>::infinity();
+    std::vector<CandidateModel> begun;
     for (const auto& effects : starts) {
       Hypothesis hypothesis = given_;
       for (const PlacedEffect& effect : effects) firmware::put_effect(hypothesis.rig, effect);
       if (firmware::find_rig_fault(hypothesis.rig, fitter_.problem().sample_period())) continue;
-      CandidateModel model = fitter_.fitted(hypothesis, effects);
+      CandidateModel model = fitter_.fitted(hypothesis, effects, thresholds::first_steps);
       drop_jacobian(model.fit);
-      const auto& values = model.effects;
-      if (std::any_of(values.begin(), values.end(), ends_at_bound)) continue;
-      if (model.fit.chi_squared < best.fit.chi_squared) best = std::move(model);
+      if (std::isfinite(model.fit.chi_squared)) begun.push_back(std::move(model));
+    }
+    const auto less = [](const CandidateModel& a, const CandidateModel& b) {
+      return a.fit.chi_squared < b.fit.chi_squared;
+    };
+    std::sort(begun.begin(), begun.end(), less);
+    CandidateModel best;
+    best.fit.chi_squared = std::numeric_limits<double>::infinity();
+    int ended = 0;
+    for (const CandidateModel& begin : begun) {
+      if (ended == thresholds::starts_to_the_end) break;
+      CandidateModel model = fitter_.fitted(begin.fit.hypothesis, begin.effects);
+      drop_jacobian(model.fit);
+      if (!std::isfinite(model.fit.chi_squared)) continue;
+      if (std::any_of(model.effects.begin(), model.effects.end(), ends_at_bound)) continue;
+      ++ended;
+      if (less(model, best)) best = std::move(model);
     }
     return best;
   }

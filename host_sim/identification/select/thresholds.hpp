@@ -94,6 +94,12 @@ inline constexpr double distance_shift = 1.05;
 /// took 19 s for 2.1e8). Half: the slowest real recordings are told without laws. Twice: twice the time of the slowest.
 inline constexpr double most_simulated_samples = 1e9;
 
+/// Steps of a fit that tell the starts of a machine's effects apart, and how many of the best are followed to the end
+/// (search_apart.hpp). Derivation: a start in another valley is a factor away after three steps, each of which may move
+/// a time constant by a factor of e; two, since the first steps of a pair may be led by the other effect. All starts to
+/// the end: the same machines on mts_0A and 24 fresh benches, in 2.3 times the simulations.
+inline constexpr int first_steps = 3, starts_to_the_end = 2;
+
 // Neighbouring laws ---------------------------------------------------------------------------------------------------
 
 /// [s] over which the amplitude of an effect is averaged: longer than what a quarter car or a bench remembers (a few

@@ -59,7 +59,7 @@ Eigen::VectorXd stretch_of(const IdentificationProblem& problem, const identific
   Eigen::VectorXd stretch = Eigen::VectorXd::Ones(covariance.rows());
   const auto count = static_cast<double>(fit.residual.size());
   const double excess = (fit.chi_squared / count - 1.0) * std::sqrt(0.5 * count);
-  if (excess < thresholds::discrepancy_significance && !identification::is_stepped_finely(fit.hypothesis.rig)) {
+  if (excess < thresholds::discrepancy_significance && !is_stepped_finely(fit.hypothesis.rig)) {
     return stretch;  // white residuals of a smooth rig: the likelihood is right as it is
   }
   for (Eigen::Index i = 0; i < stretch.size(); ++i) {

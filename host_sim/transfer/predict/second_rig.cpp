@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/description/text/input_error.hpp"
+#include "host_sim/comparison/fine_steps.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/noise/thresholds.hpp"
 #include "host_sim/identification/prepare/thresholds.hpp"
@@ -79,7 +80,7 @@ SecondRig on_road(const firmware::RigDescription& to, const firmware::FootPointM
   drive.input.motion = motion;
   drive.at_rest = true;
   drive.channels.assign(outcome_channels.begin(), outcome_channels.end());
-  drive.substeps = std::max(1, static_cast<int>(std::lround(period / identification::thresholds::step_with_corners)));
+  drive.substeps = fine_steps(period);
   drive.fitted = {0, motion.size()};
   second.starts.push_back(resting(to.rig, drive.input));
   second.drives.push_back(std::move(drive));

@@ -329,6 +329,28 @@ TEST(LawsInSteps, ActBehindTheTopMount) {
   }
 }
 
+// Law. A run that begins in mid-motion: what is behind a mount moves along with what is before it, so a damper carries
+// c v from the first sample on. Bound: the rounding of 800 N in Newton's differences of 1e-7 m.
+TEST(LawsInSteps, BeginInMidMotionBehindTheTopMount) {
+  constexpr double v = 0.4, spring = 3e5;
+  Parameters damper = support::linear_rig(RigKind::component_bench);
+  damper.suspension.stiffness = 0.0;
+  Parameters mount = damper, law = damper, bent = damper;
+  for (Parameters* const rig : {&mount, &law, &bent}) rig->effects.add(model::TopMount<double>{spring});
+  add_line(law, LawPlace::suspension, LawOver::velocity, 900.0);
+  bent.effects.add(model::QuadraticDamping<double>{500.0});
+  const double c = damper.suspension.damping;
+  for (const auto& [rig, force] :
+       {std::pair(&mount, c * v), std::pair(&law, (c + 900.0) * v), std::pair(&bent, c * v + 500.0 * v * v)}) {
+    const Rig model(*rig, 1e-3);
+    auto x = model.start(model::Column<double, 6>::Zero(), {0.01, v, 0.0}, {0.01, v});
+    for (int k = 1; k <= 20; ++k) {
+      EXPECT_NEAR(model.signals(x)[index(Channel::F)], force, 1e-5) << k;
+      model.step(x, {.command = {0.01 + 1e-3 * k * v, v}});
+    }
+  }
+}
+
 // Law. Inside the free play a law sees nothing.
 TEST(LawsInSteps, SeeNothingInsideTheFreePlay) {
   Parameters gap = support::linear_rig(RigKind::component_bench);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware/description/rig_writer.hpp"
+#include "host_sim/commands/common/recorded_as.hpp"
 #include "host_sim/comparison/comparison.hpp"
 #include "host_sim/identification/predict/recording_faults.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
@@ -98,13 +99,7 @@ TEST(Recorder, StandsInAComparison) {
   for (const PlacedFault& fault : every_fault()) {
     const firmware::RigDescription with = described({fault});
     const firmware::Recording next = recorded_with({fault}, 6.0, 78);
-    const host_sim::RecordedAs recorder{
-        [&](const auto& rig, std::size_t samples, double period) {
-          return variation_of(rig, described_faults(with.recorder, {}, {}), samples, period);
-        },
-        [&](const firmware::Recording& measured, Channel input, host_sim::Response& channels) {
-          record_with(with.recorder, input, measured, channels);
-        }};
+    const host_sim::RecordedAs recorder = host_sim::recorded_as(with);
     for (const bool described_too : {true, false}) {
       const host_sim::ComparedRecording compared(with, next, host_sim::StartChoice::automatic,
                                                  described_too ? recorder : host_sim::RecordedAs{});
