@@ -82,7 +82,8 @@ double* find_parameter(model::RigParameters<double>& rig, std::string_view path)
 }
 
 const double* find_parameter(const Rig& rig, std::string_view path) {
-  return find_parameter(const_cast<Rig&>(rig), path);  // which is not written to
+  // Nothing is written to it. NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast)
+  return find_parameter(const_cast<Rig&>(rig), path);
 }
 
 std::optional<model::RigFault> find_rig_fault(const model::RigParameters<double>& rig, double period) {

@@ -5,7 +5,7 @@ namespace firmware {
 using model::Channel;
 
 SampleGuard::SampleGuard(const Limits& limits, hal::Time period, const hal::SensorSource& sensors)
-    : weight_(static_cast<int>(1.0 / limits.bridged_leak + 0.5)),
+    : weight_(static_cast<int>(1.0 / limits.bridged_leak + 0.5)),  // > 0. NOLINT(bugprone-incorrect-roundings)
       full_(weight_ * limits.bridged_in_a_row),
       force_limit_(limits.force),
       oldest_(hal::seconds(limits.stale_after * period.seconds())) {
@@ -79,7 +79,8 @@ std::optional<Trip> SampleGuard::beyond_limit(Channel channel, hal::Time now) co
 
 Trip SampleGuard::bad_sample(std::size_t channel, hal::Time now) const {
   const hal::Reading& reading = frame_.channels[channel];
-  return {judge(reading, now), model::channel_at(channel), reading.value, static_cast<double>(full_ / weight_), now};
+  const int most_in_a_row = full_ / weight_;
+  return {judge(reading, now), model::channel_at(channel), reading.value, static_cast<double>(most_in_a_row), now};
 }
 
 Reason SampleGuard::judge(const hal::Reading& reading, hal::Time now) const {
