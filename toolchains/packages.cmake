@@ -87,7 +87,7 @@ endif()
   add_custom_target(packages
     COMMAND "${CMAKE_CPACK_COMMAND}" --config "${PROJECT_BINARY_DIR}/CPackConfig.cmake" -B "${PROJECT_BINARY_DIR}/packages"
     DEPENDS rigtwin_documents model COMMENT "Debian packages in ${PROJECT_BINARY_DIR}/packages" VERBATIM)
-  foreach(target rigtwin_fmu rigtwin_fmu_aarch64 rig_controller rigtwin_python)
+  foreach(target rigtwin_fmu rigtwin_fmu_aarch64 rigtwin_fmu_win64 rig_controller rigtwin_python)
     if(TARGET ${target})
       add_dependencies(packages ${target})
     endif()

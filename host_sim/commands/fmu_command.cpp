@@ -56,18 +56,18 @@ void make_fmu(const FmuOptions& options) {
               std::string(model::name(rig.rig.kind)).c_str(), rig.period(), machines.c_str());
   std::printf("  guid %s\n  %td parameters, %td inputs, %td outputs\n", guid.c_str(), count(fmu::Causality::parameter),
               count(fmu::Causality::input), count(fmu::Causality::output));
-  if (binaries.size() < 2) {
+  for (const std::string& preset : fmu::missing_presets(binaries)) {
     std::printf(
-        "  for one machine only: the library of the other was not built (cmake --preset aarch64; cmake --build "
-        "build/aarch64 --target rigtwin_fmu)\n");
+        "  not for %s: its library was not built (cmake --preset %s; cmake --build build/%s --target rigtwin_fmu)\n",
+        preset.c_str(), preset.c_str(), preset.c_str());
   }
 }
 
 }  // namespace
 
 void add_fmu(CLI::App& app, FmuOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("fmu", "Write a rig as an FMU: FMI 2.0 or 3.0 for co-simulation, with the same step");
+  CLI::App* command = app.add_subcommand(
+      "fmu", "Write a rig as an FMU for Linux and Windows: FMI 2.0 or 3.0 for co-simulation, with the same step");
   command->add_option("--rig", options.rig, "Rig description (TOML)")->required();
   command->add_option("--out", options.out, "FMU to write")->required();
   command->add_option("--fmi", options.fmi, "Version of FMI: 2 or 3")

@@ -12,13 +12,17 @@ namespace host_sim::fmu {
 
 /// A machine that an FMU can run on.
 struct Binary {
-  std::string platform;  ///< "linux64" (x86-64), "aarch64-linux": its folder beside the program
+  std::string platform;  ///< "linux64" (x86-64), "aarch64-linux", "win64": its folder beside the program
   std::filesystem::path file;
 };
 
-/// The libraries that were built: lib/rigtwin/fmu/PLATFORM/rigtwin.so beside the folder of the program, and, in a build
-/// tree, that of the neighbouring build for another machine (build/host beside build/aarch64).
+/// The libraries that were built: lib/rigtwin/fmu/PLATFORM/rigtwin.so (win64: rigtwin.dll) beside the folder of the
+/// program, and, in a build tree, that of the neighbouring build for another machine (build/host beside build/aarch64
+/// and build/win64).
 [[nodiscard]] std::vector<Binary> built_binaries();
+
+/// The presets that build the libraries which `binaries` lacks.
+[[nodiscard]] std::vector<std::string> missing_presets(const std::vector<Binary>& binaries);
 
 /// The folder of a binary under binaries/: that of FMI 2.0.4, section 2.3, or the tuple of FMI 3.0, section 2.5.1.4.
 [[nodiscard]] std::string folder_in_fmu(const Binary& binary, Version version);

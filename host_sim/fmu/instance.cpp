@@ -55,6 +55,9 @@ std::filesystem::path folder_of_uri(std::string_view uri) {
       path += uri[i];
     }
   }
+#ifdef _WIN32  // file:///C:/x is C:/x
+  if (path.size() > 2 && path[0] == '/' && path[2] == ':') path.erase(0, 1);
+#endif
   return path;
 }
 

@@ -12,12 +12,24 @@ namespace fmu = host_sim::fmu;
 
 fmi2Status status(bool right) { return right ? fmi2OK : fmi2Error; }
 
+/// The message is a format: a % is doubled, and so is a # (2.1.5: it would name a variable). It has no arguments, since
+/// an importer that does not format shows it as it is.
+std::string as_format(const std::string& text) {
+  std::string format;
+  for (const char c : text) {
+    if (c == '%' || c == '#') format += c;
+    format += c;
+  }
+  return format;
+}
+
 fmu::Logger logger_of(const fmi2CallbackFunctions* functions, const std::string& name) {
   const fmi2CallbackFunctions callbacks = functions != nullptr ? *functions : fmi2CallbackFunctions{};
   return [callbacks, name](fmu::Severity severity, const std::string& text) {
     if (callbacks.logger == nullptr) return;
     callbacks.logger(callbacks.componentEnvironment, name.c_str(),
-                     severity == fmu::Severity::end ? fmi2Discard : fmi2Error, "logStatusError", "%s", text.c_str());
+                     severity == fmu::Severity::end ? fmi2Discard : fmi2Error, "logStatusError",
+                     as_format(text).c_str());
   };
 }
 

@@ -76,6 +76,7 @@ void Slave::reset() {
   samples_ = 0;
   ended_ = false;
   given_.clear();
+  point_ = {};
   run_.reset();
 }
 
@@ -84,6 +85,52 @@ bool Slave::from_outside() const { return std::get<std::string>(values_[variable
 firmware::Motion Slave::given() const {
   return {std::get<double>(values_[variables_.position]), std::get<double>(values_[variables_.velocity]),
           std::get<double>(values_[variables_.acceleration])};
+}
+
+bool Slave::at_start() const {
+  return from_outside() && std::get<std::string>(values_[variables_.input_at]) == input_at_start;
+}
+
+/// The excitation so long [s] after the communication point.
+firmware::Motion Slave::predicted(double ahead) const {
+  firmware::Motion motion = given();
+  if (motion.velocity != 0.0 || motion.acceleration != 0.0) {
+    motion.position += ahead * motion.velocity + 0.5 * ahead * ahead * motion.acceleration;
+    motion.velocity += ahead * motion.acceleration;
+  } else if (point_.step > 0.0) {
+    motion.position += (motion.position - point_.last) * (ahead / point_.step);
+  }
+  return motion;
+}
+
+/// To the next sample, so long [s] after the communication point. False: the firmware has ended the run.
+bool Slave::advance(double ahead) {
+  if (!from_outside()) return run_->advance({});
+  if (!at_start()) {
+    given_.push_back(given());
+    return run_->advance(given_.back());
+  }
+  run_->save(before_);
+  given_.push_back(predicted(ahead));
+  if (run_->advance(given_.back())) return true;
+  run_->restore(before_);
+  given_.back() = given();
+  return run_->advance(given_.back());
+}
+
+/// Carries out a predicted sample with the inputs that were set at its instant.
+void Slave::settle() {
+  point_.set = false;
+  const firmware::Motion known = given();
+  firmware::Motion& used = given_.back();
+  if (known.position == used.position && known.velocity == used.velocity && known.acceleration == used.acceleration) {
+    return;
+  }
+  run_->restore(before_);
+  used = known;
+  if (run_->advance(known)) return;
+  ended_ = true;
+  point_.predicted = false;
 }
 
 /// Goes to the first row with the parameters as they are.
@@ -113,6 +160,10 @@ void Slave::begin_run() {
     options.road = firmware::IsoRoad{firmware::class_roughness(name.substr(standard.size())), real(variables_.speed),
                                      real(variables_.cut_off), real(variables_.bandwidth), options.seed};
   }
+  const std::string& point = std::get<std::string>(values_[variables_.input_at]);
+  if (point != input_at_start && point != input_at_end) {
+    throw CallError("input_at is " + firmware::in_quotes(point) + ", expected start or end");
+  }
   auto run = std::make_shared<SteppedRun>(rig, options, given());
   if (!run->begun()) {
     throw CallError("the run was stopped before its first sample: " + std::string(firmware::name(run->trip().reason)));
@@ -137,15 +188,15 @@ bool Slave::step(double current, double size) {
     throw CallError("currentCommunicationPoint is " + firmware::shortest(current) + ", expected " +
                     firmware::shortest(time()) + ", where the last step ended");
   }
+  if (point_.predicted) settle();
+  point_.predicted = false;
   if (ended_) return false;
   const double periods = beyond_ + size * rate;
   const double nearest = std::round(periods);
   const bool whole = std::fabs(periods - nearest) <= period_rounding;
   const double due = whole ? nearest : std::floor(periods);
-  for (double done = 0.0; done < due; done += 1.0) {
-    if (from_outside()) given_.push_back(given());
-    if (!run_->advance(given())) {
-      if (from_outside()) given_.pop_back();
+  for (double done = 1.0; done <= due; done += 1.0) {
+    if (!advance((done - beyond_) / rate)) {
       beyond_ = 0.0;
       ended_ = true;
       return false;
@@ -153,6 +204,7 @@ bool Slave::step(double current, double size) {
     ++samples_;
   }
   beyond_ = whole ? 0.0 : periods - due;
+  point_ = {at_start() && whole && due > 0.0, false, std::get<double>(values_[variables_.position]), size};
   return true;
 }
 
@@ -171,6 +223,7 @@ Value Slave::value_of(unsigned reference) {
   if (variable.causality != Causality::output) return values_[reference];
   demand(phase_ != Phase::instantiated, "to get an output");
   ensure_run();
+  if (point_.predicted && point_.set) settle();
   if (reference == variables_.running) return !ended_;
   const firmware::Reason reason = ended_ ? run_->trip().reason : firmware::Reason::none;
   if (reference == variables_.reason) return static_cast<int>(reason);
@@ -210,6 +263,7 @@ void Slave::set(std::span<const unsigned> references, const std::vector<T>& valu
   }
   for (std::size_t i = 0; i < references.size(); ++i) values_[references[i]] = T(values[i]);
   if (phase_ != Phase::stepping && !references.empty()) run_.reset();
+  point_.set = true;
 }
 
 template double Slave::get(unsigned);
@@ -222,8 +276,9 @@ template void Slave::set(std::span<const unsigned>, const std::vector<bool>&);
 template void Slave::set(std::span<const unsigned>, const std::vector<std::string>&);
 
 Slave::State Slave::state() const {
-  State state{values_, phase_, start_, beyond_, samples_, ended_, given_, run_, {}};
+  State state{values_, phase_, start_, beyond_, samples_, ended_, given_, point_, run_, {}, {}};
   if (run_) state.saved = run_->save();
+  if (point_.predicted) state.before = before_;
   return state;
 }
 
@@ -236,6 +291,7 @@ void Slave::set_state(const State& state) {
   if (run) {
     run_ = std::move(run);
     run_->restore(state.saved);
+    before_ = state.before;
   } else if (state.phase == Phase::stepping || state.phase == Phase::terminated) {
     if (from_outside()) {  // it begins where it began
       values_[variables_.position] = state.given.front().position;
@@ -245,6 +301,7 @@ void Slave::set_state(const State& state) {
     begin_run();
     for (std::uint64_t k = 0; k < state.samples + (state.ended ? 1U : 0U); ++k) {
       const std::size_t at = std::min(static_cast<std::size_t>(k) + 1, state.given.size() - 1);
+      if (state.point.predicted && k + 1 == state.samples) run_->save(before_);
       if (!run_->advance(state.given.empty() ? firmware::Motion{} : state.given[at])) break;
     }
     values_ = state.values;
@@ -254,6 +311,7 @@ void Slave::set_state(const State& state) {
   samples_ = state.samples;
   ended_ = state.ended;
   given_ = state.given;
+  point_ = state.point;
 }
 
 namespace {
@@ -306,6 +364,8 @@ std::string Slave::serialise(const State& state) const {
   }
   put(bytes, static_cast<std::uint64_t>(state.given.size()));
   for (const firmware::Motion& m : state.given) put(bytes, std::array{m.position, m.velocity, m.acceleration});
+  put(bytes,
+      std::array{state.point.predicted ? 1.0 : 0.0, state.point.set ? 1.0 : 0.0, state.point.last, state.point.step});
   return bytes + firmware::sha256(bytes);
 }
 
@@ -342,6 +402,8 @@ Slave::State Slave::deserialise(std::string_view bytes) const {
     const auto m = reader.take<std::array<double, 3>>();
     state.given.push_back({m[0], m[1], m[2]});
   }
+  const auto point = reader.take<std::array<double, 4>>();
+  state.point = {point[0] != 0.0, point[1] != 0.0, point[2], point[3]};
   return state;
 }
 

@@ -30,6 +30,17 @@ class CallError : public std::runtime_error {
 /// Time is counted in whole periods since the start, so communication points do not drift. A step that is no multiple
 /// of the period is taken: outputs are those of the newest sample at or before the communication point, as a controller
 /// of this rate shows them.
+///
+/// An excitation from outside holds at the communication point t_c at which it is set (input_at = "start"). The sample
+/// at the end of a step belongs to the next point, whose inputs u are known when that point's outputs are taken after
+/// them, or its step begins. Until then the sample is a prediction; then it is carried out anew, from the sample before:
+///
+///   (1)  û(t) = z + τ ż + τ²/2 z̈,  ż + τ z̈,  z̈           τ = t − t_c, where ż or z̈ is given
+///   (2)  û(t) = z + τ (z − z₀)/(t_c − t₀),  0,  0          elsewhere; z₀, t₀: the point before
+///
+/// So the run is that of the inputs at their own instants, and only what is read of a sample before its inputs are set
+/// has the error of the prediction: of (1) τ³/6 · z⃛, of (2) about τ² z̈. Samples within a step that no communication
+/// point meets keep (1) or (2). Should the rig leave its limits by a prediction, it is tried with z held.
 class Slave {
  public:
   enum class Phase : unsigned char { instantiated, initialising, stepping, terminated };
@@ -64,6 +75,14 @@ class Slave {
   [[nodiscard]] bool ended() const { return ended_; }
   [[nodiscard]] std::string why_ended() const;
 
+  /// What is known of the communication point, with an excitation from outside that holds at it.
+  struct Point {
+    bool predicted = false;  ///< the newest sample is at it and was carried out before the inputs were known
+    bool set = false;        ///< inputs have been set at it
+    double last = 0.0;       ///< position at the point before [m]
+    double step = 0.0;       ///< from there [s]; 0: there was none
+  };
+
   /// Everything, for set_state() of any instance with this description. A copy of the run itself makes it quick in the
   /// instance that it came from; others repeat the run up to there, which gives the same bits.
   struct State {
@@ -72,9 +91,11 @@ class Slave {
     double start = 0.0, beyond = 0.0;
     std::uint64_t samples = 0;
     bool ended = false;
-    std::vector<firmware::Motion> given{};  ///< excitation from outside: at the beginning, then of each step
+    std::vector<firmware::Motion> given{};  ///< excitation from outside: at the beginning, then of each sample
+    Point point{};
     std::weak_ptr<SteppedRun> run{};
     SteppedRun::Saved saved{};
+    SteppedRun::Saved before{};  ///< the sample before, while the newest is a prediction
   };
   [[nodiscard]] State state() const;
   void set_state(const State& state);
@@ -90,6 +111,10 @@ class Slave {
   void ensure_run();
   [[nodiscard]] firmware::Motion given() const;
   [[nodiscard]] bool from_outside() const;
+  [[nodiscard]] bool at_start() const;
+  [[nodiscard]] firmware::Motion predicted(double ahead) const;  ///< (1), (2)
+  [[nodiscard]] bool advance(double ahead);
+  void settle();
   [[nodiscard]] Value value_of(unsigned reference);
 
   firmware::RigDescription description_;
@@ -102,6 +127,8 @@ class Slave {
   double beyond_ = 0.0;        ///< the communication point, after the newest sample [periods]
   bool ended_ = false;
   std::vector<firmware::Motion> given_{};
+  Point point_{};
+  SteppedRun::Saved before_{};
   std::shared_ptr<SteppedRun> run_{};
 };
 

@@ -132,10 +132,14 @@ void SteppedRun::put_back(const std::vector<std::byte>& bytes) {
 
 SteppedRun::Saved SteppedRun::save() const {
   Saved saved;
+  save(saved);
+  return saved;
+}
+
+void SteppedRun::save(Saved& saved) const {
   keep(saved.parts);
   saved.rows = rows_;
   saved.row = row_;
-  return saved;
 }
 
 void SteppedRun::restore(const Saved& saved) {

@@ -54,6 +54,7 @@ class SteppedRun {
     firmware::Record row{};
   };
   [[nodiscard]] Saved save() const;
+  void save(Saved& saved) const;  ///< into the memory that it has
   void restore(const Saved& saved);
 
  private:

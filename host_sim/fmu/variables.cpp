@@ -21,6 +21,9 @@ Variables::Variables(const firmware::RigDescription& description) {
                    firmware::default_bandwidth(description.rig.kind, description.sample_rate)});
   cut_off = add({"cut_off", "Hz", "Frequency below which the spectrum of the road is flat, 0.001 … 10", parameter,
                  false, usual.cut_off});
+  input_at = add({"input_at", "",
+                  "start: the inputs of a step hold at its communication point, as FMI means it; end: at the next one",
+                  parameter, false, std::string(input_at_start)});
 
   first_number = list_.size();
   model::RigParameters<double> rig = description.rig;
@@ -31,9 +34,9 @@ Variables::Variables(const firmware::RigDescription& description) {
   }
 
   const std::string what = bench ? "Deflection of the component" : "Foot point";
-  position = add({"excitation.position", "m", what + ", at the end of the step", input, true, 0.0});
-  velocity = add({"excitation.velocity", "m/s", what + ", at the end of the step", input, true, 0.0});
-  acceleration = add({"excitation.acceleration", "m/s²", what + ", at the end of the step", input, true, 0.0});
+  position = add({"excitation.position", "m", what, input, true, 0.0});
+  velocity = add({"excitation.velocity", "m/s", what + ": its velocity", input, true, 0.0});
+  acceleration = add({"excitation.acceleration", "m/s²", what + ": its acceleration", input, true, 0.0});
 
   first_column = list_.size();
   using Source = firmware::RunColumns::Source;

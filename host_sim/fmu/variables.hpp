@@ -15,6 +15,8 @@ namespace host_sim::fmu {
 inline constexpr const char* model_identifier = "rigtwin";  ///< name of the library, without ending
 inline constexpr const char* description_resource = "rig.toml";
 inline constexpr const char* road_from_outside = "input";
+inline constexpr const char* input_at_start = "start";
+inline constexpr const char* input_at_end = "end";
 
 /// The value of a variable; the alternative is its type: Real, Integer, Boolean, String.
 using Value = std::variant<double, int, bool, std::string>;
@@ -38,6 +40,7 @@ struct Variable {
 /// The variables by name of what they are for.
 ///
 ///   road … cut_off                 parameters: those of `rigtwin simulate`
+///   input_at                       parameter: the point of a step at which its inputs hold, "start" or "end"
 ///   body.mass …                    parameters: the numbers of the rig description that stand in tables of their own
 ///   excitation.position …          inputs, used if road is "input": foot point, component_bench: deflection
 ///   z_r … F_act, duct_1 …          outputs: the columns of `rigtwin simulate`
@@ -52,7 +55,7 @@ class Variables {
   [[nodiscard]] std::size_t time() const { return list_.size(); }
 
   /// Indices of parts of the list.
-  std::size_t road, speed, seed, noise, bandwidth, cut_off;
+  std::size_t road, speed, seed, noise, bandwidth, cut_off, input_at;
   std::size_t first_number;  ///< of the rig description
   std::size_t position, velocity, acceleration;
   std::size_t first_column;

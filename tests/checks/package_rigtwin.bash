@@ -21,10 +21,14 @@ complain() {
   flock 9
   cmake --build "$host" --parallel "$jobs" --target rigtwin rigtwin_fmu rig_controller model rigtwin_documents rigtwin_python
 ) 9>"$builds/host.lock"
-arm=
+foreign=()
 if command -v aarch64-linux-gnu-g++ >/dev/null; then  # as the target packages does
   build aarch64 rigtwin_fmu
-  arm=lib/rigtwin/fmu/aarch64-linux/rigtwin.so
+  foreign+=(lib/rigtwin/fmu/aarch64-linux/rigtwin.so)
+fi
+if command -v x86_64-w64-mingw32-g++-posix >/dev/null; then
+  build win64 rigtwin_fmu
+  foreign+=(lib/rigtwin/fmu/win64/rigtwin.dll)
 fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -39,10 +43,10 @@ for package in "$program" "$development" "$controller" "$notebooks"; do
   dpkg-deb -x "$package" "$folder/root"
 done
 dpkg-deb -I "$program" | grep -E 'Depends|Version|Description'
-for file in bin/rigtwin bin/rig_controller lib/rigtwin/fmu/linux64/rigtwin.so $arm share/rigtwin/rigs/paper_hil_fdva.toml \
+for file in bin/rigtwin bin/rig_controller lib/rigtwin/fmu/linux64/rigtwin.so "${foreign[@]}" share/rigtwin/rigs/paper_hil_fdva.toml \
   share/man/man1/rigtwin.1 share/man/man1/rig_controller.1 share/bash-completion/completions/rigtwin share/doc/rigtwin/LICENSE \
   share/doc/rigtwin/manual.html share/doc/rigtwin/tour.sh lib/python3/dist-packages/rigtwin/__init__.py lib/rigtwin/libmodel.a lib/cmake/rigtwin/rigtwin-config.cmake \
-  include/rigtwin/model/rig/rig_model.hpp include/rigtwin/model/laws/placed_laws.hpp; do
+  share/rigtwin/matlab/+rigtwin/simulate.m include/rigtwin/model/rig/rig_model.hpp include/rigtwin/model/laws/placed_laws.hpp; do
   [ -s "$folder/root/usr/$file" ] || complain "/usr/$file is missing"
 done
 ls "$folder"/root/usr/lib/python3/dist-packages/rigtwin/_core*.so >/dev/null || complain "python3-rigtwin has no compiled half"

@@ -104,6 +104,7 @@ class FmuInstance {
 
   [[nodiscard]] fmi2Component component() const { return component_; }
   [[nodiscard]] const std::string& logged() const { return logged_; }
+  [[nodiscard]] const std::string& unformatted() const { return unformatted_; }
 
   fmi2Status set_up(double start = 0.0) {
     return RIGTWIN_FMU_CALL(fmi2SetupExperiment)(component_, 0, 0.0, start, 0, 0.0);
@@ -165,6 +166,7 @@ class FmuInstance {
   }
 
  private:
+  /// The text as an importer shows it that formats, and as one does that does not.
   static void log(fmi2ComponentEnvironment self, fmi2String, fmi2Status, fmi2String, fmi2String message, ...) {
     std::va_list arguments;
     va_start(arguments, message);
@@ -172,11 +174,12 @@ class FmuInstance {
     std::vsnprintf(text, sizeof text, message, arguments);
     va_end(arguments);
     static_cast<FmuInstance*>(self)->logged_ = text;
+    static_cast<FmuInstance*>(self)->unformatted_ = message;
   }
 
   const FmuFile& fmu_;
   fmi2Component component_ = nullptr;
-  std::string logged_;
+  std::string logged_, unformatted_;
 };
 
 }  // namespace support

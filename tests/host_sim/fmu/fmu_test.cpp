@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "firmware/description/text/sha256.hpp"
+#include "model/numerics/motion.hpp"
 #include "tests/host_sim/fmu/fmu_file.hpp"
+#include "tests/host_sim/fmu/function_names.hpp"
 #include "tests/host_sim/fmu/simulated_rows.hpp"
 #include "tests/support/rig_texts.hpp"
 
@@ -22,6 +26,8 @@ using support::rig_file;
 using support::rigtwin;
 using support::simulated;
 using support::TemporaryFolder;
+
+using Motion = model::Motion<double>;
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -93,8 +99,8 @@ TEST(Fmu, ANumberOfTheRigMayBeChanged) {
   EXPECT_NE(instance.logged().find("tyre.stiffness"), std::string::npos) << instance.logged();
 }
 
-// From outside: the foot point of a recording, given step by step, leads to the recording. The input of a step is where
-// the rig is at its end, as the firmware of a rig commands it.
+// From outside: the foot point of a recording, given step by step, leads to the recording. With input_at = "end" the
+// input of a step is where the rig is at its end, as the firmware of a rig commands it.
 //
 // The velocity given from outside is a sum of accelerations. By Euler and Maclaurin this rectangle rule is wrong by
 //
@@ -111,6 +117,7 @@ TEST(Fmu, IsDrivenFromOutside) {
   FmuInstance inside(fmu), outside(fmu);
   for (FmuInstance* instance : {&inside, &outside}) EXPECT_EQ(instance->set("noise", false), fmi2OK);
   EXPECT_EQ(outside.set("road", "input"), fmi2OK);
+  EXPECT_EQ(outside.set("input_at", "end"), fmi2OK);
   constexpr double period = 1e-3, tyre_damping = 100.0;  // [s], [N s/m] of the description
   inside.begin();
   outside.begin();
@@ -135,6 +142,157 @@ TEST(Fmu, IsDrivenFromOutside) {
   EXPECT_EQ(outside.set("excitation.position", not_a_number), fmi2Error);
   EXPECT_NE(outside.logged().find("excitation.position is nan, expected a finite number"), std::string::npos)
       << outside.logged();
+}
+
+void give(FmuInstance& instance, const Motion& motion) {
+  ASSERT_EQ(instance.set("excitation.position", motion.position), fmi2OK);
+  ASSERT_EQ(instance.set("excitation.velocity", motion.velocity), fmi2OK);
+  ASSERT_EQ(instance.set("excitation.acceleration", motion.acceleration), fmi2OK);
+}
+
+// Law. Inputs hold where they are set: the road of `rigtwin simulate`, given at its own instants, makes the run that
+// input_at = "end" makes of the road given a step ahead, bit for bit and with noise, whether the outputs are read
+// before the inputs of their instant, too, or only after them, or only at the end.
+TEST(Fmu, AnInputHoldsAtItsCommunicationPoint) {
+  for (const char* name : {"paper_hil_fdva", "paper_rig_fdva", "paper_bench_fdva"}) {
+    SCOPED_TRACE(name);
+    const FmuFile fmu(rig_file(name));
+    const char* const column = std::string(name) == "paper_bench_fdva" ? "x_cmd" : "z_r";
+    FmuInstance inside(fmu), ahead(fmu), often(fmu), once(fmu), last(fmu);
+    inside.begin();
+    for (FmuInstance* instance : {&ahead, &often, &once, &last}) EXPECT_EQ(instance->set("road", "input"), fmi2OK);
+    EXPECT_EQ(ahead.set("input_at", "end"), fmi2OK);
+    for (FmuInstance* instance : {&ahead, &often, &once, &last}) instance->begin();
+    double before = inside.real(column), rate = 0.0;  // [m], [m/s]
+    const auto row = [&](FmuInstance& instance) {
+      std::vector<double> seen;
+      for (const char* output : {column, "F", "duct_1", "F_w"}) {
+        if (fmu.xml().find("name=\"" + std::string(output) + "\"") != std::string::npos) {
+          seen.push_back(instance.real(output));
+        }
+      }
+      return seen;
+    };
+    for (int k = 0; k < 200; ++k) {
+      ASSERT_EQ(inside.step(k * 0.001, 0.001), fmi2OK);
+      const double now = inside.real(column), rate_now = (now - before) / 0.001;
+      const Motion motion{now, rate_now, (rate_now - rate) / 0.001};
+      before = now;
+      rate = rate_now;
+      give(ahead, motion);
+      for (FmuInstance* instance : {&ahead, &often, &once, &last}) {
+        ASSERT_EQ(instance->step(k * 0.001, 0.001), fmi2OK) << instance->logged();
+      }
+      (void)row(often);
+      for (FmuInstance* instance : {&often, &once, &last}) give(*instance, motion);
+      const std::vector<double> expected = row(ahead);
+      ASSERT_EQ(row(often), expected) << k;
+      ASSERT_EQ(row(once), expected) << k;
+    }
+    EXPECT_EQ(row(last), row(ahead));
+  }
+}
+
+// As most importers do it: inputs at t, the step, outputs at t + h. What is read before the inputs of its instant is
+// predicted. Of a sine z = A sin ωt, Taylor with ż and z̈ leaves at most δ = A (ωh)³/6 of the position and A ω³h²/2 of
+// the velocity, the line through two positions δ = A (ωh)². The wheel load has k_t and b_t times that at once; through
+// the wheel's motion within one period less than k_t h²/m_w = 0.5 % more. With input_at = "end" the same importer's road
+// is a whole period late.
+TEST(Fmu, ADrivenRoadIsNotAPeriodLate) {
+  constexpr double height = 1e-3, omega = 2.0 * 3.141592653589793 * 5.0, period = 1e-3;  // [m], [rad/s], [s]
+  constexpr double tyre_stiffness = 200e3, tyre_damping = 100.0;  // of the description [N/m], [N s/m]
+  constexpr double wh = omega * period, rounding = 1e-12;
+  constexpr double by_taylor = height * wh * wh * wh / 6.0, by_line = height * wh * wh;  // [m]
+  constexpr double rate_by_taylor = height * omega * wh * wh / 2.0;                      // [m/s]
+  const FmuFile fmu(rig_file("paper_hil_fdva"));
+  enum Way : std::size_t { right, right_positions, late, taylor, line, ways };
+  std::vector<std::unique_ptr<FmuInstance>> instances;
+  for (std::size_t i = 0; i < ways; ++i) {
+    instances.push_back(std::make_unique<FmuInstance>(fmu));
+    EXPECT_EQ(instances[i]->set("road", "input"), fmi2OK);
+    EXPECT_EQ(instances[i]->set("noise", false), fmi2OK);
+    EXPECT_EQ(instances[i]->set("input_at", i < taylor ? "end" : "start"), fmi2OK);
+    instances[i]->begin();
+  }
+  double largest = 0.0;  // error of the wheel load with a late road [N]
+  for (int k = 0; k < 400; ++k) {
+    for (std::size_t i = 0; i < ways; ++i) {
+      const double t = (i <= right_positions ? k + 1 : k) * period, z = height * std::sin(omega * t);
+      give(*instances[i], i == right_positions || i == line
+                              ? Motion{z, 0.0, 0.0}
+                              : Motion{z, height * omega * std::cos(omega * t), -omega * omega * z});
+      ASSERT_EQ(instances[i]->step(k * period, period), fmi2OK) << instances[i]->logged();
+    }
+    const double z = height * std::sin(omega * ((k + 1) * period)), load = instances[right]->real("F_w");
+    ASSERT_EQ(instances[right]->real("z_r"), z);
+    ASSERT_EQ(instances[late]->real("z_r"), height * std::sin(omega * (k * period)));
+    ASSERT_NEAR(instances[taylor]->real("z_r"), z, by_taylor + rounding) << k;
+    ASSERT_NEAR(instances[taylor]->real("F_w"), load,
+                1.005 * (tyre_stiffness * by_taylor + tyre_damping * rate_by_taylor) + rounding)
+        << k;
+    largest = std::max(largest, std::abs(instances[late]->real("F_w") - load));
+    if (k == 0) continue;  // one position makes no line
+    ASSERT_NEAR(instances[line]->real("z_r"), z, by_line + rounding) << k;
+    ASSERT_NEAR(instances[line]->real("F_w"), instances[right_positions]->real("F_w"),
+                1.005 * tyre_stiffness * by_line + rounding)
+        << k;
+  }
+  EXPECT_GT(largest, 1.0);
+}
+
+// Fault. A kerb is a step of the road, beyond which the line through two positions goes twice as high. A kerb that the
+// rig bears ends no run, although the rig would not bear the predicted one.
+TEST(Fmu, APredictionEndsNoRun) {
+  const FmuFile fmu(rig_file("paper_rig_fdva"));
+  const auto bears = [&fmu](const char* input_at, const std::vector<double>& kerb) {
+    FmuInstance instance(fmu);
+    EXPECT_EQ(instance.set("road", "input"), fmi2OK);
+    EXPECT_EQ(instance.set("input_at", input_at), fmi2OK);
+    instance.begin();
+    int k = 0;
+    for (; k < 10; ++k) EXPECT_EQ(instance.step(k * 0.001, 0.001), fmi2OK);
+    for (const double height : kerb) {
+      EXPECT_EQ(instance.set("excitation.position", height), fmi2OK);
+      if (instance.step(k++ * 0.001, 0.001) != fmi2OK) return false;
+    }
+    return true;
+  };
+  bool met = false;
+  for (double height = 1e-4; height < 1.0 && !met; height *= 1.2) {
+    met = bears("end", {height, height}) && !bears("end", {height, 2.0 * height});
+    if (met) {
+      EXPECT_TRUE(bears("start", {height})) << height;
+    }
+  }
+  EXPECT_TRUE(met) << "no kerb is within the limits whose prediction is not";
+}
+
+// Between communication points that are no samples, and within long steps, the prediction is what a sample keeps.
+TEST(Fmu, PredictsSamplesBetweenCommunicationPoints) {
+  const FmuFile fmu(rig_file("paper_hil_fdva"));
+  FmuInstance instance(fmu);
+  EXPECT_EQ(instance.set("road", "input"), fmi2OK);
+  EXPECT_EQ(instance.set("noise", false), fmi2OK);
+  instance.begin();
+  give(instance, {1e-4, 2e-2, 4.0});
+  const auto predicted = [](double ahead) { return 1e-4 + 2e-2 * ahead + 2.0 * ahead * ahead; };
+  ASSERT_EQ(instance.step(0.0, 0.0025), fmi2OK);
+  EXPECT_DOUBLE_EQ(instance.real("z_r"), predicted(0.002));
+  give(instance, {0.0, 0.0, 0.0});
+  EXPECT_DOUBLE_EQ(instance.real("z_r"), predicted(0.002)) << "the sample was before these inputs";
+  give(instance, {1e-4, 2e-2, 4.0});
+  ASSERT_EQ(instance.step(0.0025, 0.001), fmi2OK);
+  EXPECT_DOUBLE_EQ(instance.real("z_r"), predicted(0.0005));
+  ASSERT_EQ(instance.step(0.0035, 0.0005), fmi2OK);
+  EXPECT_DOUBLE_EQ(instance.real("z_r"), predicted(0.0005));
+  give(instance, {5e-5, 0.0, 0.0});
+  EXPECT_EQ(instance.real("z_r"), 5e-5);
+  FmuInstance wrong(fmu);
+  EXPECT_EQ(wrong.set("input_at", "middle"), fmi2OK);
+  EXPECT_EQ(wrong.set_up(), fmi2OK);
+  EXPECT_EQ(wrong.enter(), fmi2OK);
+  EXPECT_EQ(wrong.exit(), fmi2Error);
+  EXPECT_NE(wrong.logged().find("input_at is 'middle', expected start or end"), std::string::npos) << wrong.logged();
 }
 
 // A state is the whole state: the run goes on from it with the same bits, in the same instance, in another one after
@@ -180,6 +338,38 @@ TEST(Fmu, GoesOnFromAState) {
     EXPECT_EQ(RIGTWIN_FMU_CALL(fmi2FreeFMUstate)(second.component(), &again), fmi2OK);
     EXPECT_EQ(state, nullptr);
     EXPECT_EQ(RIGTWIN_FMU_CALL(fmi2SetFMUstate)(first.component(), nullptr), fmi2Error);
+  }
+}
+
+// A state between the inputs of an instant and its outputs, and one before those inputs: both show what their instance
+// showed.
+TEST(Fmu, AStateKnowsWhetherInputsWereSet) {
+  const FmuFile fmu_(rig_file("paper_hil_fdva"));
+  for (const bool set : {false, true}) {
+    FmuInstance first(fmu_), second(fmu_);
+    EXPECT_EQ(first.set("road", "input"), fmi2OK);
+    first.begin();
+    for (int k = 0; k < 5; ++k) {
+      EXPECT_EQ(first.set("excitation.position", 1e-5 * k), fmi2OK);
+      ASSERT_EQ(first.step(k * 0.001, 0.001), fmi2OK);
+    }
+    if (set) {
+      EXPECT_EQ(first.set("excitation.position", 1e-4), fmi2OK);
+    }
+    fmi2FMUstate state = nullptr, again = nullptr;
+    ASSERT_EQ(RIGTWIN_FMU_CALL(fmi2GetFMUstate)(first.component(), &state), fmi2OK);
+    std::size_t size = 0;
+    ASSERT_EQ(RIGTWIN_FMU_CALL(fmi2SerializedFMUstateSize)(first.component(), state, &size), fmi2OK);
+    std::vector<char> bytes(size);
+    ASSERT_EQ(RIGTWIN_FMU_CALL(fmi2SerializeFMUstate)(first.component(), state, bytes.data(), size), fmi2OK);
+    ASSERT_EQ(RIGTWIN_FMU_CALL(fmi2DeSerializeFMUstate)(second.component(), bytes.data(), size, &again), fmi2OK);
+    ASSERT_EQ(RIGTWIN_FMU_CALL(fmi2SetFMUstate)(second.component(), again), fmi2OK) << second.logged();
+    EXPECT_DOUBLE_EQ(first.real("z_r"), set ? 1e-4 : 5e-5);
+    EXPECT_EQ(second.real("z_r"), first.real("z_r"));
+    ASSERT_EQ(RIGTWIN_FMU_CALL(fmi2SetFMUstate)(first.component(), state), fmi2OK);
+    EXPECT_EQ(first.real("z_r"), second.real("z_r"));
+    EXPECT_EQ(RIGTWIN_FMU_CALL(fmi2FreeFMUstate)(first.component(), &state), fmi2OK);
+    EXPECT_EQ(RIGTWIN_FMU_CALL(fmi2FreeFMUstate)(second.component(), &again), fmi2OK);
   }
 }
 
@@ -281,6 +471,28 @@ TEST(Fmu, RefusesForeignIdentifiers) {
   EXPECT_NE(instance.logged().find("road is 'motorway', expected"), std::string::npos) << instance.logged();
   EXPECT_EQ(instance.set("road", "iso8608:C"), fmi2OK);
   EXPECT_EQ(instance.exit(), fmi2OK);
+}
+
+// The log is text as it stands: an importer need not format it, and one that does sees the same.
+TEST(Fmu, LogsPlainText) {
+  const FmuFile fmu(rig_file("paper_linear"));
+  FmuInstance instance(fmu);
+  EXPECT_EQ(instance.step(0.0, 0.001), fmi2Error);
+  EXPECT_EQ(instance.unformatted(), "a step is not allowed before initialisation");
+  EXPECT_EQ(instance.logged(), instance.unformatted());
+  EXPECT_EQ(instance.set("road", "100%s#1"), fmi2OK);
+  EXPECT_EQ(instance.set_up(), fmi2OK);
+  EXPECT_EQ(instance.enter(), fmi2OK);
+  EXPECT_EQ(instance.exit(), fmi2Error);
+  EXPECT_NE(instance.unformatted().find("road is '100%%s##1', expected"), std::string::npos);
+  EXPECT_NE(instance.logged().find("road is '100%s##1', expected"), std::string::npos) << instance.logged();
+}
+
+// An importer looks for every function of co-simulation when it loads the library.
+TEST(Fmu, ExportsEveryFunction) {
+  const FmuFile fmu(rig_file("paper_linear"));
+  EXPECT_EQ(std::set<std::string>(support::fmi2_functions.begin(), support::fmi2_functions.end()).size(), 34U);
+  for (const char* name : support::fmi2_functions) EXPECT_NE(fmu.function<void()>(name), nullptr) << name;
 }
 
 // The GUID is the hash of the description, so that anybody can tell which rig an FMU is; the same rig, the same bytes.
