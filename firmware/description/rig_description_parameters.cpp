@@ -57,10 +57,8 @@ bool has_part(const Rig& rig, std::string_view table) {
 
 double* find_parameter(model::RigParameters<double>& rig, std::string_view path) {
   for (const auto& p : paths) {
-    if (path.size() == p.table.size() + 1 + p.key.size() && path.starts_with(p.table) && path.ends_with(p.key) &&
-        path[p.table.size()] == '.') {
-      return has_part(rig, p.table) ? &p.value(rig) : nullptr;
-    }
+    std::string_view key = path;
+    if (take(key, p.table) && key == p.key) return has_part(rig, p.table) ? &p.value(rig) : nullptr;
   }
   if (!take(path, "effects")) return nullptr;
   double* found = nullptr;

@@ -46,7 +46,7 @@ struct RecordingComparison {
 /// How the state at the first sample is found.
 enum class StartChoice { automatic, rest, estimated };
 
-/// What lies between a rig's channels and the samples of a recording.
+/// Input noise and recorder, applied to a simulation before it is compared.
 struct RecordedAs {
   /// The input as the rig has had it, without the noise of its sensor. `simulated`: the recording with a sample for
   /// each step of the simulation.

@@ -11,7 +11,7 @@ namespace {
 
 using Rig = model::RigParameters<double>;
 
-/// Whether a predicate holds for the type of an effect that acts.
+/// true: an active effect satisfies a predicate.
 template <class Predicate>
 bool any_effect(const Rig& rig, Predicate holds) {
   bool any = false;

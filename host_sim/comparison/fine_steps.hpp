@@ -11,12 +11,12 @@ namespace host_sim {
 /// speed. Twice: twice of that.
 inline constexpr double longest_bent_step = 0.25e-3;
 
-/// Whether a rig has an effect with a corner (model::Corner): dry friction, free play, a stop, a limit of velocity.
+/// true: an active effect has a corner (model::Corner), as dry friction, free play, a stop, a limit of velocity have.
 [[nodiscard]] bool has_corners(const model::RigParameters<double>& rig);
 /// True if a rig has an effect with free play (model::Corner::free_play).
 [[nodiscard]] bool has_free_play(const model::RigParameters<double>& rig);
 
-/// Whether several model steps are taken per sample: a rig with corners, with laws, or with an effect that adds a force.
+/// true: the rig takes several model steps per sample, as it has a corner, a law or an effect that adds a force.
 /// The three may stand for each other (a cubic spring and a curve over the deflection), so all are stepped alike.
 [[nodiscard]] bool is_stepped_finely(const model::RigParameters<double>& rig);
 

@@ -6,8 +6,8 @@
 
 namespace host_sim {
 
-/// How compare and show simulate a recording: driven by its input without the noise above its motion, and with what
-/// stands under [recording].
+/// Filters, clocks, hum and drifts of the recorder ([recording]), and the input without its sensor's noise, for a
+/// simulation that is held against a recording.
 [[nodiscard]] RecordedAs recorded_as(const firmware::RigDescription& description);
 
 }  // namespace host_sim
