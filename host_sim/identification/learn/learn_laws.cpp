@@ -8,6 +8,7 @@
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/learn/law_and_effects.hpp"
 #include "host_sim/identification/learn/law_search.hpp"
+#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/select_model.hpp"
@@ -214,14 +215,20 @@ Learned LawSearch::learn() {
   if (slot_ == space_.given.rig.laws.curves.size()) return learned;
   chi_squared_without_ = residuals(problem_, predict(problem_, found_.best.fit.hypothesis)).squaredNorm();
   best_cost_ = found_.best.penalised_chi_squared(criterion_) - found_.best.fit.chi_squared + chi_squared_without_;
+  const StageBudget budget(problem_);
   tell(0.96, "learning a law");
   std::vector<Candidate> list = candidates(curves());
-  for (Candidate& stack : stacks()) list.push_back(std::move(stack));
-  for (Candidate& surface : surfaces()) list.push_back(std::move(surface));
+  if (budget.allows(problem_, "laws with memory", found_)) {
+    for (Candidate& stack : stacks()) list.push_back(std::move(stack));
+  }
+  if (budget.allows(problem_, "laws over deflection and velocity", found_)) {
+    for (Candidate& surface : surfaces()) list.push_back(std::move(surface));
+  }
   std::sort(list.begin(), list.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
   learned.contenders = contenders(list);
   if (list.empty() || !is_kept_alone(list.front(), learned)) {
-    auto surface = free_surface(list);
+    auto surface =
+        may_begin(problem_, "a free law over deflection and velocity", found_) ? free_surface(list) : std::nullopt;
     if (!surface || !is_kept_alone(*surface, learned)) return learned;
     list.insert(list.begin(), std::move(*surface));
     learned.contenders = contenders(list);
@@ -244,7 +251,7 @@ Learned learn_laws(IdentificationProblem& problem, const SearchSpace& space, con
   Hypothesis without = found.best.fit.hypothesis;
   Learned learned = LawSearch(problem, space, progress, reasons, found).learn();
   if (learned.found) learned.without = std::move(without);
-  if (!learned.found || !leaves_a_rest(problem, found)) return learned;
+  if (!learned.found || !leaves_a_rest(problem, found) || !may_begin(problem, "a second law", found)) return learned;
   // A curve beside branches with memory, or one over the other variable; a free surface holds both variables.
   if (found.best.fit.hypothesis.laws.back().family == LawFamily::free_surface) return learned;
   const Reasons rest{.rest = true};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "host_sim/identification/prepare/sample_hold.hpp"
 #include "host_sim/identification/prepare/sampled_recording.hpp"
 #include "host_sim/identification/prepare/sensor_noise.hpp"
+#include "host_sim/identification/prepare/spent_work.hpp"
 
 namespace host_sim::identification {
 
@@ -75,6 +77,8 @@ struct PreparedRecording {
   double input_edge = 0.0;  ///< [Hz] the input is smoothed above (smoothed_input.hpp); 0: it is as recorded
   /// Model steps per sample where friction, free play or stops act (comparison/fine_steps.hpp).
   int substeps = 1;
+  /// Of all simulations of it; copies, and parts of it, count together.
+  std::shared_ptr<SpentWork> work = std::make_shared<SpentWork>();
 
   /// The motion that samples of the driving channel say, smoothed as the input is.
   [[nodiscard]] firmware::FootPointMotion motion_of_input(const std::vector<double>& samples) const;

@@ -2,24 +2,44 @@
 
 #include <algorithm>
 
+#include "host_sim/identification/select/search.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
+namespace {
 
-double simulated_samples(const IdentificationProblem& problem, std::size_t simulations) {
-  double samples = 0.0;
-  for (const ProblemRecording& r : problem.recordings()) {
-    if (r.is_fitted()) samples += static_cast<double>(r.fitted.to);
-  }
-  return samples * static_cast<double>(simulations);
+bool allow(bool allowed, const std::string& what, SearchResult& found) {
+  std::vector<std::string>& list = found.not_tried;
+  if (!allowed && std::find(list.begin(), list.end(), what) == list.end()) list.push_back(what);
+  return allowed;
 }
 
-bool may_begin(const IdentificationProblem& problem, const std::string& step, SearchResult& found) {
-  if (simulated_samples(problem, found.simulations) < thresholds::most_simulated_samples) return true;
-  if (std::find(found.not_tried.begin(), found.not_tried.end(), step) == found.not_tried.end()) {
-    found.not_tried.push_back(step);
-  }
-  return false;
+}  // namespace
+
+double most_work(const IdentificationProblem& problem) {
+  return thresholds::most_work * static_cast<double>(std::max<std::size_t>(1, problem.fitted_count()));
+}
+
+double spent_work(const IdentificationProblem& problem) {
+  double steps = 0.0;
+  for (const PreparedRecording& r : problem.samples()) steps += r.work->steps();
+  return steps;
+}
+
+StageBudget::StageBudget(const IdentificationProblem& problem) : end_(spent_work(problem)) {
+  end_ += 0.5 * std::max(most_work(problem) - end_, 0.0);
+}
+
+bool StageBudget::allows(const IdentificationProblem& problem, const std::string& step, SearchResult& found) const {
+  return allow(!is_spent(problem), step, found);
+}
+
+bool may_begin(const IdentificationProblem& problem, const std::string& stage, SearchResult& found) {
+  return allow(spent_work(problem) < most_work(problem), stage, found);
+}
+
+void add_not_tried(const SearchResult& other, SearchResult& found) {
+  for (const std::string& what : other.not_tried) allow(false, what, found);
 }
 
 }  // namespace host_sim::identification

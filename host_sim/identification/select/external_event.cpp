@@ -9,6 +9,8 @@
 #include "host_sim/identification/estimate/left_by_fit.hpp"
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/parity/disturbed_span.hpp"
+#include "host_sim/identification/select/budget.hpp"
+#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
 #include "host_sim/identification/select/select_model.hpp"
@@ -311,6 +313,7 @@ bool select_without(const firmware::RigDescription& description, IdentificationP
   SearchResult again = select_in_noise(without, space, progress);
   found.simulations += again.simulations;
   found.candidates += again.candidates;
+  add_not_tried(again, found);
   if (leaves_rest(without, again.best.fit)) return false;
   leave_out_what_lasts(without, space, progress, out, again);
   const SelectionCriterion criterion;
@@ -322,6 +325,7 @@ bool select_without(const firmware::RigDescription& description, IdentificationP
   if (again.events.empty()) return false;
   again.simulations = found.simulations;
   again.candidates = found.candidates;
+  add_not_tried(found, again);
   for (ExternalEvent& event : again.events) event.gain = std::max(gain, 0.0);
   found = std::move(again);
   problem = std::move(without);

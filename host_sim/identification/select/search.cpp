@@ -8,6 +8,7 @@
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/fault_candidates.hpp"
 #include "host_sim/identification/select/fault_rewrites.hpp"
 #include "host_sim/identification/select/held_out.hpp"
@@ -45,6 +46,7 @@ class Search {
         options_(options),
         criterion_(options.criterion),
         fitter_(problem, space.common, criterion_, effort_),
+        budget_(problem),
         first_share_(options.truncates ? share_with(problem, thresholds::seconds_far_above_noise) : 1.0) {}
 
   void forward(SearchResult& found);
@@ -65,6 +67,7 @@ class Search {
   void compare_in_sample(SearchResult& found);
   bool take_filter_seen(SearchResult& found) const;
   bool improve(std::size_t effect, SearchResult& found);
+  [[nodiscard]] std::optional<CandidateModel> rewritten(std::size_t effect, const SearchResult& found) const;
   [[nodiscard]] std::optional<CandidateModel> instead_of_limit(std::size_t effect, const SearchResult& found) const;
   [[nodiscard]] std::optional<CandidateModel> in_one(const SearchResult& found) const;
   bool improve_fault(std::size_t fault, SearchResult& found);
@@ -89,7 +92,12 @@ class Search {
   [[nodiscard]] std::vector<CandidateModel> extended(const CandidateModel& base, const Scales& scales, bool all) const;
   [[nodiscard]] std::vector<CandidateModel> extended_on_part(const CandidateModel& base, const Scales& scales,
                                                              bool all) const;
-  [[nodiscard]] std::size_t most(bool all) const { return all ? criterion_.most_rivals : criterion_.most_candidates; }
+  /// Whether no more exchanges are tried: what stands in each effect's place is still asked, of the nearest alone.
+  [[nodiscard]] bool is_spent() const { return budget_.is_spent(fitter_.problem()); }
+  [[nodiscard]] std::size_t most(bool all) const {
+    if (!all) return criterion_.most_candidates;
+    return is_spent() ? thresholds::near_rivals : criterion_.most_rivals;
+  }
   [[nodiscard]] double least_gain(const CandidateModel& base, bool all) const;
   /// Evidence for a model from all windows: penalised χ² of the fitted, χ² of the held-out ones.
   [[nodiscard]] double rating(const Hypothesis& hypothesis, double penalised) const {
@@ -113,6 +121,7 @@ class Search {
   const SelectionCriterion& criterion_;
   mutable Effort effort_;
   ModelFitter fitter_;
+  StageBudget budget_;
   std::map<std::size_t, CandidateModel> reduced_;  ///< the compared model without its effect i, fitted
   bool has_split_ = false;                         ///< once: a rest could be split into ever smaller effects
   double first_share_;                             ///< of the windows, where candidates far above noise are told apart
@@ -240,7 +249,7 @@ void Search::backward(SearchResult& found) {
   effort_.candidates = found.candidates;
   compare_in_sample(found);
   if (fitter_.problem().has_held_out()) {
-    for (int round = 0; round < thresholds::most_rounds && eliminate_by_held_out(found); ++round)
+    for (int round = 0; round < thresholds::most_rounds && !is_spent() && eliminate_by_held_out(found); ++round)
       compare_in_sample(found);
     rate_by_held_out(found);
   }
@@ -259,7 +268,7 @@ void Search::compare_in_sample(SearchResult& found) {
     for (std::size_t i = 0; i < found.best.faults().size() && !changed; ++i) changed = improve_fault(i, found);
     for (std::size_t i = 0; i < found.best.effects.size() && !changed; ++i) changed = improve(i, found);
     if (!changed) {
-      auto one = in_one(found);
+      auto one = is_spent() ? std::nullopt : in_one(found);
       if (!one) break;
       found.best = std::move(*one);
     }
@@ -365,22 +374,17 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   if (fitter_.is_seen(best.effects[effect])) return false;
   report(0.6 + 0.3 * static_cast<double>(effect) / static_cast<double>(best.effects.size()),
          "rivals of " + std::string(best.effects[effect].entry->name));
+  const bool exchanges = budget_.allows(fitter_.problem(), "some exchanges of effects", found);
   if (auto simpler = fitter_.simplified(best, effect);
       simpler && (ends_at_bound(best.effects[effect]) || criterion_.prefers(*simpler, best))) {
     best = std::move(*simpler);
     return true;
   }
-  if (auto other = instead_of_limit(effect, found)) {
-    best = std::move(*other);
-    return true;
-  }
-  if (auto shared = in_group(fitter_, best, effect)) {
-    best = std::move(*shared);
-    return true;
-  }
-  if (auto one = in_one_fault(fitter_, best, effect)) {
-    best = std::move(*one);
-    return true;
+  if (exchanges) {
+    if (auto other = rewritten(effect, found)) {
+      best = std::move(*other);
+      return true;
+    }
   }
   CandidateModel reduced = without(effect, found);
   if (!criterion_.prefers(best, reduced)) {
@@ -391,7 +395,7 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   const std::vector<CandidateModel> others = known ? found.alone : extended(reduced, found.scales, true);
   const double to_beat = best.penalised_chi_squared(criterion_) - thresholds::replaces;
   for (const CandidateModel& other : others) {
-    if (same_effect(other.effects.back(), best.effects[effect])) continue;
+    if (!exchanges || same_effect(other.effects.back(), best.effects[effect])) continue;
     if (other.penalised_chi_squared(criterion_) >= to_beat) continue;
     CandidateModel full = fitter_.refitted(other.fit.hypothesis, other.effects, 6);
     if (!(full.penalised_chi_squared(criterion_) < to_beat) || ends_at_bound(full.effects.back())) continue;
@@ -403,14 +407,14 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   cause.rivals = rivals_of(best, reduced, effect, others);
   cause.gain = reduced.fit.chi_squared - best.fit.chi_squared;
   // Refitted beside the other effects as they are now, a rival may be better after all.
-  if (!cause.rivals.empty() && cause.rivals.front().penalised_chi_squared < to_beat) {
+  if (exchanges && !cause.rivals.empty() && cause.rivals.front().penalised_chi_squared < to_beat) {
     CandidateModel better = promoted(best, effect, cause.rivals.front());
     if (better.penalised_chi_squared(criterion_) < to_beat && !ends_at_bound(better.effects[effect])) {
       best = std::move(better);
       return true;
     }
   }
-  if (auto two = in_two(found, effect, others)) {
+  if (auto two = exchanges ? in_two(found, effect, others) : std::nullopt) {
     best = std::move(*two);
     has_split_ = true;
     return true;
@@ -418,6 +422,13 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   drop_jacobian(reduced.fit);
   reduced_[effect] = std::move(reduced);
   return false;
+}
+
+/// What another effect, one for several sensors, or a fault of the recording says of an effect in its place.
+std::optional<CandidateModel> Search::rewritten(std::size_t effect, const SearchResult& found) const {
+  if (auto other = instead_of_limit(effect, found)) return other;
+  if (auto shared = in_group(fitter_, found.best, effect)) return shared;
+  return in_one_fault(fitter_, found.best, effect);
 }
 
 /// Another effect in the place of one that ends at a limit of its card: a resonance of the largest damping is a lag.
@@ -541,6 +552,9 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
     best = reduced;
     return true;
   }
+  FoundCause& support = found.faults[fault];
+  support.gain = reduced.fit.chi_squared - best.fit.chi_squared;
+  if (!budget_.allows(fitter_.problem(), "some exchanges of faults", found)) return false;
   // What is of the rig is compared with what is of the recorder by the evidence: where both explain as much, the prior
   // of a component decides, and beside a discrepancy what both leave of it is no difference.
   const double own = evidence(best, found);
@@ -562,8 +576,6 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
     best = std::move(*other);
     return true;
   }
-  FoundCause& support = found.faults[fault];
-  support.gain = reduced.fit.chi_squared - best.fit.chi_squared;
   auto others = fitter_.extended(reduced, found.scales, thresholds::fault_rivals);
   // What the fault was may be bent into other parameters by then: also from where these are.
   for (CandidateModel& other :

@@ -9,6 +9,7 @@
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/estimate/thresholds.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/held_out.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
@@ -203,8 +204,10 @@ SearchResult search_component(const IdentificationProblem& force, const SearchSp
     return found;
   };
   SearchResult found = searched(false);
-  if (is_whole(force, found.best.fit)) return found;
+  if (is_whole(force, found.best.fit) || !may_begin(force, "laws of a component apart", found)) return found;
   SearchResult other = searched(true);
+  add_not_tried(found, other);
+  add_not_tried(other, found);
   const std::size_t simulations = found.simulations + other.simulations, tried = found.candidates + other.candidates;
   const double error = held_out_error(force, found.best.fit.hypothesis);
   if (held_out_error(force, other.best.fit.hypothesis) < thresholds::replaces_error * error) {
@@ -267,6 +270,7 @@ bool search_apart(IdentificationProblem& problem, const SearchSpace& space, cons
   SearchResult component = search_component(problem.of_channels({Channel::F}), moved, progress);
   found.simulations += component.simulations;
   found.candidates += component.candidates;
+  add_not_tried(component, found);
   const Hypothesis& both = component.best.fit.hypothesis;
   const double error = held_out_error(problem, found.best.fit.hypothesis);
   if (held_out_error(problem, both) >= thresholds::replaces_error * error) return false;

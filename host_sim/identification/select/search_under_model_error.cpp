@@ -6,6 +6,7 @@
 
 #include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -61,7 +62,9 @@ bool search_under_model_error(IdentificationProblem& problem, const SearchSpace&
   problem.allow_model_error(left);
   double to_beat = thresholds::replaces_error * left;
   bool replaced = false;
+  const StageBudget budget(problem);
   for (const bool sensors : {false, true}) {
+    if (sensors && !budget.allows(problem, "sensors under model error", found)) break;
     const SearchOptions options{criterion_under_model_error(sensors), false, progress};
     SearchResult again =
         search_part(problem, space, options, sensors ? to_beat : std::numeric_limits<double>::infinity());
@@ -69,6 +72,7 @@ bool search_under_model_error(IdentificationProblem& problem, const SearchSpace&
     again.simulations += found.simulations;
     again.candidates += found.candidates;
     again.remarks = found.remarks;
+    add_not_tried(found, again);
     if (error < to_beat) {
       found = std::move(again);
       replaced = true;
@@ -78,6 +82,7 @@ bool search_under_model_error(IdentificationProblem& problem, const SearchSpace&
     }
     found.simulations = again.simulations;
     found.candidates = again.candidates;
+    add_not_tried(again, found);
     if (sensors && error < thresholds::replaces_error * left) {
       found.remarks.push_back(sensor_remark(again, error, left));
     }

@@ -20,14 +20,6 @@
 namespace host_sim::identification {
 namespace {
 
-/// Whether more than noise is left, and less than `share` explained.
-bool leaves_more(const IdentificationProblem& problem, const SearchResult& found, double share) {
-  const auto count = static_cast<double>(found.best.fit.residual.size());
-  const double explained =
-      explained_share(found.nothing.fit.chi_squared / count, found.best.fit.chi_squared / count, count);
-  return explained < share && unexplained_residual(problem, found.best.fit.hypothesis).significant;
-}
-
 /// Whether χ² falls in one step, and not on the way to the size of an effect (thresholds::on_the_way): dry friction of
 /// 40 N turns in another sample, which is worth 200. Asked of effects that have one size.
 bool comes_in_a_step(const IdentificationProblem& problem, const Fit& best, const firmware::PlacedEffect& effect) {
@@ -85,12 +77,17 @@ void settle(IdentificationProblem& problem, const SearchSpace& space, const Sele
   leave_out_steps(problem, space, criterion, found);
 }
 
-/// Steps 1, 2 and 4. false: the search was stopped behind step 1, since it explains less than `worth_comparing`.
+/// Steps 1, 2 and 4. false: the search was stopped behind step 1, since it explains less than `worth_comparing` or has
+/// spent what it may.
 bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
                      const SelectionCriterion& criterion, double worth_comparing, SearchResult& found) {
   const SearchOptions options{criterion, true, progress};
+  const StageBudget budget(problem);
   found = search(problem, space, options);
-  if (worth_comparing > 0.0 && leaves_more(problem, found, worth_comparing)) return false;
+  if (worth_comparing > 0.0 && (leaves_more(problem, found.best, found.nothing, worth_comparing) ||
+                                !budget.allows(problem, "rivals of laws that could imitate others", found))) {
+    return false;
+  }
   compare(problem, space, options, found);
   compare_parameters(problem, space, progress, found);
   settle(problem, space, criterion, found);
@@ -105,10 +102,11 @@ bool parameters_explain_all(IdentificationProblem& problem, const SearchSpace& s
                             SearchResult& found) {
   IdentificationProblem other = problem;
   SearchResult off = found;
-  const bool better = parameters_instead(other, space, progress, off);
+  const bool better = parameters_instead(other, space, progress, off, true);
   if (!better || off.freed.empty() || !is_whole(other, off.best.fit)) {
     found.simulations = off.simulations;
     found.candidates = off.candidates;
+    add_not_tried(off, found);
     return false;
   }
   problem = std::move(other);
@@ -170,6 +168,13 @@ double explained_share(double refit_per_residual, double after_per_residual, dou
   return 1.0 - std::max(after_per_residual - 1.0, 0.0) / std::max(refit_per_residual - 1.0, 1.0 / count);
 }
 
+bool leaves_more(const IdentificationProblem& problem, const CandidateModel& model, const CandidateModel& nothing,
+                 double share) {
+  const auto count = static_cast<double>(model.fit.residual.size());
+  const double explained = explained_share(nothing.fit.chi_squared / count, model.fit.chi_squared / count, count);
+  return explained < share && unexplained_residual(problem, model.fit.hypothesis).significant;
+}
+
 double temper_of(const Fit& fit) {
   return std::max(1.0, fit.chi_squared / std::max(1.0, static_cast<double>(fit.residual.size())));
 }
@@ -191,13 +196,13 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
   const IdentificationProblem before = problem;
   const SearchOptions options{{}, true, progress};
   SearchResult found = search(problem, space, options);
-  bool far = leaves_more(problem, found, thresholds::explains_most);
+  bool far = leaves_more(problem, found.best, found.nothing, thresholds::explains_most);
   const std::size_t causes = found.best.effects.size() + found.best.faults().size();
   const bool off = far ? parameters_explain_all(problem, space, progress, found)
                        : causes >= thresholds::many_causes && parameters_instead(problem, space, progress, found);
   if (off) far = false;
   if (!far && !off) compare(problem, space, options, found);
-  if (far || leaves_more(problem, found, thresholds::explains_all)) {
+  if (far || leaves_more(problem, found.best, found.nothing, thresholds::explains_all)) {
     const bool replaced = may_begin(problem, "search under model error", found) &&
                           search_under_model_error(problem, space, progress, found);
     if (far && !replaced) compare(problem, space, options, found);
@@ -223,10 +228,12 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
   if (!compared || !takes_its_place(other, imitating, found, rest)) {
     found.simulations += imitating.simulations;
     found.candidates += imitating.candidates;
+    add_not_tried(imitating, found);
     return found;
   }
   imitating.simulations += found.simulations;
   imitating.candidates += found.candidates;
+  add_not_tried(found, imitating);
   problem = std::move(other);
   return imitating;
 }

@@ -29,6 +29,10 @@ namespace host_sim::identification {
 [[nodiscard]] SearchResult select_in_noise(IdentificationProblem& problem, const SearchSpace& space,
                                            const ProgressCallback& progress);
 
+/// Whether a model leaves more than noise, and explains less than `share` of what `nothing` leaves.
+[[nodiscard]] bool leaves_more(const IdentificationProblem& problem, const CandidateModel& model,
+                               const CandidateModel& nothing, double share);
+
 /// χ² per residual, at least 1: what odds are divided by where a model is not the whole.
 [[nodiscard]] double temper_of(const Fit& fit);
 /// Whether more than noise is left, or an effect is another one than its law says.

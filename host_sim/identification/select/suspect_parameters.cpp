@@ -7,7 +7,9 @@
 
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/estimate/unexplained_residual.hpp"
+#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/linear_refit.hpp"
+#include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/thresholds.hpp"
 
 namespace host_sim::identification {
@@ -341,11 +343,13 @@ std::vector<FoundCause> of_kept(const std::vector<FoundCause>& all, const std::v
 /// (4) of suspect_parameters.hpp: `found` becomes the better model.
 void exchange(IdentificationProblem& problem, const SearchSpace& space, SearchResult& found) {
   ParameterSearch search_for(problem, space);
+  const StageBudget budget(problem);
   Replacement now{{found.best, found.freed}, {}, {}};
   for (std::size_t i = 0; i < found.best.effects.size(); ++i) now.effects.push_back(i);
   for (std::size_t i = 0; i < found.best.faults().size(); ++i) now.faults.push_back(i);
-  while (tie_again(search_for, now) || free_beside(search_for, now) || replace_one(search_for, now) ||
-         replace_two(search_for, now)) {
+  while (budget.allows(problem, "some parameters in the place of effects", found) &&
+         (tie_again(search_for, now) || free_beside(search_for, now) || replace_one(search_for, now) ||
+          replace_two(search_for, now))) {
   }
   const SelectionCriterion& criterion = search_for.criterion();
   const double shift = now.model.penalised_chi_squared(criterion) - found.best.penalised_chi_squared(criterion);
@@ -419,7 +423,7 @@ struct BesideFreed {
 /// Effects beside freed parameters. nullopt: no better than effects alone.
 std::optional<BesideFreed> search_beside(IdentificationProblem& problem, const SearchSpace& space,
                                          const ParameterSearch& search_for, const ProgressCallback& progress,
-                                         const FreedModel& start, const SearchResult& found) {
+                                         const FreedModel& start, const SearchResult& found, bool whole) {
   const SelectionCriterion& criterion = search_for.criterion();
   SearchSpace space_of_freed = untied(space, start.freed);
   space_of_freed.given = start.model.fit.hypothesis;
@@ -435,6 +439,7 @@ std::optional<BesideFreed> search_beside(IdentificationProblem& problem, const S
   const double to_beat = effects_alone.penalised_chi_squared(criterion) - search_for.price(start.freed.size());
   // Leaving out its effects could save no more than their price.
   if (other.best.fit.chi_squared >= to_beat) return std::nullopt;
+  if (whole && leaves_more(problem, other.best, found.nothing, thresholds::explains_most)) return std::nullopt;
   compare(problem, space_of_freed, options, other);
   const double value = other.best.penalised_chi_squared(criterion);
   if (value >= to_beat ||
@@ -450,12 +455,14 @@ std::optional<BesideFreed> search_beside(IdentificationProblem& problem, const S
 /// the problem weights residuals for what is returned.
 std::optional<SearchResult> search_beside_each(IdentificationProblem& problem, const SearchSpace& space,
                                                const ParameterSearch& search_for, const ProgressCallback& progress,
-                                               const FreedInstead& instead, const SearchResult& found) {
+                                               const FreedInstead& instead, SearchResult& found, bool whole) {
   std::vector<FreedModel> starts = instead.singles;
   if (instead.best.freed.size() > 1) starts.push_back(instead.best);
   std::optional<BesideFreed> best;
+  const StageBudget budget(problem);
   for (const FreedModel& start : starts) {
-    std::optional<BesideFreed> other = search_beside(problem, space, search_for, progress, start, found);
+    if (!budget.allows(problem, "effects beside some parameters that may be off", found)) break;
+    std::optional<BesideFreed> other = search_beside(problem, space, search_for, progress, start, found, whole);
     if (other && (!best || other->advantage > best->advantage)) best = std::move(other);
   }
   problem.update_input_noise(best ? best->result.best.fit.hypothesis : found.best.fit.hypothesis);
@@ -465,7 +472,7 @@ std::optional<SearchResult> search_beside_each(IdentificationProblem& problem, c
 
 /// (1) to (3) of suspect_parameters.hpp. true: `found` has become the better model.
 bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
-                      SearchResult& found) {
+                      SearchResult& found, bool whole) {
   ParameterSearch search_for(problem, space);
   const SelectionCriterion& criterion = search_for.criterion();
   const bool clean = search_for.leaves_noise(found.best);
@@ -491,7 +498,7 @@ bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, 
     const double noise = static_cast<double>(instead.tied.fit.residual.size());
     const bool helps = tied - instead.best.model.fit.chi_squared > criterion.later_share * (tied - noise);
     if (clean || !helps) return false;
-    auto beside = search_beside_each(problem, space, search_for, progress, instead, found);
+    auto beside = search_beside_each(problem, space, search_for, progress, instead, found, whole);
     if (!beside) return false;
     other = std::move(*beside);
   }
@@ -501,6 +508,7 @@ bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, 
   other.nothing = std::move(found.nothing);
   other.simulations += found.simulations;
   other.candidates += found.candidates;
+  add_not_tried(found, other);
   found = std::move(other);
   return true;
 }
@@ -509,13 +517,13 @@ bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, 
 
 void compare_parameters(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
                         SearchResult& found) {
-  const bool replaced = parameters_first(problem, space, progress, found);
+  const bool replaced = parameters_first(problem, space, progress, found, false);
   if (replaced || !found.best.effects.empty() || !found.best.faults().empty()) exchange(problem, space, found);
 }
 
 bool parameters_instead(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
-                        SearchResult& found) {
-  if (!parameters_first(problem, space, progress, found)) return false;
+                        SearchResult& found, bool whole) {
+  if (!parameters_first(problem, space, progress, found, whole)) return false;
   exchange(problem, space, found);
   return true;
 }

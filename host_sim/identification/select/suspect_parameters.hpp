@@ -34,8 +34,9 @@ void compare_parameters(IdentificationProblem& problem, const SearchSpace& space
 
 /// The same of a search whose effects were not compared yet: (1) to (3), and (4) only where parameters are better. Many
 /// effects may be one parameter that is off, and comparing all of them is most of the work. false: `found` stays,
-/// effects alone are better; its residuals may be weighted anew.
+/// effects alone are better; its residuals may be weighted anew. `whole`: only parameters that explain everything are
+/// asked for, so what leaves more than comparing could make good (thresholds::explains_most) is not compared.
 [[nodiscard]] bool parameters_instead(IdentificationProblem& problem, const SearchSpace& space,
-                                      const ProgressCallback& progress, SearchResult& found);
+                                      const ProgressCallback& progress, SearchResult& found, bool whole = false);
 
 }  // namespace host_sim::identification
