@@ -49,7 +49,22 @@ struct Cell {
   std::uint64_t drawn = 1;
 };
 
-double sine(double t, double amplitude) { return amplitude * std::sin(two_pi * 1.3 * t); }
+double sine(double t, double amplitude, double frequency = 1.3) { return amplitude * std::sin(two_pi * frequency * t); }
+
+// Point. What the trip shows is the amplitude of F over that of x, whatever the phase between them: 0.05 of 31.5 kN/m, a
+// sixth of a cycle ahead at 30 Hz, where x and u are far from independent.
+TEST(ForceGuard, ShowsTheStiffnessThatItFinds) {
+  Cell cell(paper_rig(RigKind::component_bench));
+  const double w = two_pi * 30.0, sixth = two_pi / 6.0;
+  std::optional<Trip> trip;
+  for (int k = 0; k < 1000; ++k) {  // the second block: the first one begins with a jump
+    const auto now = cell.follow(9e-3 * std::sin(w * h * k), 0.05 * 31.5e3 * 9e-3 * std::sin(w * h * k + sixth));
+    if (now) trip = now;
+  }
+  ASSERT_TRUE(trip);
+  EXPECT_NEAR(trip->value, 0.05 * 31.5e3, 1.0);
+  EXPECT_NEAR(trip->limit, 0.1 * 31.5e3, 1e-9);
+}
 
 /// What a cell shows, and when it tears.
 struct Shown {
@@ -59,6 +74,8 @@ struct Shown {
   double noise = 3.0;         ///< peak [N]
   double hum = 0.0;           ///< at 50 Hz, of the cell that is torn [N]
   double kept = 0.0;          ///< gain that is left then
+  double offset = 0.0;        ///< of the cell [N]
+  double middle = 0.0;        ///< of the motion [m]
 };
 
 /// Seconds from the tear until the guard trips; 20: it does not within so long.
@@ -66,10 +83,11 @@ double noticed(const Parameters& rig, const Shown& shown, const firmware::Superv
                double period = h) {
   Cell cell(rig, supervision, period);
   for (int k = 0; period * k < 20.0; ++k) {
-    const double t = period * k, x = sine(t, shown.amplitude), force = shown.stiffness * x;
+    const double t = period * k, swing = sine(t, shown.amplitude), force = shown.stiffness * swing;
     const bool torn = t >= shown.torn;
-    const double cable = torn ? shown.hum * std::sin(two_pi * 50.0 * t) : 0.0;
-    if (const auto trip = cell.follow(x, (torn ? shown.kept : 1.0) * force + cable + cell.noise(shown.noise))) {
+    const double cable = shown.offset + (torn ? shown.hum * std::sin(two_pi * 50.0 * t) : 0.0);
+    const double seen = (torn ? shown.kept : 1.0) * force + cable + cell.noise(shown.noise);
+    if (const auto trip = cell.follow(shown.middle + swing, seen)) {
       EXPECT_EQ(trip->reason, Reason::innovation);
       EXPECT_EQ(trip->channel, Channel::F);
       EXPECT_LT(trip->value, trip->limit);
@@ -81,7 +99,7 @@ double noticed(const Parameters& rig, const Shown& shown, const firmware::Superv
 
 // Fault. A torn-off load cell, which no other guard sees, while the bench moves by ± 9 mm: within 1 s at whichever phase
 // it tears, at any sample rate, with springs and coupling (86.5 kN/m) before; with ± 3 N of noise, ± 50 N, and a hum of
-// 100 N. A gain that is lost but for a thirtieth is the same.
+// 100 N; with an offset of 5 kN, 0.1 m off the middle. A gain that is lost but for a thirtieth is the same.
 TEST(ForceGuard, NoticesATornOffCellWithinASecond) {
   const Parameters rig = paper_rig(RigKind::component_bench);
   for (const double period : {2e-3, 1e-3, 0.2e-3}) {
@@ -90,6 +108,7 @@ TEST(ForceGuard, NoticesATornOffCellWithinASecond) {
         for (const Shown& shown :
              {Shown{.stiffness = stiffness, .torn = torn}, Shown{.stiffness = stiffness, .torn = torn, .noise = 50.0},
               Shown{.stiffness = stiffness, .torn = torn, .hum = 100.0},
+              Shown{.stiffness = stiffness, .torn = torn, .offset = 5e3, .middle = 0.1},
               Shown{.stiffness = stiffness, .torn = torn, .kept = 1.0 / 30.0}}) {
           const double after = noticed(rig, shown, {}, period);
           EXPECT_GT(after, 0.45);  // a block, but for some periods
@@ -107,10 +126,12 @@ TEST(ForceGuard, LeavesASoundCellAlone) {
   for (const double period : {2e-3, 1e-3, 0.2e-3}) {
     EXPECT_EQ(noticed(rig, {.stiffness = 0.25 * 31.5e3}, {}, period), 20.0);
     EXPECT_EQ(noticed(rig, {.stiffness = 0.25 * 31.5e3, .noise = 50.0}, {}, period), 20.0);
+    EXPECT_EQ(noticed(rig, {.stiffness = 0.25 * 31.5e3, .offset = 5e3, .middle = 0.1}, {}, period), 20.0);
     Cell damper(rig, {}, period), mass(rig, {}, period);
     for (int k = 0; period * k < 20.0; ++k) {
-      const double t = period * k, x = sine(t, 9e-3), quarter_cycle_ahead = 9e-3 * std::cos(two_pi * 1.3 * t);
-      ASSERT_FALSE(damper.follow(x, 0.25 * 31.5e3 * quarter_cycle_ahead + damper.noise(3.0))) << period << " " << t;
+      const double t = period * k, x = sine(t, 9e-3, 4.0), quarter_cycle_ahead = 9e-3 * std::cos(two_pi * 4.0 * t);
+      ASSERT_FALSE(damper.follow(0.1 + x, 0.25 * 31.5e3 * quarter_cycle_ahead + damper.noise(3.0)))
+          << period << " " << t;
       ASSERT_FALSE(mass.follow(x, -0.25 * 31.5e3 * x + mass.noise(3.0))) << period << " " << t;
     }
   }
