@@ -59,7 +59,7 @@ std::optional<Trip> ForceGuard::follow(const SampleGuard& samples, hal::Time now
   const double answer = std::sqrt((of_x * of_x / motion + of_u * of_u / rest) / motion);  // (3)
   sums_ = {};
   if (!(moves && answer < least_)) return std::nullopt;  // (4)
-  return Trip{Reason::innovation, Channel::F, answer, least_, now};
+  return hazard_of(Reason::innovation, Channel::F, answer, least_, now);
 }
 
 }  // namespace firmware

@@ -62,7 +62,7 @@ std::optional<Trip> FrozenGuard::follow(const SampleGuard& samples, double expec
     const bool moved = positional ? watch.first.width() >= way_                                              // (1)
                                   : watch.first.width() >= speed_ && watch.second.width() >= acceleration_;  // (2)
     if (moved) {
-      hazard = Trip{Reason::sensor_frozen, channel, reading.value, time_, now};
+      hazard = hazard_of(Reason::sensor_frozen, channel, reading.value, time_, now);
     }
   }
   return hazard;
