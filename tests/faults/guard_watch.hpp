@@ -22,7 +22,7 @@ namespace faults {
 ///             less than 30 ms: window and three samples are 13
 ///   arming    nothing has moved by more than 1.5 `wander` in the 18 periods before it passes, the force has no noise beyond
 ///             `sway`; a probe does not pass with a wrong sign or gain
-///   force     of a bench or a hil rig, torn off for three half seconds of a run in each of which the drive moves by 3 mm
+///   force     of a bench or a hil rig, or of a quarter car with a Kalman filter, torn off for three half seconds of a run in each of which the drive moves by 3 mm
 ///             rms: the run has ended
 ///   loop      a hil rig with a force of the wrong sign is not driven beyond 60 mm
 class GuardWatch : public Watch {
@@ -139,7 +139,7 @@ class GuardWatch : public Watch {
 
   void look_at_torn_force(double place_now) {
     const bool torn =
-        scenario_.torn && scenario_.scene.parameters.kind != model::RigKind::quarter_car &&
+        scenario_.torn && (scenario_.filtered || scenario_.scene.parameters.kind != model::RigKind::quarter_car) &&
         journey_.rig.now().seconds() > h * static_cast<double>(scenario_.scene.deviations.force_torn_after) &&
         in_run(mode_);
     if (!torn) torn_ = lively_ = 0;

@@ -153,8 +153,9 @@ inline void Scenario::draw_of_a_run() {
   const hal::simulated::Window window{hal::milliseconds(300 + whole(2500)), for_good};
   const bool bench = scene.parameters.kind == model::RigKind::component_bench;
   const bool hil = scene.parameters.kind == model::RigKind::hil;
-  const int drawn = whole(hil || bench ? 6 : 5);  // the last one is the kind's own
-  const int what = drawn == 5 && bench ? 6 : drawn;
+  const int drawn = whole(6);  // the last one is the kind's own
+  const int what = drawn < 5 || hil ? drawn : bench ? 6 : 3;
+  filtered = what == 3 && !hil && !bench;
   scene.settings.supervision.following_memory = whole(2) == 0 ? 5.0 : 0.5;
   if (what == 0) {
     one = "a stuck drive";
@@ -175,7 +176,8 @@ inline void Scenario::draw_of_a_run() {
     channels.push_back(fault);
   } else if (what == 3) {
     torn = true;
-    scene.reference = rig_under_test::road(4500, real(1.0, 2.0));
+    const double least = filtered ? 2.0 : 1.0;
+    scene.reference = rig_under_test::road(4500, real(least, least + 1.0));
     scene.deviations.force_noise = 3.0;
     scene.deviations.force_torn_after = static_cast<std::uint64_t>(300 + whole(800));
     std::erase_if(requests, [](const Request& r) { return r.what == Request::What::stop; });

@@ -168,6 +168,7 @@ struct Scenario {
   bool offset = false;     ///< the force at rest is beyond `preload`
   bool wild = false;       ///< the reference goes beyond the limits
   bool torn = false;       ///< the load cell, at some sample
+  bool filtered = false;   ///< a quarter car with a Kalman filter
   bool deviates = false;   ///< the rig is not as described: signs, gains, noise, delay, something in its way
   std::optional<hal::simulated::Window> lossy;       ///< two samples of three are missing
   std::optional<hal::simulated::Window> often_late;  ///< one period in five begins 9 ms late
