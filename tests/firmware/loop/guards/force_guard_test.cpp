@@ -179,11 +179,12 @@ TEST(ForceGuard, ExpectsWhatIsDescribed) {
   EXPECT_EQ(noticed(rig, gone, off), 20.0);
 }
 
-/// Why a run of a hil or bench rig ended at a sample rate: F tears off 2.1 s after its start, or never.
+/// Why a run of a hil or bench rig ended at a sample rate: F tears off 2.1 s after its start, or never; then it lasts a
+/// minute.
 Trip end_of_run(RigKind kind, double period, bool tears, bool guarded) {
   Scene scene(kind);
   scene.settings.period = hal::seconds(period);
-  const auto samples = static_cast<std::size_t>(10.0 / period + 0.5);
+  const auto samples = static_cast<std::size_t>((tears ? 10.0 : 60.0) / period + 0.5);
   scene.reference = road(samples, 3.0, 0.0, period);
   if (tears) scene.deviations.force_torn_after = static_cast<std::uint64_t>(2.1 / period + 0.5);
   scene.deviations.force_noise = 3.0;
@@ -197,7 +198,7 @@ Trip end_of_run(RigKind kind, double period, bool tears, bool guarded) {
 
 // Fault. In the loop, at three sample rates: F tears off 2.1 s after the start of a run. Its force of a moment ago no
 // longer moves the car; the run ends within 1 s by F, and the rig returns to rest. Without the guard nobody notices, and a
-// sound run goes to its end.
+// sound minute goes to its end.
 TEST(ForceGuard, EndsTheRunOfATornOffCell) {
   for (const RigKind kind : {RigKind::hil, RigKind::component_bench}) {
     for (const double period : {2e-3, 1e-3, 0.2e-3}) {
