@@ -53,9 +53,7 @@ const Command* find_command(std::string_view word) {
 }
 
 /// Without the carriage return that some clients send, and blanks at the end.
-std::string_view without_blank_end(std::string_view line) {
-  return line.substr(0, line.find_last_not_of(" \t\r") + 1);
-}
+std::string_view without_blank_end(std::string_view line) { return line.substr(0, line.find_last_not_of(" \t\r") + 1); }
 
 std::string_view first_word(std::string_view line) { return line.substr(0, line.find(' ')); }
 

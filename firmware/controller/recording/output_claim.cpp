@@ -115,7 +115,9 @@ std::string claim_trouble(const std::string& file, int error) {
 
 bool is_name_of_part(const std::string& name, const std::string& file) {
   const fs::path whole(file), part(name);
-  const auto folder = [](const fs::path& path) { return path.parent_path().empty() ? fs::path(".") : path.parent_path(); };
+  const auto folder = [](const fs::path& path) {
+    return path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  };
   std::error_code error;
   if (!fs::equivalent(folder(part), folder(whole), error)) return false;
   const std::string stem = whole.stem().string() + "-", extension = whole.extension().string();
