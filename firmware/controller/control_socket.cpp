@@ -52,6 +52,9 @@ const Command* find_command(std::string_view word) {
   return found == commands.end() ? nullptr : found;
 }
 
+/// Without the carriage return that some clients send, and blanks at the end.
+std::string_view without_blank_end(std::string_view line) { return line.substr(0, line.find_last_not_of(" \t\r") + 1); }
+
 std::string_view first_word(std::string_view line) { return line.substr(0, line.find(' ')); }
 
 /// Without the instance that a line begins with.
@@ -128,6 +131,9 @@ bool is_command(std::string_view word) { return find_command(word) != nullptr; }
 
 ControlSocket::~ControlSocket() {
   for (const Client& client : clients_) ::close(client.socket);
+}
+
+ListeningSocket::~ListeningSocket() {
   if (socket_ < 0) return;
   const FolderLock lock(path_);
   struct stat there {};
@@ -136,7 +142,7 @@ ControlSocket::~ControlSocket() {
   ::close(socket_);
 }
 
-std::string ControlSocket::listen(const std::string& path) {
+std::string ListeningSocket::listen(const std::string& path) {
   if (!fits_address(path)) return path + ": the name of a socket has at most 107 bytes";
   const FolderLock lock(path);
   if (std::string trouble = clear_place(path); !trouble.empty()) return trouble;
@@ -162,7 +168,7 @@ std::string ControlSocket::listen(const std::string& path) {
 }
 
 void ControlSocket::serve() {
-  if (socket_ < 0) return;
+  if (listening_.number() < 0) return;
   for (Client& client : clients_) receive(client);  // a stop of theirs first
   accept_all();
   for (Client& client : clients_) serve(client);
@@ -177,7 +183,7 @@ void ControlSocket::serve() {
 void ControlSocket::accept_all() {
   for (int i = 0; i < waiting_connections; ++i) {
     Client client;
-    client.socket = ::accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    client.socket = ::accept4(listening_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (client.socket < 0) return;
     ucred peer{};
     socklen_t size = sizeof peer;
@@ -222,7 +228,7 @@ void ControlSocket::receive(Client& client) {
        end = client.received.find('\n', client.looked_at)) {
     const std::string_view line = std::string_view(client.received).substr(client.looked_at, end - client.looked_at);
     client.looked_at = end + 1;
-    if (without_instance(line) != "stop") continue;
+    if (without_instance(without_blank_end(line)) != "stop") continue;
     parts_.loop.stop();
     ++client.stops_taken;
   }
@@ -257,8 +263,10 @@ void ControlSocket::serve(Client& client) {
 }
 
 void ControlSocket::take(Client& client, std::string line) {
+  line.resize(without_blank_end(line).size());
   std::string instance;
-  if (line.starts_with('@')) {
+  const bool for_one = line.starts_with('@');
+  if (for_one) {
     instance = std::string(first_word(line)).substr(1);
     line = std::string(without_instance(line));
   }
@@ -271,7 +279,7 @@ void ControlSocket::take(Client& client, std::string line) {
     --client.stops_taken;
     client.trouble.clear();
     parts_.recording.mark("operator: stop");
-  } else if (!instance.empty() && instance != parts_.instance) {
+  } else if (for_one && instance != parts_.instance) {
     client.trouble = word + " is for the program " + in_quotes(instance) + ", this is " + parts_.instance;
   } else {
     client.trouble = ask(word, blank == std::string::npos ? std::string() : line.substr(blank + 1));
@@ -400,7 +408,13 @@ int ask_controller(const std::string& path, const std::string& line) {
     std::fprintf(stderr, "rig_controller: unknown command %s, see rig_controller --help\n", in_quotes(line).c_str());
     return 2;
   }
-  const int connection = fits_address(path) ? connect_to(path) : -1;
+  const std::int64_t until = now_ns() + clients_patience_ms * 1'000'000;
+  int connection = fits_address(path) ? connect_to(path) : -1;
+  // So many wait at once that the kernel keeps no more: they are taken up every 10 ms.
+  while (connection < 0 && errno == EAGAIN && now_ns() < until) {
+    ::usleep(1000);
+    connection = connect_to(path);
+  }
   if (connection < 0 && errno == EAGAIN) {
     std::fprintf(stderr, "rig_controller: %s: no answer: the program there takes no connection\n", path.c_str());
     return 6;
@@ -413,7 +427,6 @@ int ask_controller(const std::string& path, const std::string& line) {
   std::string reply;
   bool open = ::send(connection, request.data(), request.size(), MSG_NOSIGNAL | MSG_DONTWAIT) ==
               static_cast<ssize_t>(request.size());
-  const std::int64_t until = now_ns() + clients_patience_ms * 1'000'000;
   while (open && reply.find('\n') == std::string::npos) {
     pollfd readable{connection, POLLIN, 0};
     const std::int64_t left = (until - now_ns()) / 1'000'000;

@@ -32,6 +32,26 @@ struct LoopProgress {
 
 inline constexpr std::string_view usual_socket = "/run/rigtwin/control.sock";
 
+/// A Unix domain socket under a name of its own. Nobody is answered yet: who connects waits for a ControlSocket.
+class ListeningSocket {
+ public:
+  ListeningSocket() = default;
+  ListeningSocket(const ListeningSocket&) = delete;
+  ListeningSocket& operator=(const ListeningSocket&) = delete;
+  ~ListeningSocket();  ///< Removes its file, if that is still its own.
+
+  /// What is wrong, in one line; empty: it listens. A socket that nobody answers is replaced, nothing else is.
+  [[nodiscard]] std::string listen(const std::string& path);
+
+  [[nodiscard]] int number() const { return socket_; }  ///< −1: it does not listen
+
+ private:
+  int socket_ = -1;
+  std::string path_;
+  ino_t inode_ = 0;  ///< of the socket's file
+  dev_t device_ = 0;
+};
+
 /// Listens on a Unix domain socket for lines such as "start" or "level 0.8" and answers each with one line of JSON:
 /// the state after the request. Never a network port. Who may connect is said by the file: mode 0660, group rig.
 ///
@@ -55,13 +75,10 @@ class ControlSocket {
     std::function<std::string()> refusals;       ///< all checks that the last arming has failed, in words
     std::function<std::string()> rest_refusals;  ///< why the last `rest` was not taken, in words
   };
-  explicit ControlSocket(const Parts& parts) : parts_(parts) {}
+  ControlSocket(const Parts& parts, const ListeningSocket& listening) : parts_(parts), listening_(listening) {}
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
   ~ControlSocket();
-
-  /// What is wrong, in one line; empty: it listens. A socket that nobody answers is replaced, nothing else is.
-  [[nodiscard]] std::string listen(const std::string& path);
 
   void serve();
 
@@ -91,10 +108,7 @@ class ControlSocket {
   [[nodiscard]] std::string answer(const Client& client) const;
 
   Parts parts_;
-  int socket_ = -1;
-  std::string path_;
-  ino_t inode_ = 0;  ///< of the socket's file
-  dev_t device_ = 0;
+  const ListeningSocket& listening_;
   std::vector<Client> clients_;
 };
 

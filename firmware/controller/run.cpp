@@ -163,6 +163,9 @@ std::string refuse_outputs(const Options& options, const RigDescription& rig) {
     return trouble;
   }
   if (leads_to_one_of(options.histogram, {options.out})) return "--histogram and --out lead to one file, expected two";
+  if (is_name_of_part(options.histogram, options.out)) {
+    return options.histogram + ": is the name of a part of --out " + options.out + ", expected another name";
+  }
   static_cast<void>(OutputFile(options.histogram));
   return {};
 }

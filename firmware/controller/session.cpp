@@ -119,19 +119,18 @@ Status Session::run() {
     find_phase();
     if (!keeps_allowed_delay()) return Status::unfit_input;
   }
+  // What may be refused comes before the recording: a run that is refused empties no earlier one.
+  if (!open_socket() || !open_datagrams()) return Status::refused;
   if (!open_recording()) return Status::cannot_write;
-  if (!open_publisher(others)) return Status::refused;
+  if (datagrams_) publish_to(others);
   recording_ =
       std::make_unique<RecordingThread>(others, journal_, *recorder_, *spans_, rig_.hardware.schedule.allowed_delay,
                                         tap_.get(), [this] { return refusals_text(loop_.refusals(), rig_); });
   socket_ = std::make_unique<ControlSocket>(
       ControlSocket::Parts{loop_, *recording_, progress_, road_.highest_level(), publisher_.get(), instance_,
                            [this] { return refusals_text(loop_.refusals(), rig_); },
-                           [this] { return refusals_text(loop_.rest_refusals(), rig_); }});
-  if (!open_socket()) {
-    static_cast<void>(recording_->finish(disk_patience));
-    return Status::refused;
-  }
+                           [this] { return refusals_text(loop_.rest_refusals(), rig_); }},
+      listening_);
   supervisor_ = std::make_unique<Supervisor>(
       others, Supervisor::Parts{loop_, journal_, *recording_, progress_, *socket_, longest_return_});
   if (road_.highest_level() < ReferencePlayer::highest_level) {
@@ -202,7 +201,7 @@ bool Session::open_recording() {
                     rights_, "instance " + instance_};
   for (const auto& [name, sentence] : rig_.waivers) setup.comments.push_back("WAIVER " + name + ": " + sentence);
   setup.overwrite = options_.overwrite;
-  setup.inputs = files_read(options_, rig_);
+  setup.inputs = inputs_ = files_read(options_, rig_);
   setup.several_runs = lead_->goes_on(0);
   setup.rows_per_part = rows_per_part(options_.part_minutes, rig_.sample_rate);
   setup.cycle_samples = road_.cycle_samples();
@@ -216,14 +215,16 @@ bool Session::open_recording() {
   return false;
 }
 
-bool Session::open_publisher(const cpu_set_t& cpus) {
+bool Session::open_datagrams() {
   if (options_.publish.empty()) return true;
   std::string trouble;
   datagrams_ = std::make_unique<DatagramSocket>(parse_host_port("--publish", options_.publish), trouble);
-  if (!trouble.empty()) {
-    std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
-    return false;
-  }
+  if (trouble.empty()) return true;
+  std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+  return false;
+}
+
+void Session::publish_to(const cpu_set_t& cpus) {
   tap_ = std::make_unique<LiveTap>(options_.publish_every);
   writer_ = std::make_unique<DatagramWriter>(rig_, roles_.sensors.setup(), options_.simulated, tap_->every(), *spans_,
                                              instance_);
@@ -233,12 +234,11 @@ bool Session::open_publisher(const cpu_set_t& cpus) {
   publisher_ = std::make_unique<Publisher>(cpus, *tap_, *writer_, *datagrams_, rig_.sample_rate);
   std::printf("publishing to %s, one period of %llu, as %s\n", options_.publish.c_str(),
               static_cast<unsigned long long>(tap_->every()), instance_.c_str());
-  return true;
 }
 
 bool Session::open_socket() {
   if (!operated_ && options_.socket.empty()) return true;
-  const std::string trouble = socket_->listen(socket_path(options_.socket, rig_.hardware.schedule.socket));
+  const std::string trouble = listening_.listen(socket_path(options_.socket, rig_.hardware.schedule.socket));
   if (trouble.empty()) return true;
   std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
   return false;
@@ -338,14 +338,7 @@ Status Session::finish() {
     why = "the disk stalls: the end of the recording is not written";
     status = Status::cannot_write;
   }
-  if (!options_.histogram.empty()) {
-    try {
-      write_file(options_.histogram, as_cyclictest(*spans_));
-    } catch (const OutputError& error) {
-      std::fprintf(stderr, "rig_controller: %s\n", error.what());
-      if (status == Status::done) status = Status::cannot_write;
-    }
-  }
+  if (!write_histogram() && status == Status::done) status = Status::cannot_write;
   if (written) recorder_->end(why);
   if (publisher_) publisher_->say_end(why);
   std::printf("rig_controller: ended by %s; valves safe, command %s, %llu rows in %s\n", why.c_str(),
@@ -359,6 +352,19 @@ Status Session::finish() {
     ::_exit(static_cast<int>(status));
   }
   return status;
+}
+
+/// A file that has come under this name since the start stays.
+bool Session::write_histogram() const {
+  if (options_.histogram.empty()) return true;
+  std::string trouble = output_objection(options_.histogram, options_.overwrite, inputs_);
+  try {
+    if (trouble.empty()) write_file(options_.histogram, as_cyclictest(*spans_));
+  } catch (const OutputError& error) {
+    trouble = error.what();
+  }
+  if (!trouble.empty()) std::fprintf(stderr, "rig_controller: %s\n", trouble.c_str());
+  return trouble.empty();
 }
 
 void Session::print_counters() const {

@@ -67,7 +67,8 @@ class Session {
   void find_phase();
   [[nodiscard]] bool keeps_allowed_delay();
   [[nodiscard]] bool open_recording();
-  [[nodiscard]] bool open_publisher(const cpu_set_t& cpus);
+  [[nodiscard]] bool open_datagrams();
+  void publish_to(const cpu_set_t& cpus);
   void drive();
   [[nodiscard]] bool open_socket();
   [[nodiscard]] bool is_over(hal::Time seen);
@@ -75,6 +76,7 @@ class Session {
   [[nodiscard]] hal::Time await_period();
   void wait_for_recording() const;
   [[nodiscard]] Status finish();
+  [[nodiscard]] bool write_histogram() const;
   void print_counters() const;
   [[nodiscard]] Status verdict_of_run(std::string& why) const;
   [[nodiscard]] std::uint64_t lost() const { return recorder_->lost() + journal_.lost(); }
@@ -112,6 +114,8 @@ class Session {
   hal::Time safe_since_ = hal::never;
   std::optional<Trip> first_fault_;  ///< of the session; each run has its own
   hal::Time woken_{};                ///< of this period
+  std::vector<std::string> inputs_;  ///< files that the run reads
+  ListeningSocket listening_;
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<LiveTap> tap_;  ///< none: nothing is published, as for the next three
   std::unique_ptr<DatagramWriter> writer_;

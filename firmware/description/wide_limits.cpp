@@ -34,7 +34,7 @@ constexpr std::array usual_settings{
     Usual{"supervision", "following_memory", 0.0, 2.0},
     Usual{"supervision", "following_share", 0.0, 0.2},
     Usual{"supervision", "speed_window", 0.0, 0.04},
-    Usual{"supervision", "frozen_samples", 1.0, 2000.0},  // 0: no channel is watched
+    Usual{"supervision", "frozen_time", 0.001, 0.8},  // 0: no channel is watched
     Usual{"supervision", "frozen_way", 0.0, 0.01},
     Usual{"supervision", "frozen_speed", 0.0, 0.2},
     Usual{"supervision", "frozen_acceleration", 0.0, 2.0},

@@ -59,7 +59,7 @@ ControlLoop::ControlLoop(const Settings& settings, const model::RigParameters<do
       power_(rig.drive_enable, settings.supervision, period_,
              kind_ == model::RigKind::quarter_car ? Channel::z_r : Channel::x_act, rig.high_pressure),
       motion_guard_(settings.limits, settings.supervision, parameters, period_, settings.highest_low_speed()),
-      frozen_guard_(settings.supervision, parameters),
+      frozen_guard_(settings.supervision, parameters, period_),
       force_guard_(settings.supervision, parameters, period_),
       lateness_guard_(settings.limits, settings.supervision, settings.period),
       area_control_(parameters),

@@ -58,7 +58,14 @@ bool connect_to(int socket, const std::string& path) {
   }
   address.sun_family = AF_UNIX;
   std::copy(path.begin(), path.end(), address.sun_path);
-  return ::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  // EAGAIN: so many wait at once that the kernel keeps no more. They are taken up every 10 ms.
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point until = Clock::now() + answer_patience;
+  while (::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    if (errno != EAGAIN || Clock::now() >= until) return false;
+    ::usleep(1000);
+  }
+  return true;
 }
 
 /// The first line that comes; empty: none came in time.

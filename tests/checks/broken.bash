@@ -1,6 +1,6 @@
 #!/bin/bash
-# broken.bash [SCENARIOS] -- by hand: breaks each safety function of tests/faults/broken/functions.txt in a copy of the control loop, and fails
-# where the loop's tests notice less than 95 % of them, or the fault campaign (300 scenarios) less than 70 %, or where either finds something
+# broken.bash [SCENARIOS] -- by hand: breaks each safety function of tests/faults/broken/functions.txt in a copy of the control loop and its
+# description, and fails where their tests notice less than 95 % of them, or the fault campaign (300 scenarios) less than 70 %, or where either finds something
 # wrong with the sound loop. Its figures are in tests/golden/broken_functions.txt.
 . "$(dirname "$0")/common.bash"
 need perl g++
@@ -14,7 +14,8 @@ mapfile -t names < <(perl tests/faults/broken/instrument.pl tests/faults/broken/
 builds=$(realpath "$builds")
 compiler=(g++)
 if command -v ccache >/dev/null; then compiler=(ccache g++); fi
-flags=(-std=c++20 -O1 -w -ffp-contract=off -DEIGEN_DONT_VECTORIZE -isystem "$builds/host/third_party/eigen_headers" -I.)
+flags=(-std=c++20 -O1 -w -ffp-contract=off -DEIGEN_DONT_VECTORIZE -isystem "$builds/host/third_party/eigen_headers" -I. "-I$builds/host/generated"
+  "-DRIGTWIN_SOURCE_DIR=\"$PWD\"")
 # unit NAME FILE… -- one text of several sources.
 unit() {
   printf '#include "%s"\n' "${@:2}" >"$folder/$1.cpp"
@@ -25,14 +26,18 @@ mapfile -t units < <(
   unit loop firmware/loop/*.cpp firmware/loop/*/*.cpp hal/sensor_source.cpp hal/simulated/*.cpp hal/replay/*.cpp
   unit model model/*/*.cpp
   unit heap tests/support/without_heap.cpp
+  for inner in . laws table text values; do
+    unit "description_${inner/./whole}" "firmware/description/$inner"/*.cpp
+  done
   unit campaign tests/faults/broken/main.cpp
   unit tests tests/faults/broken/tests_main.cpp
   for inner in tests/firmware/loop tests/firmware/loop/{common,compensation,guards,reference}; do
     unit "tests_$(basename "$inner")" "${inner%/}"/*_test.cpp
-  done)
+  done
+  unit tests_description tests/firmware/description/{rig_description,wide_limits,loop_proof}_test.cpp)
 printf '%s\n' "${units[@]}" | xargs -P2 -I{} "${compiler[@]}" "${flags[@]}" -c {}.cpp -o {}.o
 g++ campaign.o loop.o model.o -lgtest -lpthread -o campaign
-g++ tests.o tests_*.o heap.o loop.o model.o -lgmock -lgtest -lpthread -o broken_tests
+g++ tests.o tests_*.o description_*.o heap.o loop.o model.o -lgmock -lgtest -lpthread -o broken_tests
 cd - >/dev/null
 
 # by_tests NUMBER NAME -- "NAME TEST": the first test that fails, or "not noticed".

@@ -4,11 +4,16 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <string>
 
+#include "firmware/loop/kalman/steady_gains.hpp"
+#include "firmware/loop/semi_active.hpp"
 #include "tests/faults/guard_watch.hpp"
 #include "tests/faults/plant_watch.hpp"
 #include "tests/faults/scenario.hpp"
+#include "tests/firmware/loop/kalman/linear_car.hpp"
 
 namespace faults {
 
@@ -21,7 +26,9 @@ class Trial {
         journey_(scenario_.scene),
         loop_(journey_.loop),
         plant_(scenario_, journey_),
-        guards_(scenario_, journey_) {}
+        guards_(scenario_, journey_) {
+    if (scenario_.filtered) attach_filter();
+  }
 
   [[nodiscard]] std::string play() {
     std::size_t next = 0;
@@ -54,6 +61,19 @@ class Trial {
   // ms.
   static constexpr double braking_time = 0.035 + 2.0 * 0.020 + 0.005;                            // [s]
   static constexpr double reach = rig_under_test::half_stroke + 0.7 * 0.7 / 40.0 + 0.7 * 0.020;  // [m]
+
+  void attach_filter() {
+    firmware::KalmanSettings settings;
+    for (const auto channel : {model::Channel::z_r, model::Channel::dz_w, model::Channel::dz_b, model::Channel::zdd_b,
+                               model::Channel::zdd_w, model::Channel::F_w}) {
+      settings.noise[model::index(channel)] = support::LinearCar::noise(channel);
+    }
+    equations_.emplace(settings, scenario_.scene.parameters);
+    gains_ = std::make_unique<firmware::SteadyGains>(*equations_, h);
+    companion_ = std::make_unique<firmware::SemiActive>(*equations_, *gains_, firmware::DuctPolicySettings{}, h,
+                                                        scenario_.scene.settings.supervision);
+    loop_.attach(*companion_);
+  }
 
   void ask(const Request& request) {
     using What = Request::What;
@@ -148,6 +168,9 @@ class Trial {
   Scenario scenario_;
   Journey journey_;
   firmware::ControlLoop& loop_;
+  std::optional<firmware::EstimatorEquations> equations_;  ///< as the two below: of a quarter car with a filter
+  std::unique_ptr<firmware::SteadyGains> gains_;
+  std::unique_ptr<firmware::SemiActive> companion_;
   PlantWatch plant_;
   GuardWatch guards_;
   std::string violated_;

@@ -153,8 +153,9 @@ inline void Scenario::draw_of_a_run() {
   const hal::simulated::Window window{hal::milliseconds(300 + whole(2500)), for_good};
   const bool bench = scene.parameters.kind == model::RigKind::component_bench;
   const bool hil = scene.parameters.kind == model::RigKind::hil;
-  const int drawn = whole(hil || bench ? 5 : 4);  // the last one is the kind's own
-  const int what = drawn == 4 && bench ? 5 : drawn;
+  const int drawn = whole(6);  // the last one is the kind's own
+  const int what = drawn < 5 || hil ? drawn : bench ? 6 : 3;
+  filtered = what == 3 && !hil && !bench;
   scene.settings.supervision.following_memory = whole(2) == 0 ? 5.0 : 0.5;
   if (what == 0) {
     one = "a stuck drive";
@@ -175,11 +176,24 @@ inline void Scenario::draw_of_a_run() {
     channels.push_back(fault);
   } else if (what == 3) {
     torn = true;
-    scene.reference = rig_under_test::road(4500, real(1.0, 2.0));
+    const double least = filtered ? 2.0 : 1.0;
+    scene.reference = rig_under_test::road(4500, real(least, least + 1.0));
     scene.deviations.force_noise = 3.0;
     scene.deviations.force_torn_after = static_cast<std::uint64_t>(300 + whole(800));
     std::erase_if(requests, [](const Request& r) { return r.what == Request::What::stop; });
   } else if (what == 4) {
+    one = "a sensor that misses two samples of three";
+    constexpr int often = 60;
+    hal::simulated::ChannelFault fault;
+    fault.kind = hal::simulated::ChannelFault::Kind::drop;
+    fault.channel = draw_fitted();
+    for (int i = 0; i < often; ++i) {
+      const hal::Time from = window.from + hal::milliseconds(3 * i);
+      fault.window = {from, from + hal::milliseconds(2)};
+      channels.push_back(fault);
+    }
+    lossy = {window.from, window.from + hal::milliseconds(3 * often)};
+  } else if (what == 5) {
     deviates = true;
     one = "a loop that drives the car";
     scene.deviations.force_sign = -1.0;
@@ -223,7 +237,16 @@ inline void Scenario::draw_of_the_reference() {
 /// Nobody watched for a while.
 inline void Scenario::draw_of_time() {
   const hal::Time at = hal::milliseconds(300 + whole(2500));
-  if (whole(2) == 0) {
+  const int what = whole(3);
+  if (what == 2) {
+    one = "one period in five is late";
+    constexpr int often = 40, apart = 13;  // [ms] 9 of a late one, and four that are punctual
+    for (int i = 0; i < often; ++i) {
+      const hal::Time from = at + hal::milliseconds(apart * i);
+      late.push_back({{from, from + rig_under_test::ms}, hal::milliseconds(9)});
+    }
+    often_late = {at, at + hal::milliseconds(apart * often)};
+  } else if (what == 0) {
     one = "a period that is late";
     late.push_back({{at, at + rig_under_test::ms}, hal::microseconds(13'000 + whole(7000))});
   } else {

@@ -98,6 +98,8 @@ class PlantWatch : public Watch {
       const bool late = f.kind == ChannelFault::Kind::delay && f.delay_samples > 6 && f.probability >= 1.0;
       if (late) all.push_back({"late samples", f.window, 5});
     }
+    if (s.lossy) all.push_back({"two bad samples of three", *s.lossy, 15});
+    if (s.often_late) all.push_back({"one late period in five", *s.often_late, 40});
     for (const auto& f : s.devices) {
       const int patience = f.fault == hal::Fault::timeout ? 4 : 1;
       if (f.device == Device::sensors) all.push_back({"sensors", f.window, patience});

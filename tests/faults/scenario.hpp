@@ -168,8 +168,11 @@ struct Scenario {
   bool offset = false;     ///< the force at rest is beyond `preload`
   bool wild = false;       ///< the reference goes beyond the limits
   bool torn = false;       ///< the load cell, at some sample
+  bool filtered = false;   ///< a quarter car with a Kalman filter
   bool deviates = false;   ///< the rig is not as described: signs, gains, noise, delay, something in its way
-  std::string one;         ///< the one thing that goes wrong, in words; empty: drawn by the others
+  std::optional<hal::simulated::Window> lossy;       ///< two samples of three are missing
+  std::optional<hal::simulated::Window> often_late;  ///< one period in five begins 9 ms late
+  std::string one;  ///< the one thing that goes wrong, in words; empty: drawn by the others
   std::vector<Request> requests;
 
   static constexpr int periods = 6000;

@@ -40,6 +40,8 @@ using firmware::controller::Status;
 using hal::simulated::ChannelFault;
 using hal::simulated::DeviceFault;
 
+constexpr std::size_t interlocks = 2;
+
 /// The faults of a session, drawn from a seed.
 class Faults {
  public:
@@ -50,9 +52,19 @@ class Faults {
     for (int i = 0; i < count; ++i) draw();
   }
   [[nodiscard]] hal::simulated::FaultPlan plan(std::uint64_t seed) const {
-    return {channels_, devices_, presses_, {}, {}, late_, seed};
+    return {.channels = channels_,
+            .devices = devices_,
+            .presses = presses_,
+            .open_interlocks = open_interlocks_,
+            .read_back_errors = read_back_errors_,
+            .late_wakes = late_,
+            .seed = seed,
+            .stuck_enables = stuck_enables_};
   }
-  [[nodiscard]] bool none() const { return channels_.empty() && devices_.empty() && presses_.empty() && late_.empty(); }
+  [[nodiscard]] bool none() const {
+    return channels_.empty() && devices_.empty() && presses_.empty() && late_.empty() && open_interlocks_.empty() &&
+           read_back_errors_.empty() && stuck_enables_.empty();
+  }
 
  private:
   std::uint64_t whole(std::uint64_t below) { return generator_() % below; }
@@ -61,7 +73,7 @@ class Faults {
     return {from, from + hal::milliseconds(std::array{1, 5, 50, 500, 100'000}[whole(5)])};
   }
   void draw() {
-    const std::uint64_t kind = whole(6);
+    const std::uint64_t kind = whole(8);
     if (kind < 2) {
       std::vector<std::size_t> fitted;
       for (std::size_t i = 0; i < sensors_.size(); ++i) {
@@ -78,7 +90,14 @@ class Faults {
                           std::array{hal::Fault::timeout, hal::Fault::disconnected, hal::Fault::refused}[whole(3)],
                           window()});
     } else if (kind < 5) {
-      presses_.push_back({window()});
+      const hal::simulated::Window pressed = window();
+      presses_.push_back({pressed, static_cast<hal::simulated::Press::Contacts>(whole(3))});
+    } else if (kind == 6) {
+      open_interlocks_.push_back({whole(interlocks), window()});
+    } else if (kind == 7) {
+      const double offset = 1e-3 * static_cast<double>(whole(61)) - 0.03;
+      whole(2) == 0 ? read_back_errors_.push_back({offset, window()})
+                    : stuck_enables_.push_back({whole(2) == 0, window()});
     } else {
       late_.push_back({window(), hal::microseconds(static_cast<std::int64_t>(100 + whole(20'000)))});
     }
@@ -91,6 +110,9 @@ class Faults {
   std::vector<DeviceFault> devices_;
   std::vector<hal::simulated::Press> presses_;
   std::vector<hal::simulated::LateWake> late_;
+  std::vector<hal::simulated::OpenInterlock> open_interlocks_;
+  std::vector<hal::simulated::ReadBackError> read_back_errors_;
+  std::vector<hal::simulated::StuckEnable> stuck_enables_;
 };
 
 class FaultyDevices final : public firmware::controller::Devices {
@@ -105,6 +127,8 @@ class FaultyDevices final : public firmware::controller::Devices {
   static hal::simulated::Construction construction(const firmware::RigDescription& rig) {
     hal::simulated::Construction c = firmware::simulated_construction(rig);
     c.watchdog = hal::milliseconds(20);
+    c.interlocks = interlocks;
+    c.enable_feedback = true;
     return c;
   }
   firmware::SimulatedRig plant_;

@@ -79,12 +79,16 @@ ClaimedFile claim_file(const std::string& file, bool overwrite, const std::vecto
   if (there == Present::link) return {-1, ELOOP};
   if (there == Present::file && !overwrite) return {-1, EEXIST};
   int flags = O_WRONLY | O_CLOEXEC | O_NOCTTY;
-  if (there != Present::other) flags |= O_NOFOLLOW;
+  // Nobody may read a pipe: that is refused, not waited for.
+  flags |= there == Present::other ? O_NONBLOCK : O_NOFOLLOW;
   if (there == Present::nothing) flags |= O_CREAT | O_EXCL;
   const int descriptor = ::open(file.c_str(), flags, 0666);
   if (descriptor < 0) return {-1, errno};
   struct stat opened {};
-  if (::fstat(descriptor, &opened) != 0 || !S_ISREG(opened.st_mode)) return {descriptor, 0};
+  if (::fstat(descriptor, &opened) != 0 || !S_ISREG(opened.st_mode)) {
+    const bool waits = ::fcntl(descriptor, F_SETFL, ::fcntl(descriptor, F_GETFL) & ~O_NONBLOCK) == 0;
+    return waits ? ClaimedFile{descriptor, 0} : failed(descriptor, errno);
+  }
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return failed(descriptor, EWOULDBLOCK);
   // A file that this run reads may have come under this name meanwhile.
   if (there == Present::file && leads_to_one_of(file, inputs)) return failed(descriptor, ETXTBSY);
@@ -100,6 +104,8 @@ std::string claim_trouble(const std::string& file, int error) {
       return file + ": is a link, expected the name of the file itself";
     case EWOULDBLOCK:
       return file + ": another program writes it, expected another name";
+    case ENXIO:
+      return file + ": is a pipe that nobody reads, expected a reader before the run";
     case ETXTBSY:
       return file + ": is read by this run, expected another name for what it writes";
     default:
@@ -107,20 +113,29 @@ std::string claim_trouble(const std::string& file, int error) {
   }
 }
 
-std::vector<std::string> present_parts(const std::string& file) {
-  const fs::path whole(file);
+bool is_name_of_part(const std::string& name, const std::string& file) {
+  const fs::path whole(file), part(name);
+  const auto folder = [](const fs::path& path) {
+    return path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  };
+  std::error_code error;
+  if (!fs::equivalent(folder(part), folder(whole), error)) return false;
   const std::string stem = whole.stem().string() + "-", extension = whole.extension().string();
-  const fs::path folder = whole.parent_path().empty() ? fs::path(".") : whole.parent_path();
+  const std::string last = part.filename().string();
+  if (last.size() < stem.size() + 4 + extension.size() || !last.starts_with(stem) || !last.ends_with(extension)) {
+    return false;
+  }
+  const std::string number = last.substr(stem.size(), last.size() - stem.size() - extension.size());
+  return std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+std::vector<std::string> present_parts(const std::string& file) {
+  const fs::path folder = fs::path(file).parent_path();
   std::vector<std::string> parts;
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.size() < stem.size() + 4 + extension.size() || !name.starts_with(stem) || !name.ends_with(extension)) {
-      continue;
-    }
-    const std::string number = name.substr(stem.size(), name.size() - stem.size() - extension.size());
-    const bool digits = std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
-    if (digits) parts.push_back((whole.parent_path() / name).string());
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error)) {
+    const std::string name = (folder / entry.path().filename()).string();
+    if (is_name_of_part(name, file)) parts.push_back(name);
   }
   std::sort(parts.begin(), parts.end());
   return parts;

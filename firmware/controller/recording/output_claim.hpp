@@ -24,7 +24,7 @@ namespace firmware::controller {
 struct ClaimedFile {
   int descriptor = -1;  ///< opened and locked for this program (flock)
   int error = 0;        ///< else errno: EEXIST it exists, ELOOP it is a link, EWOULDBLOCK another program writes it,
-                        ///< ETXTBSY the run reads it, …
+                        ///< ETXTBSY the run reads it, ENXIO nobody reads the pipe, …
 };
 
 /// Opens a file to write it. One that exists is taken only with `overwrite`, and emptied only once it is locked. Links
@@ -33,6 +33,9 @@ struct ClaimedFile {
 
 /// The fault of an output in words, by its errno.
 [[nodiscard]] std::string claim_trouble(const std::string& file, int error);
+
+/// True: a recording of that name may give it to one of its parts (run-0002.csv of run.csv).
+[[nodiscard]] bool is_name_of_part(const std::string& name, const std::string& file);
 
 /// Parts of an earlier recording of that name which exist: run-0002.csv for run.csv.
 [[nodiscard]] std::vector<std::string> present_parts(const std::string& file);

@@ -1,5 +1,6 @@
 #include "firmware/controller/recording/recorder.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -85,12 +86,13 @@ bool Recorder::open_part() {
   ClaimedFile next{-1, EEXIST};
   std::uint64_t number = number_;
   const bool first = file_ < 0;
-  const auto taken = [](int error) {
-    return error == EEXIST || error == EWOULDBLOCK || error == ELOOP || error == ETXTBSY;
-  };
-  for (std::uint64_t tries = 0; next.descriptor < 0 && tries < most_tries && taken(next.error); ++tries) {
-    next = claim_file(part_name(setup_.file, ++number), setup_.overwrite, setup_.inputs);
-    if (first) break;
+  for (std::uint64_t tries = 0; next.descriptor < 0 && tries < most_tries; ++tries) {
+    const std::string name = part_name(setup_.file, ++number);
+    next = claim_file(name, setup_.overwrite, setup_.inputs);
+    // What cannot be written and is not there, as on a full disk, is no reason for another name.
+    std::error_code none;
+    const bool taken = std::filesystem::exists(std::filesystem::symlink_status(name, none));
+    if (first || !taken) break;
   }
   if (next.descriptor < 0) {
     error_ = next.error;
@@ -105,7 +107,11 @@ bool Recorder::open_part() {
     if (file_ != first_) ::close(file_);
   }
   file_ = next.descriptor;
-  if (first) first_ = file_;
+  struct stat opened {};
+  if (first) {
+    first_ = file_;
+    has_parts_ = ::fstat(file_, &opened) == 0 && S_ISREG(opened.st_mode);
+  }
   number_ = number;
   begin_part();
   return true;
@@ -203,8 +209,9 @@ void Recorder::take(const Record& record) {
     return;
   }
   const bool full = setup_.rows_per_part > 0 && part_rows_ >= setup_.rows_per_part;
-  if (begins && has_run_) begin_ = hal::never;
-  if ((full || (begins && has_run_)) && !open_part()) {
+  const bool another_run = begins && has_run_;
+  if (has_parts_ && another_run) begin_ = hal::never;
+  if (has_parts_ && (full || another_run) && !open_part()) {
     ++lost_;
     return;
   }

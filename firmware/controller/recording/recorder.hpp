@@ -89,6 +89,7 @@ class Recorder {
   std::string description_;  ///< as comments
   int file_ = -1;
   int first_ = -1;            ///< the first part, which stays locked: so the name of the whole recording is
+  bool has_parts_ = false;    ///< a pipe or a device has one
   std::uint64_t number_ = 0;  ///< of the part that is written
   std::string buffer_;
   std::uint64_t collected_ = 0;  ///< rows in the buffer

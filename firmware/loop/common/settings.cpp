@@ -23,7 +23,9 @@ std::string_view check_motion(const Limits& limits, const Supervision& supervisi
   }
   if (!not_negative(supervision.following_time)) return "supervision.following_time: expected a time of at least 0 s";
   if (!positive(supervision.speed_window)) return "supervision.speed_window: expected a time above 0 s";
-  if (supervision.frozen_samples < 0) return "supervision.frozen_samples: expected at least 0 samples";
+  if (!(supervision.frozen_time >= 0.0 && supervision.frozen_time <= 3600.0)) {
+    return "supervision.frozen_time: expected 0 to 3600 s";
+  }
   if (!positive_or_never(supervision.frozen_way)) return "supervision.frozen_way: expected a distance above 0 m";
   if (!positive_or_never(supervision.frozen_speed)) return "supervision.frozen_speed: expected a speed above 0 m/s";
   if (!positive_or_never(supervision.frozen_acceleration)) {

@@ -61,7 +61,7 @@ struct Supervision {
   double following_memory = 0.5;     ///< the mean square of a following error is taken over so long [s]
   double following_share = 0.05;     ///< … and may have so much of the way from the middle
   double speed_window = 0.010;       ///< the measured speed is a difference over so long [s]
-  int frozen_samples = 200;          ///< a value that stays the same for so many samples may be frozen; 0: none is
+  double frozen_time = 0.2;          ///< a value that stays the same for so long may be frozen [s]; 0: none is
   double frozen_way = 2e-3;          ///< … and is, if the machine has moved so far meanwhile [m]
   double frozen_speed = 0.05;        ///< … or the foot point's speed has changed so much [m/s]
   double frozen_acceleration = 0.5;  ///< … and its acceleration so much [m/s²]

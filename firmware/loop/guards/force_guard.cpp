@@ -23,35 +23,43 @@ double plausible_stiffness(const model::RigParameters<double>& rig) {
 
 ForceGuard::ForceGuard(const Supervision& supervision, const model::RigParameters<double>& rig, double period)
     : least_(supervision.force_share * plausible_stiffness(rig)),
-      stiffness_(plausible_stiffness(rig)),
       way_(supervision.force_way * supervision.force_way),
-      mean_share_(period < 2.0 * memory ? period / (2.0 * memory) : 1.0),
-      share_(period < memory ? period / memory : 1.0) {}
+      lag_share_(period / (lag + period)),
+      block_(memory / period) {}
 
-void ForceGuard::start() { started_ = false; }
+void ForceGuard::start() {
+  started_ = false;
+  sums_ = {};
+}
 
 std::optional<Trip> ForceGuard::follow(const SampleGuard& samples, hal::Time now) {
   using model::Channel;
-  if (least_ <= 0.0 || !samples.good(Channel::F) || !samples.good(Channel::x_act)) return std::nullopt;
+  if (!samples.good(Channel::F) || !samples.good(Channel::x_act)) return std::nullopt;
   const double x = samples.value(Channel::x_act), f = samples.value(Channel::F);
-  if (!started_) {
-    started_ = true;
-    position_ = x;
-    force_ = f;
-    positions_ = forces_ = 0.0;
-  }
-  position_ += mean_share_ * (x - position_);  // (1)
-  force_ += mean_share_ * (f - force_);
-  const double dx = x - position_, df = f - force_;
-  positions_ += share_ * (dx * dx - positions_);  // (2)
-  forces_ += share_ * (df * df - forces_);
-  const double least = least_ * least_ * positions_;
-  if (positions_ <= way_ || forces_ >= least) return std::nullopt;  // (3)
-  return Trip{Reason::innovation, Channel::F, std::sqrt(forces_), std::sqrt(least), now};
-}
-
-double ForceGuard::share() const {
-  return positions_ > 0.0 && stiffness_ > 0.0 ? std::sqrt(forces_ / positions_) / stiffness_ : 0.0;
+  if (!started_) lagged_ = x;
+  started_ = true;
+  lagged_ += lag_share_ * (x - lagged_);  // (1)
+  const double u = x - lagged_;
+  Sums& s = sums_;
+  s.n += 1.0;  // (2)
+  s.x += x;
+  s.u += u;
+  s.f += f;
+  s.xx += x * x;
+  s.xu += x * u;
+  s.xf += x * f;
+  s.uu += u * u;
+  s.uf += u * f;
+  if (s.n < block_) return std::nullopt;
+  const double mean_x = s.x / s.n, mean_u = s.u / s.n;
+  const double motion = s.xx - mean_x * s.x, xu = s.xu - mean_x * s.u, by_x = xu / motion;
+  const double of_x = s.xf - mean_x * s.f, of_u = s.uf - mean_u * s.f - by_x * of_x;
+  const double rest = s.uu - mean_u * s.u - by_x * xu;
+  const bool moves = motion > s.n * way_;
+  const double answer = std::sqrt((of_x * of_x / motion + of_u * of_u / rest) / motion);  // (3)
+  sums_ = {};
+  if (!(moves && answer < least_)) return std::nullopt;  // (4)
+  return hazard_of(Reason::innovation, Channel::F, answer, least_, now);
 }
 
 }  // namespace firmware

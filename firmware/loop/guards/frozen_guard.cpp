@@ -7,12 +7,13 @@ namespace firmware {
 
 using model::Channel;
 
-FrozenGuard::FrozenGuard(const Supervision& supervision, const model::RigParameters<double>& rig)
-    : samples_(supervision.frozen_samples),
+FrozenGuard::FrozenGuard(const Supervision& supervision, const model::RigParameters<double>& rig, double period)
+    : time_(supervision.frozen_time),
+      samples_(static_cast<std::int32_t>(supervision.frozen_time / period)),
       way_(static_cast<float>(supervision.frozen_way)),
       speed_(static_cast<float>(supervision.frozen_speed)),
       acceleration_(static_cast<float>(supervision.frozen_acceleration)) {
-  if (samples_ == 0) return;
+  if (time_ <= 0.0) return;
   model::SuspensionComponent<double> component{};
   rig.effects.act_on(component);
   way_ += static_cast<float>(component.free_play);
@@ -61,7 +62,7 @@ std::optional<Trip> FrozenGuard::follow(const SampleGuard& samples, double expec
     const bool moved = positional ? watch.first.width() >= way_                                              // (1)
                                   : watch.first.width() >= speed_ && watch.second.width() >= acceleration_;  // (2)
     if (moved) {
-      hazard = Trip{Reason::sensor_frozen, channel, reading.value, static_cast<double>(samples_), now};
+      hazard = hazard_of(Reason::sensor_frozen, channel, reading.value, time_, now);
     }
   }
   return hazard;

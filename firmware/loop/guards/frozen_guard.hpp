@@ -19,7 +19,7 @@ namespace firmware {
 ///   (2)  channels of a          max v − min v ≥ frozen_speed and              v, a: velocity and acceleration of
 ///        quarter car            max a − min a ≥ frozen_acceleration           the foot point's command
 ///
-/// and at least frozen_samples samples. A rig at rest moves by nothing, so a quantised sensor at rest never trips. In
+/// and at least frozen_time, whatever the sample rate. A rig at rest moves by nothing, so a quantised sensor at rest never trips. In
 /// (2) both must have changed: a slow and wide motion deflects neither tyre nor suspension by a count, and a fast and
 /// small one does not reach the body. At 1 Hz and up 0.05 m/s and 0.5 m/s² are 15 counts and more of each sensor of the
 /// paper's rig; below, 0.5 m/s² are 0.8 mm of the tyre, 50 counts.
@@ -29,7 +29,7 @@ namespace firmware {
 /// adds to the way.
 class FrozenGuard {
  public:
-  FrozenGuard(const Supervision& supervision, const model::RigParameters<double>& rig);
+  FrozenGuard(const Supervision& supervision, const model::RigParameters<double>& rig, double period);
 
   /// Every channel may have stood still until now.
   void start();
@@ -60,7 +60,8 @@ class FrozenGuard {
 
   [[nodiscard]] static bool by_position(model::Channel channel);
 
-  std::int32_t samples_;
+  double time_;           ///< frozen_time [s]; 0: nothing is watched
+  std::int32_t samples_;  ///< as many periods
   float way_;
   float speed_;
   float acceleration_;

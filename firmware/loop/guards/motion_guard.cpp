@@ -103,9 +103,9 @@ std::optional<Trip> MotionGuard::judge(double position, hal::Time now) {
   if (calm_ <= settled) ++calm_;
   const double highest = slow_ && calm_ > settled ? low_speed_ : highest_speed_;
   fast_ = absolute(speed_) > highest ? fast_ + 1 : 0;
-  if (far_ >= confirmations_) return Trip{Reason::measured_stroke, channel_, position, half_stroke_, now};
-  if (fast_ >= confirmations_) return Trip{Reason::measured_speed, channel_, speed_, highest, now};
-  if (away_ > following_steps_) return Trip{Reason::following_error, channel_, error_, following_, now};
+  if (far_ >= confirmations_) return hazard_of(Reason::measured_stroke, channel_, position, half_stroke_, now);
+  if (fast_ >= confirmations_) return hazard_of(Reason::measured_speed, channel_, speed_, highest, now);
+  if (away_ > following_steps_) return hazard_of(Reason::following_error, channel_, error_, following_, now);
   if (following_least_ <= 0.0) return std::nullopt;
   const double allowed = following_least_ + following_delay_ * absolute(reached_.velocity) +
                          following_share_ * absolute(reached_.position);  // (4)
@@ -113,7 +113,7 @@ std::optional<Trip> MotionGuard::judge(double position, hal::Time now) {
   mean_error_ += memory_ * (moved * moved - mean_error_);  // (5)
   mean_allowed_ += memory_ * (allowed * allowed - mean_allowed_);
   if (mean_error_ > mean_allowed_) {
-    return Trip{Reason::following_error, channel_, std::sqrt(mean_error_), std::sqrt(mean_allowed_), now};
+    return hazard_of(Reason::following_error, channel_, std::sqrt(mean_error_), std::sqrt(mean_allowed_), now);
   }
   return std::nullopt;
 }

@@ -74,7 +74,7 @@ std::optional<Trip> SampleGuard::beyond_limit(Channel channel, hal::Time now) co
   if (!fitted(channel)) return std::nullopt;
   const double force = value(channel), size = force < 0.0 ? -force : force;
   if (size <= force_limit_) return std::nullopt;
-  return Trip{Reason::force, channel, force, force_limit_, now};
+  return hazard_of(Reason::force, channel, force, force_limit_, now);
 }
 
 Trip SampleGuard::bad_sample(std::size_t channel, hal::Time now) const {

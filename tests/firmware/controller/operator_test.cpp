@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -58,7 +59,8 @@ std::vector<std::string> rows_of(const std::string& file) {
 /// A client that says what it is told and hears what comes.
 class Client {
  public:
-  explicit Client(const std::string& path) : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  explicit Client(const std::string& path, int flags = 0)
+      : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | flags, 0)) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::copy(path.begin(), path.end(), address.sun_path);
@@ -160,6 +162,7 @@ TEST_F(Waiting, RefusesWhatItWouldNotDo) {
   EXPECT_THAT(client.ask("hold now"), AllOf(HasSubstr("\"ok\": false"), HasSubstr("hold takes nothing behind it")));
   EXPECT_THAT(client.ask("state x y"), HasSubstr("\"ok\": false"));
   EXPECT_THAT(client.ask("stop it"), HasSubstr("\"ok\": false"));
+  EXPECT_THAT(client.ask("@ arm"), HasSubstr("arm is for the program '', this is ")) << "a page that knows no instance";
   EXPECT_THAT(client.ask("state"), HasSubstr("\"state\": \"idle\""));
   EXPECT_THAT(client.ask("@another.1@machine arm"),
               AllOf(HasSubstr("\"ok\": false"), HasSubstr("arm is for the program 'another.1@machine', this is ")));
@@ -167,6 +170,7 @@ TEST_F(Waiting, RefusesWhatItWouldNotDo) {
   const std::size_t at = state.find("\"instance\": \"") + 13;
   const std::string instance = state.substr(at, state.find('"', at) - at);
   EXPECT_THAT(client.ask("@" + instance + " arm"), HasSubstr("\"ok\": true"));
+  EXPECT_THAT(client.ask("stop \r"), HasSubstr("\"ok\": true, \"command\": \"stop\"")) << "as terminals send it";
   ::kill(program.id(), SIGTERM);
   EXPECT_EQ(program.wait().status, 0);
 }
@@ -242,6 +246,41 @@ TEST_F(Waiting, ReplacesNoFileByItsSocket) {
   EXPECT_EQ(ended.status, 6);
   EXPECT_THAT(ended.errors, HasSubstr("hil.toml: is a file and no socket"));
   EXPECT_EQ(TemporaryFolder::read(rig), before);
+}
+
+// Fault. A run that was refused its socket had emptied the earlier recording that it was to replace.
+TEST_F(Waiting, EmptiesNoRecordingOfARunThatIsRefused) {
+  const std::string rig = hil(), file = folder.write("file", "of yesterday\n");
+  const std::string before = TemporaryFolder::read(folder.write("run.csv", "t\n0\n"));
+  const Ended ended =
+      run({"--rig", rig, "--simulated", "--no-realtime", "--wait", "--socket", file, "--out", out, "--overwrite"});
+  EXPECT_EQ(ended.status, 6);
+  EXPECT_EQ(TemporaryFolder::read(out), before);
+  fs::remove(out);
+  EXPECT_EQ(run({"--rig", rig, "--simulated", "--no-realtime", "--wait", "--socket", file, "--out", out}).status, 6);
+  EXPECT_FALSE(fs::exists(out));
+}
+
+// Fault. More clients at once than the kernel keeps waiting: a client gave up at once, with its stop.
+TEST_F(Waiting, HearsAStopBehindMoreClientsThanMayWait) {
+  GuardedProgram program = controller(hil());
+  ASSERT_TRUE(listens());
+  ::kill(program.id(), SIGSTOP);
+  std::vector<Client> crowd;
+  for (bool room = true; room && crowd.size() < 1000;) {
+    crowd.emplace_back(socket, SOCK_NONBLOCK);
+    room = crowd.back().connected();
+  }
+  ASSERT_FALSE(crowd.back().connected());
+  const TemporaryFolder more_streams;
+  support::RunningProgram stop(more_streams, {"--socket", socket, "stop"}, {}, RIG_CONTROLLER_PROGRAM);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it has found no place; sooner is no failure
+  ::kill(program.id(), SIGCONT);
+  const Ended stopped = stop.wait();
+  EXPECT_EQ(stopped.status, 0) << stopped.errors;
+  EXPECT_THAT(stopped.output, HasSubstr("\"ok\": true, \"command\": \"stop\""));
+  ::kill(program.id(), SIGTERM);
+  EXPECT_EQ(program.wait().status, 0);
 }
 
 // A run that tripped stays on record as such when its operator goes on: the reason with its numbers in its own part, a
@@ -340,6 +379,39 @@ TEST(Outputs, ClaimTheNamesOfPartsAtTheStart) {
   EXPECT_FALSE(fs::exists(out));
   EXPECT_EQ(TemporaryFolder::read(second), "of yesterday\n");
   EXPECT_EQ(short_run(rig, {"--out", out}).status, 0) << "without parts the name is free";
+}
+
+// Fault. Nobody reads a pipe: the program waited for a reader, and no signal ended it.
+TEST(Outputs, WaitForNoReader) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const Ended ended = short_run(rig_file("paper_hil_fdva"), {"--out", pipe});
+  EXPECT_EQ(ended.status, 4);
+  EXPECT_THAT(ended.errors, HasSubstr("pipe: is a pipe that nobody reads, expected a reader before the run"));
+}
+
+// Fault. The histogram of a run replaced the second part of its own recording.
+TEST(Outputs, TakeNoNameOfAPart) {
+  const TemporaryFolder folder;
+  const Ended ended = short_run(rig_file("paper_hil_fdva"), {"--out", folder / "run.csv", "--part-minutes", "0.01",
+                                                             "--histogram", folder / "./run-0002.csv"});
+  EXPECT_EQ(ended.status, 4);
+  EXPECT_THAT(ended.errors, HasSubstr("run-0002.csv: is the name of a part of --out "));
+  EXPECT_FALSE(fs::exists(folder / "run.csv"));
+}
+
+// A name that no part can have is passed over, and what is no file has no parts: /dev/null-0002 was one.
+TEST(Outputs, PassOverWhatIsNoFile) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "run-0002.csv");
+  const std::string rig = rig_file("paper_hil_fdva");
+  EXPECT_EQ(short_run(rig, {"--out", folder / "run.csv", "--overwrite", "--part-minutes", "0.01"}).status, 0);
+  EXPECT_TRUE(fs::exists(folder / "run-0003.csv"));
+  const std::string device = folder / "device";
+  fs::create_symlink("/dev/null", device);
+  EXPECT_EQ(short_run(rig, {"--out", device, "--part-minutes", "0.01"}).status, 0);
+  EXPECT_FALSE(fs::exists(folder / "device-0002"));
 }
 
 // Parts as short as two periods roll over; shorter ones are refused.

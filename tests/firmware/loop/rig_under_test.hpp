@@ -80,10 +80,10 @@ class ModelPlant final : public hal::simulated::Plant {
   using Model = model::RigModel<double>;
 
   ModelPlant(const Parameters& parameters, double rest, const Deviations& deviations = {},
-             const Obstacle& obstacle = {})
+             const Obstacle& obstacle = {}, double period = h)
       : deviations_(deviations),
         obstacle_(obstacle),
-        model_(parameters, h,
+        model_(parameters, period,
                parameters.kind == model::RigKind::hil ? model::ModelledPart::test_machine
                                                       : model::ModelledPart::whole_rig),
         state_(parameters.kind == model::RigKind::quarter_car ? model_.start(rest) : model_.start(0.0, rest)) {}
@@ -137,10 +137,10 @@ class ModelPlant final : public hal::simulated::Plant {
 
 /// A road that begins at rest and without a jump of its acceleration: Σ a_i (1 − cos ω_i t)², 0.8 and 6.5 Hz and twice
 /// that, `samples` long.
-inline std::vector<Motion> road(std::size_t samples, double scale = 1.0, double begin = 0.0) {
+inline std::vector<Motion> road(std::size_t samples, double scale = 1.0, double begin = 0.0, double period = h) {
   std::vector<Motion> motions;
   for (std::size_t k = 0; k < samples; ++k) {
-    const double t = h * static_cast<double>(k);
+    const double t = period * static_cast<double>(k);
     Motion m{begin, 0.0, 0.0};
     for (const auto& [amplitude, f] : {std::pair{2e-3, 0.8}, std::pair{0.2e-3, 6.5}}) {
       const double a = scale * amplitude, w = two_pi * f;
@@ -196,7 +196,8 @@ class Journey {
  public:
   explicit Journey(const Scene& s)
       : scene(s),
-        plant(scene.parameters, scene.drive_at.value_or(scene.settings.ramps.rest), scene.deviations, scene.obstacle),
+        plant(scene.parameters, scene.drive_at.value_or(scene.settings.ramps.rest), scene.deviations, scene.obstacle,
+              scene.settings.period.seconds()),
         rig(plant, construction(scene), scene.faults),
         reference(scene.reference),
         storage(scene.journal),

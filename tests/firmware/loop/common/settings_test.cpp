@@ -78,7 +78,7 @@ TEST(Settings, SayWhichKeyIsWrong) {
       {"limits.measured_speed", [](Settings& s) { s.limits.measured_speed = 0.69; }},
       {"supervision.following_time", [](Settings& s) { s.supervision.following_time = -1.0; }},
       {"supervision.speed_window", [](Settings& s) { s.supervision.speed_window = 0.0; }},
-      {"supervision.frozen_samples", [](Settings& s) { s.supervision.frozen_samples = -1; }},
+      {"supervision.frozen_time", [](Settings& s) { s.supervision.frozen_time = -1.0; }},
       {"supervision.frozen_way", [](Settings& s) { s.supervision.frozen_way = nan; }},
       {"supervision.frozen_speed", [](Settings& s) { s.supervision.frozen_speed = 0.0; }},
       {"supervision.frozen_acceleration", [](Settings& s) { s.supervision.frozen_acceleration = -1.0; }},

@@ -23,8 +23,9 @@ using firmware::Trip;
 using model::RigKind;
 
 struct Watched {
-  Watched(const Parameters& rig, const std::vector<Channel>& channels, const Supervision& supervision = Supervision{})
-      : sensors(fitted(channels)), samples(Limits{}, ms, sensors), guard(supervision, rig) {}
+  Watched(const Parameters& rig, const std::vector<Channel>& channels, const Supervision& supervision = Supervision{},
+          double period = h)
+      : sensors(fitted(channels)), samples(Limits{}, hal::seconds(period), sensors), guard(supervision, rig, period) {}
 
   static hal::SensorSetup fitted(const std::vector<Channel>& channels) {
     hal::SensorSetup setup;
@@ -63,8 +64,19 @@ TEST(FrozenGuard, TripsOnAForceThatNeverChanges) {
     EXPECT_EQ(hazard->reason, Reason::sensor_frozen);
     EXPECT_EQ(hazard->channel, Channel::F);
     EXPECT_EQ(hazard->value, stuck);
-    EXPECT_EQ(hazard->limit, 200.0);
+    EXPECT_EQ(hazard->limit, 0.2);
     EXPECT_EQ(k, 201) << "the first sample, and 200 that are the same";
+  }
+}
+
+// Law. A frozen sensor is found after the same time at every sample rate: here x_act of a drive that moves at 1 Hz.
+TEST(FrozenGuard, JudgesByTime) {
+  for (const double period : {2e-3, 1e-3, 0.2e-3}) {
+    Watched watched(paper_rig(RigKind::hil), {Channel::x_act}, {}, period);
+    std::optional<Trip> hazard;
+    double t = 0.0;
+    for (int k = 0; t < 2.0 && !hazard; ++k) hazard = watched.show(0.0, sine(t = period * k, 10e-3, 1.0));
+    EXPECT_NEAR(t, 0.2, 1e-9) << period;
   }
 }
 
@@ -165,7 +177,7 @@ TEST(FrozenGuard, KnowsWhatMayStandStill) {
   EXPECT_FALSE(trips(rig, Channel::F, 20e-3)) << "dry friction alone would be constant";
 
   Supervision off;
-  off.frozen_samples = 0;
+  off.frozen_time = 0.0;
   Watched watched(paper_rig(RigKind::hil), {Channel::F}, off);
   for (int k = 0; k < 1000; ++k) EXPECT_FALSE(watched.show(0.0, sine(h * k, 20e-3, 2.0)));
 }

@@ -29,13 +29,14 @@ const std::vector<Channel> every{Channel::z_r,   Channel::dz_w,  Channel::dz_b,
 /// A car on its road, its filter and the guard behind it.
 struct Watched {
   explicit Watched(std::uint64_t seed, double false_alarms = 1e-2, const firmware::Supervision& supervision = {},
-                   const std::vector<Channel>& channels = every)
+                   const std::vector<Channel>& channels = every, double period = LinearCar::period)
       : equations(settings_of(channels, false_alarms), LinearCar::rig()),
-        filter(equations, *std::make_unique<firmware::SteadyGains>(equations, 1e-3), 1e-3),
-        guard(supervision, equations, 1e-3),
+        filter(equations, *std::make_unique<firmware::SteadyGains>(equations, period), period),
+        guard(supervision, equations, period),
         used(channels),
-        car(seed),
-        normal(seed + 1) {}
+        car(seed, period),
+        normal(seed + 1),
+        step_time(hal::seconds(period)) {}
 
   static firmware::KalmanSettings settings_of(const std::vector<Channel>& channels, double false_alarms) {
     firmware::KalmanSettings settings = LinearCar::settings(channels);
@@ -46,7 +47,7 @@ struct Watched {
   template <class Disturb>
   std::optional<Trip> step(const Disturb& disturb) {
     car.step();
-    now = now + hal::milliseconds(1);
+    now = now + step_time;
     hal::Frame frame;
     for (const Channel channel : used) {
       const std::optional<double> value = disturb(channel, car.reading(channel));
@@ -62,6 +63,7 @@ struct Watched {
   std::vector<Channel> used;
   support::DrivenCar car;
   support::Normal normal;
+  hal::Time step_time;
   hal::Time now{};
 };
 
@@ -90,6 +92,37 @@ TEST(InnovationGuard, NoticesASensorThatIsTornOff) {
       EXPECT_GT(trip->value, trip->limit);
       EXPECT_GT(k, after);
       EXPECT_LT(k, after + 1000) << model::name(torn);
+    }
+  }
+}
+
+// Law. At any sample rate: a torn-off F_w, a dz_b whose gain is lost but for a tenth, a body's accelerometer that shows
+// nothing are noticed within a second; a sound minute ends by nothing.
+TEST(InnovationGuard, JudgesByTime) {
+  for (const double period : {2e-3, 1e-3, 0.2e-3}) {
+    const auto samples = [&](double time) { return static_cast<int>(time / period + 0.5); };
+    for (const Channel lost : {Channel::F_w, Channel::dz_b, Channel::zdd_b}) {
+      for (const int after : {samples(5.0), samples(5.25)}) {
+        Watched rig(static_cast<std::uint64_t>(after), 1e-2, {}, every, period);
+        std::optional<Trip> trip;
+        int k = 0;
+        while (!trip && k < after + samples(4.0)) {
+          ++k;
+          trip = rig.step([&](Channel channel, double value) {
+            const double shown = channel == Channel::F_w ? 3.0 * rig.normal() : 0.1 * value;
+            return std::optional(channel == lost && k > after ? shown : value);
+          });
+        }
+        ASSERT_TRUE(trip) << model::name(lost) << " " << period;
+        EXPECT_EQ(trip->channel, lost) << model::name(*trip->channel) << " " << period;
+        EXPECT_GT(k, after);
+        EXPECT_LT(k, after + samples(1.0)) << model::name(lost) << " " << period;
+      }
+    }
+    Watched sound(11, 1e-2, {}, every, period);
+    for (int k = 0; k < samples(60.0); ++k) {
+      const auto trip = sound.step([&](Channel, double value) { return std::optional(value); });
+      ASSERT_FALSE(trip) << period << ": " << model::name(*trip->channel) << " at " << k;
     }
   }
 }

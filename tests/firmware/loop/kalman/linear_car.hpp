@@ -25,7 +25,8 @@ struct LinearCar {
   using Vector = Eigen::Matrix<double, 5, 1>;
   using Matrix = Eigen::Matrix<double, 5, 5>;
 
-  LinearCar() {
+  /// `step`: between two samples [s].
+  explicit LinearCar(double step = period) {
     const double corner = 2.0 * std::numbers::pi * cut_off;
     const double gain = 2.0 * std::numbers::pi * 0.1 * std::sqrt(64e-6 * 27.78);
     a << 0, 1, 0, 0, 0,                                                                            //
@@ -36,9 +37,9 @@ struct LinearCar {
     b << 0, 0, 0, b_t * gain / m_w, gain;
     // Van Loan: exp([−A BBᵀ/2; 0 Aᵀ] h) holds Φ and Q.
     Eigen::Matrix<double, 10, 10> joint = Eigen::Matrix<double, 10, 10>::Zero();
-    joint.topLeftCorner<5, 5>() = -a * period;
-    joint.topRightCorner<5, 5>() = 0.5 * b * b.transpose() * period;
-    joint.bottomRightCorner<5, 5>() = a.transpose() * period;
+    joint.topLeftCorner<5, 5>() = -a * step;
+    joint.topRightCorner<5, 5>() = 0.5 * b * b.transpose() * step;
+    joint.bottomRightCorner<5, 5>() = a.transpose() * step;
     const Eigen::Matrix<double, 10, 10> e = joint.exp();
     phi = e.bottomRightCorner<5, 5>().transpose();
     q = phi * e.topRightCorner<5, 5>();
@@ -121,7 +122,8 @@ class Normal {
 /// The car in motion, from rest: as runs and recordings of rigs begin, and where the filter begins.
 class DrivenCar {
  public:
-  explicit DrivenCar(std::uint64_t seed) : normal_(seed), noise_(factor(car_.q)) {}
+  explicit DrivenCar(std::uint64_t seed, double period = LinearCar::period)
+      : car_(period), normal_(seed), noise_(factor(car_.q)) {}
   void step() { x_ = (car_.phi * x_ + noise_ * draw()).eval(); }
   [[nodiscard]] const LinearCar::Vector& x() const { return x_; }
   [[nodiscard]] const LinearCar& car() const { return car_; }
