@@ -44,42 +44,52 @@ VectorXd bounded_step(const MatrixXd& hessian, const VectorXd& gradient, const V
   return step;
 }
 
+Model described(const firmware::RigDescription& description) { return {std::vector<double>(description.tolerance.size()), {}}; }
+
 class Search {
  public:
   explicit Search(const Problem& problem) : problem_(problem) {
-    const Model described = problem.described();
-    scales_ = scales_of(problem.description().rig, problem.recordings().front(),
-                        true_channels(problem.description(), described, problem.recordings().front()));
+    const Measured& first = problem.recordings().front();
+    scales_ = scales_of(problem.description().rig, first, predicted(problem.description(), described(problem.description()), first));
   }
 
   [[nodiscard]] const model::MotionScales& scales() const { return scales_; }
   [[nodiscard]] const Problem& problem() const { return problem_; }
 
-  /// Gauss–Newton with the weights (3) of the residual at hand. `known`: columns of J of the tolerated parameters.
+  /// Gauss–Newton, first with the weights of noise alone, then with (3) of the residual at hand. `known`: columns of J of
+  /// the tolerated parameters that are kept.
   [[nodiscard]] Fit fit(Model start, const MatrixXd& known, int most = 10) const {
     Fit f;
     f.parameters = parameters_of(start, problem_.recordings().front(), scales_);
     f.model = std::move(start);
     f.residual = problem_.residual(f.model);
-    f.left = problem_.counted(f.residual);
     const auto n = static_cast<Index>(f.parameters.size());
     f.jacobian = MatrixXd::Zero(f.residual.size(), n);
     f.jacobian.leftCols(known.cols()) = known;
-    Index from = known.cols();
+    if (known.cols() > 0) descend(f, known.cols(), most, [](const VectorXd& r) { return VectorXd::Ones(r.size()); }, [](const VectorXd& r) { return r.allFinite() ? r.squaredNorm() : INFINITY; });
+    descend(f, known.cols(), most, [this](const VectorXd& r) { return problem_.weights(r); }, [this](const VectorXd& r) { return problem_.counted(r); });
+    f.left = problem_.counted(f.residual);
+    weigh(f);
+    return f;
+  }
+
+  template <class Weights, class Counted>
+  void descend(Fit& f, Index known, int most, const Weights& weights, const Counted& counted) const {
+    const Index n = f.jacobian.cols();
+    double left = counted(f.residual);
     for (int i = 0; i < most && n > 0; ++i) {
-      differentiate(f, from);
-      const VectorXd w = problem_.weights(f.residual);
-      const MatrixXd weighted = w.asDiagonal() * f.jacobian;
+      differentiate(f, known);
+      const MatrixXd weighted = weights(f.residual).asDiagonal() * f.jacobian;
       MatrixXd hessian = f.jacobian.transpose() * weighted;
       hessian.diagonal() += 1e-9 * hessian.diagonal() + VectorXd::Constant(n, 1e-6);
       const VectorXd gradient = weighted.transpose() * f.residual;
-      const double before = f.left;
+      const double before = left;
       for (double trust = 1.0; trust > 0.01; trust /= 4.0) {
         VectorXd lower(n), upper(n);
         for (Index p = 0; p < n; ++p) {
           const Parameter& parameter = f.parameters[static_cast<std::size_t>(p)];
           const double u = parameter.get(f.model);
-          const double far = parameter.tolerated ? 2.0 : trust * std::max(1.0, parameter.logarithmic ? 1.0 : 3.0 * std::abs(u));
+          const double far = parameter.tolerated ? 2.0 : trust * (parameter.logarithmic ? 1.0 : std::max(1.0, 3.0 * std::abs(u)));
           lower(p) = std::max(std::min(parameter.lower - u, 0.0), -far);
           upper(p) = std::min(std::max(parameter.upper - u, 0.0), far);
         }
@@ -90,23 +100,15 @@ class Search {
           parameter.put(moved, parameter.get(f.model) + step(p));
         }
         const VectorXd residual = problem_.residual(moved);
-        const double left = problem_.counted(residual);
-        if (!(left < f.left)) continue;
+        const double now = counted(residual);
+        if (!(now < left)) continue;
         f.model = std::move(moved);
         f.residual = residual;
-        f.left = left;
+        left = now;
         break;
       }
-      if (f.left > before - 0.3) break;
+      if (left > before - 0.3) break;
     }
-    weigh(f);
-    return f;
-  }
-
-  /// All columns of J anew, and the evidence with them.
-  void refresh(Fit& f) const {
-    differentiate(f, 0);
-    weigh(f);
   }
 
   struct Scanned {
@@ -184,7 +186,9 @@ class Search {
     std::vector<double> widths;
     for (const Parameter& parameter : f.parameters) widths.push_back(parameter.width());
     const MatrixXd hessian = f.jacobian.transpose() * problem_.weights(f.residual).asDiagonal() * f.jacobian;
-    f.evidence = f.left + 2.0 * log_prior_of_cause * static_cast<double>(f.model.causes.size()) + occam(hessian, widths);
+    f.evidence = f.left + occam(hessian, widths);
+    const auto channels = static_cast<double>(problem_.recordings().front().channels.size());
+    for (const Cause& cause : f.model.causes) f.evidence += 2.0 * (log_prior_of_cause + (cause.channel ? std::log(channels) : 0.0));
   }
 
   const Problem& problem_;
@@ -212,28 +216,21 @@ void say(const char* what, const Fit& f) {
 }  // namespace
 
 Problem::Problem(const firmware::RigDescription& description, const std::vector<firmware::Recording>& recordings,
-                 double seconds)
+                 double seconds, const Model& noise)
     : description_(description) {
   for (const firmware::Recording& recording : recordings) {
     recordings_.push_back(measured(description, recording, seconds));
-    whitenings_.emplace_back(description, recordings_.back(), described());
+    whitenings_.emplace_back(description, recordings_.back(), noise);
     const auto& cells = whitenings_.back().cells();
     cells_.insert(cells_.end(), cells.begin(), cells.end());
   }
 }
 
-Model Problem::described() const { return {std::vector<double>(description_.tolerance.size()), {}}; }
-
 VectorXd Problem::residual(const Model& model) const {
   VectorXd all(static_cast<Index>(cells_.size()));
-  const Rig sensors = rig_of(description_, model, true);
   Index from = 0;
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
-    host_sim::Response response = true_channels(description_, model, recordings_[r]);
-    for (const model::Channel c : recordings_[r].channels) {
-      response[index(c)] = reading(sensors, recordings_[r], c, response[index(c)]);
-    }
-    const VectorXd part = whitenings_[r](recordings_[r], response);
+    const VectorXd part = whitenings_[r](recordings_[r], predicted(description_, model, recordings_[r]));
     all.segment(from, part.size()) = part;
     from += part.size();
   }
@@ -266,77 +263,109 @@ std::string words(const Cause& cause) {
   return std::string(cause.entry->name) + (cause.channel ? " of " + std::string(name(*cause.channel)) : "");
 }
 
-Verdict diagnose(const firmware::RigDescription& description, const std::vector<firmware::Recording>& recordings) {
-  constexpr std::size_t beam = 2, scanned = 8, fitted = 4, most_causes = 4;
-  const Problem whole(description, recordings, 1e9), beginning(description, recordings, scan_seconds);
-  const Search full(whole), brief(beginning);
-  std::map<std::string, Fit> models;  // by their causes
-  const auto take = [&](Fit f) {
-    say("model", f);
-    const std::string key = names(f.model);
-    const auto [it, fresh] = models.try_emplace(key, f);
-    if (!fresh && f.evidence < it->second.evidence) it->second = std::move(f);
-    return key;
-  };
-  std::vector<std::string> front{take(full.fit(whole.described(), {}))};
-  for (std::size_t depth = 0; depth < most_causes; ++depth) {
-    std::set<std::string> next;
-    double best = INFINITY;
-    for (const auto& [key, f] : models) best = std::min(best, f.evidence);
-    for (const std::string& key : front) {
-      const Fit parent = models.at(key);
-      const Fit shorter = brief.fit(parent.model, {}, 3);
-      std::map<std::string, Fit> tried;
-      for (const auto& candidate : brief.scan(shorter)) {
-        if (tried.size() >= scanned) break;
-        const std::string name = words(candidate.cause);
-        if (tried.contains(name) || !(candidate.gain > 2.0 * log_prior_of_cause)) continue;
-        tried.emplace(name, brief.fit(brief.start_of(shorter, candidate), shorter.jacobian.leftCols(static_cast<Index>(parent.model.tolerated.size())), 5));
-        if (loud) std::fprintf(stderr, "  scan %s gain %.1f size %.3g\n", name.c_str(), candidate.gain, candidate.size);
-        say("   brief", tried.at(name));
-      }
-      std::vector<const Fit*> order;
-      for (const auto& [name, f] : tried) order.push_back(&f);
-      std::sort(order.begin(), order.end(), [](const Fit* a, const Fit* b) { return a->evidence < b->evidence; });
-      for (std::size_t i = 0; i < std::min(fitted, order.size()); ++i) {
-        Fit child = full.fit(order[i]->model, parent.jacobian.leftCols(static_cast<Index>(parent.model.tolerated.size())));
-        next.insert(take(std::move(child)));
-      }
+namespace {
+
+/// All models that were compared with one whitening, by the names of their causes.
+class Comparison {
+ public:
+  Comparison(const firmware::RigDescription& description, const std::vector<firmware::Recording>& recordings, const Model& noise)
+      : whole_(description, recordings, 1e9, noise), beginning_(description, recordings, scan_seconds, noise), full_(whole_), brief_(beginning_) {
+    std::vector<std::string> front{take(full_.fit(described(description), {}))};
+    for (std::size_t depth = 0; depth < most_causes; ++depth) {
+      const double before = best().evidence;
+      std::set<std::string> next;
+      for (const std::string& key : front) next.merge(expand(models_.at(key).model, fitted));
+      front.assign(next.begin(), next.end());
+      std::sort(front.begin(), front.end(), [&](const auto& a, const auto& b) { return models_.at(a).evidence < models_.at(b).evidence; });
+      if (front.size() > beam) front.resize(beam);
+      if (front.empty() || !(models_.at(front.front()).evidence < before)) break;
     }
-    front.assign(next.begin(), next.end());
-    std::sort(front.begin(), front.end(), [&](const auto& a, const auto& b) { return models.at(a).evidence < models.at(b).evidence; });
-    if (front.size() > beam) front.resize(beam);
-    if (front.empty() || !(models.at(front.front()).evidence < best)) break;
-    for (const std::string& key : front) {
-      Fit f = models.at(key);
-      Fit better = full.fit(f.model, {}, 3);
-      if (better.evidence <= f.evidence || true) models[key] = better;
-      say("again", better);
-    }
-  }
-  // Elimination: each model within reach of the best without each of its causes.
-  for (bool more = true; more;) {
-    more = false;
-    const auto best = std::min_element(models.begin(), models.end(), [](const auto& a, const auto& b) { return a.second.evidence < b.second.evidence; });
-    const Model model = best->second.model;
-    for (std::size_t c = 0; c < model.causes.size(); ++c) {
-      Model less = model;
-      less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
-      if (models.contains(names(less))) continue;
-      const double before = best->second.evidence;
-      more = models.at(take(full.fit(less, {}))).evidence < before || more;
+    // Elimination and swaps.
+    for (double before = INFINITY; best().evidence < before - 0.1;) {
+      const Model model = best().model;
+      take(full_.fit(model, {}));
+      before = best().evidence;
+      for (std::size_t c = 0; c < model.causes.size(); ++c) {
+        Model less = model;
+        less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
+        take(full_.fit(less, {}));
+        expand(models_.at(names(less)).model, 2);
+      }
     }
   }
 
+  [[nodiscard]] const Problem& problem() const { return whole_; }
+  [[nodiscard]] std::vector<Fit> models() const {
+    std::vector<Fit> all;
+    for (const auto& [key, f] : models_) all.push_back(f);
+    std::sort(all.begin(), all.end(), [](const Fit& a, const Fit& b) { return a.evidence < b.evidence; });
+    return all;
+  }
+
+ private:
+  static constexpr std::size_t beam = 2, scanned = 8, starts = 2, fitted = 4, most_causes = 4;
+
+  [[nodiscard]] const Fit& best() const {
+    return std::min_element(models_.begin(), models_.end(), [](const auto& a, const auto& b) { return a.second.evidence < b.second.evidence; })->second;
+  }
+
+  std::string take(Fit f) {
+    say("model", f);
+    const std::string key = names(f.model);
+    const auto [it, fresh] = models_.try_emplace(key, f);
+    if (!fresh && f.evidence < it->second.evidence) it->second = std::move(f);
+    return key;
+  }
+
+  /// Scans all causes beside those of a model over the beginning of the recordings, fits the `scanned` best there and the
+  /// `most` best of these to the whole.
+  std::set<std::string> expand(const Model& parent, std::size_t most) {
+    const Fit shorter = brief_.fit(parent, {}, 3), longer = full_.fit(parent, {}, 3);
+    take(longer);
+    const auto tolerated = static_cast<Index>(parent.tolerated.size());
+    std::map<std::string, std::vector<Fit>> tried;
+    for (const auto& candidate : brief_.scan(shorter)) {
+      const std::string name = words(candidate.cause);
+      if (!(candidate.gain > 2.0 * log_prior_of_cause)) break;
+      if (tried.size() >= scanned && !tried.contains(name)) continue;
+      if (tried[name].size() >= starts) continue;
+      tried[name].push_back(brief_.fit(brief_.start_of(shorter, candidate), shorter.jacobian.leftCols(tolerated), 6));
+      if (loud) std::fprintf(stderr, "  scan %s gain %.1f size %.3g\n", name.c_str(), candidate.gain, candidate.size);
+      say("   brief", tried[name].back());
+    }
+    std::vector<const Fit*> order;
+    for (const auto& [name, fits] : tried) order.push_back(&*std::min_element(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.evidence < b.evidence; }));
+    std::sort(order.begin(), order.end(), [](const Fit* a, const Fit* b) { return a->evidence < b->evidence; });
+    std::set<std::string> taken;
+    for (std::size_t i = 0; i < std::min(most, order.size()); ++i) taken.insert(take(full_.fit(order[i]->model, longer.jacobian.leftCols(tolerated))));
+    return taken;
+  }
+
+  Problem whole_, beginning_;
+  Search full_, brief_;
+  std::map<std::string, Fit> models_;
+};
+
+}  // namespace
+
+Verdict diagnose(const firmware::RigDescription& description, const std::vector<firmware::Recording>& recordings) {
+  Model noise = described(description);
+  std::optional<Comparison> comparison;
   Verdict verdict;
-  for (auto& [key, f] : models) verdict.models.push_back(f);
-  std::sort(verdict.models.begin(), verdict.models.end(), [](const Fit& a, const Fit& b) { return a.evidence < b.evidence; });
+  for (int round = 0; round < 3; ++round) {
+    comparison.emplace(description, recordings, noise);
+    verdict.models = comparison->models();
+    const Model found = verdict.models.front().model;
+    if (names(found) == names(noise)) break;
+    noise = found;
+    if (loud) std::fprintf(stderr, "=== whitened again\n");
+  }
   std::vector<double> values;
   for (const Fit& f : verdict.models) values.push_back(f.evidence);
   const std::vector<double> shares = posterior(values);
   for (std::size_t m = 0; m < shares.size() && shares[m] > 0.0; ++m) {
     const Fit& f = verdict.models[m];
-    verdict.unexplained += shares[m] * unexplained(whole.cells(f.residual), 0.05);
+    verdict.unexplained += shares[m] * unexplained(comparison->problem().cells(f.residual), 0.05);
     for (const Cause& cause : f.model.causes) {
       const auto there = std::find_if(verdict.causes.begin(), verdict.causes.end(), [&](const auto& found) { return words(found.cause) == words(cause); });
       if (there == verdict.causes.end()) verdict.causes.push_back({cause, shares[m]});

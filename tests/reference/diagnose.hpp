@@ -13,11 +13,12 @@ namespace reference {
 /// The recordings of a rig, or their beginnings, and how their residuals are weighted.
 class Problem {
  public:
-  Problem(const firmware::RigDescription& description, const std::vector<firmware::Recording>& recordings, double seconds);
+  /// `noise`: the model through which the noise of the input passes.
+  Problem(const firmware::RigDescription& description, const std::vector<firmware::Recording>& recordings, double seconds,
+          const Model& noise);
 
   [[nodiscard]] const firmware::RigDescription& description() const { return description_; }
   [[nodiscard]] const std::vector<Measured>& recordings() const { return recordings_; }
-  [[nodiscard]] Model described() const;
   [[nodiscard]] Eigen::VectorXd residual(const Model& model) const;  ///< whitened; infinite where the model is no rig
   [[nodiscard]] std::vector<Cell> cells(const Eigen::VectorXd& residual) const;
   [[nodiscard]] double counted(const Eigen::VectorXd& residual) const;  ///< Σ E

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "firmware/simulation/road.hpp"
 #include "host_sim/comparison/fine_steps.hpp"
 #include "host_sim/comparison/start_state.hpp"
+#include "host_sim/signal/spectrum.hpp"
 #include "model/components/sensors.hpp"
 
 namespace reference {
@@ -51,15 +53,22 @@ double between(const Samples& y, double place) {
          (r + 1) * r * (r - 2) / 2 * y[i + 1] + (r + 1) * r * (r - 1) / 6 * y[i + 2];
 }
 
-/// (2)
-Samples second_differences(const host_sim::SimulationInput& input, std::size_t count) {
+/// (2); noise above what is compared would be folded by a sensor that holds or limits.
+Samples foot_accelerations(const host_sim::SimulationInput& input, std::size_t count) {
   Samples result(count);
   const auto& z = input.motion;
   for (std::size_t k = 2; k + 2 < count; ++k) {
     result[k] = (16.0 * (z[k - 1].position + z[k + 1].position) - z[k - 2].position - z[k + 2].position -
                  30.0 * z[k].position) / (12.0 * input.period * input.period);
   }
-  return result;
+  host_sim::RealTransform transform(host_sim::good_fft_size(count + 1000));  // zeros between end and beginning
+  const auto bins = transform(result);
+  std::vector<std::complex<double>> low(bins.begin(), bins.end());
+  const auto top = static_cast<std::size_t>(90.0 * input.period * static_cast<double>(transform.length()));
+  for (std::size_t k = top; k < low.size(); ++k) low[k] = 0.0;
+  Samples smooth = transform.inverse(low);
+  smooth.resize(count);
+  return smooth;
 }
 
 /// (1)
@@ -78,8 +87,9 @@ Samples tyre_loads(const Rig& rig, const std::vector<Cause>& causes, const Measu
   return load;
 }
 
-/// Of a hil rig the component on its machine.
+/// Without sensors; of a hil rig the component on its machine.
 Rig simulated_part(Rig rig) {
+  rig.effects.for_each_sensor([](auto& slot, Channel /*of*/) { slot = {}; });
   if (rig.kind != RigKind::hil) return rig;
   rig.kind = RigKind::component_bench;
   rig.machine.virtual_damping = 0.0;
@@ -87,6 +97,32 @@ Rig simulated_part(Rig rig) {
     if (cause.entry->tyre_force != nullptr) firmware::remove_effect(rig, *cause.entry, std::nullopt);
   }
   return rig;
+}
+
+/// The sensor of one channel over its true values.
+Samples reading(const Rig& sensors, const Measured& measured, Channel channel, const Samples& truth) {
+  std::array<model::SensorPath<double>, model::channel_count> paths{};
+  auto& path = paths[index(channel)] = sensors.effects.sensor_paths()[index(channel)];
+  const bool held = path.hold > 0.0;
+  path.hold = 0.0;
+  const model::Sensors<double> chain(paths, measured.input.period);
+  Samples values = truth;
+  model::Sensors<double>::State state;
+  model::Signals<double> signals{};
+  for (std::size_t k = 0; k < truth.size() && chain.any(); ++k) {
+    signals[index(channel)] = truth[k];
+    k == 0 ? chain.start(state, signals, nullptr) : chain.step(state, signals, nullptr);
+    values[k] = chain.reading(state, channel, truth[k]);
+  }
+  if (!held) return values;
+  const Samples before = values;
+  const auto& renewals = measured.renewals[index(channel)];
+  for (std::size_t n = 0; n < renewals.size(); ++n) {
+    const std::size_t end = n + 1 < renewals.size() ? renewals[n + 1].shows : values.size();
+    const double value = between(before, renewals[n].taken);
+    for (std::size_t k = renewals[n].shows; k < std::min(end, values.size()); ++k) values[k] = value;
+  }
+  return values;
 }
 
 }  // namespace
@@ -115,58 +151,29 @@ Measured measured(const firmware::RigDescription& description, firmware::Recordi
   return m;
 }
 
-Rig rig_of(const firmware::RigDescription& description, const Model& model, bool sensors) {
+Rig rig_of(const firmware::RigDescription& description, const Model& model) {
   Rig rig = description.rig;
   std::size_t i = 0;
   for (const auto& [path, tolerance] : description.tolerance) {
     if (double* const value = firmware::find_parameter(rig, path)) *value *= 1.0 + tolerance * model.tolerated[i];
     ++i;
   }
-  for (const Cause& cause : model.causes) {
-    if (cause.entry->of_channel == sensors) firmware::put_effect(rig, cause);
-  }
+  for (const Cause& cause : model.causes) firmware::put_effect(rig, cause);
   return rig;
 }
 
-host_sim::Response true_channels(const firmware::RigDescription& description, const Model& model,
-                                 const Measured& measured) {
-  const Rig rig = rig_of(description, model, false), part = simulated_part(rig);
+host_sim::Response predicted(const firmware::RigDescription& description, const Model& model, const Measured& measured) {
+  const Rig rig = rig_of(description, model), part = simulated_part(rig);
   const double period = measured.input.period;
   host_sim::Response response;
-  if (firmware::find_rig_fault(part, period)) {
-    response.fill(Samples(measured.to, std::nan("")));
-    return response;
-  }
+  response.fill(Samples(measured.to, std::nan("")));
+  if (firmware::find_rig_fault(rig, period)) return response;
   const int steps = host_sim::steps_of(part, period, host_sim::fine_steps(period));
   response = host_sim::simulate(part, measured.input, host_sim::resting(part, measured.input), measured.to, steps);
-  if (rig.kind == RigKind::quarter_car) response[index(Channel::zdd_r)] = second_differences(measured.input, measured.to);
+  if (rig.kind == RigKind::quarter_car) response[index(Channel::zdd_r)] = foot_accelerations(measured.input, measured.to);
   if (rig.kind == RigKind::hil) response[index(Channel::F_w)] = tyre_loads(rig, model.causes, measured);
+  for (const Channel c : measured.channels) response[index(c)] = reading(rig, measured, c, response[index(c)]);
   return response;
-}
-
-Samples reading(const Rig& sensors, const Measured& measured, Channel channel, const Samples& truth) {
-  std::array<model::SensorPath<double>, model::channel_count> paths{};
-  auto& path = paths[index(channel)] = sensors.effects.sensor_paths()[index(channel)];
-  const bool held = path.hold > 0.0;
-  path.hold = 0.0;
-  const model::Sensors<double> chain(paths, measured.input.period);
-  Samples values = truth;
-  model::Sensors<double>::State state;
-  model::Signals<double> signals{};
-  for (std::size_t k = 0; k < truth.size() && chain.any(); ++k) {
-    signals[index(channel)] = truth[k];
-    k == 0 ? chain.start(state, signals, nullptr) : chain.step(state, signals, nullptr);
-    values[k] = chain.reading(state, channel, truth[k]);
-  }
-  if (!held) return values;
-  const Samples before = values;
-  const auto& renewals = measured.renewals[index(channel)];
-  for (std::size_t n = 0; n < renewals.size(); ++n) {
-    const std::size_t end = n + 1 < renewals.size() ? renewals[n + 1].shows : values.size();
-    const double value = between(before, renewals[n].taken);
-    for (std::size_t k = renewals[n].shows; k < std::min(end, values.size()); ++k) values[k] = value;
-  }
-  return values;
 }
 
 }  // namespace reference

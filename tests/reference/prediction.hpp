@@ -42,20 +42,16 @@ inline constexpr double settling = 6.0;
 [[nodiscard]] Measured measured(const firmware::RigDescription& description, firmware::Recording recording,
                                 double seconds);
 
-/// The rig of a model, without the causes in sensors or with these alone.
-[[nodiscard]] Rig rig_of(const firmware::RigDescription& description, const Model& model, bool sensors);
+[[nodiscard]] Rig rig_of(const firmware::RigDescription& description, const Model& model);
 
-/// Before their sensors. Of a hil rig the component with its machine, driven by the recorded x_cmd, and the virtual tyre:
+/// Every compared channel from the first sample on. Of a hil rig the component with its machine, driven by the recorded
+/// x_cmd, and the virtual tyre, (1). What drives a quarter car is itself compared with its accelerometer, (2).
 ///
 ///   (1)  F_w = laws(k_t dz_w + b_t ḋz_w),  dz_w = z_r − z_w as recorded
-///   (2)  z̈_r = (−z₋₂ + 16 z₋₁ − 30 z₀ + 16 z₁ − z₂)/12h²  of the recorded z_r      quarter_car
+///   (2)  z̈_r = (−z₋₂ + 16 z₋₁ − 30 z₀ + 16 z₁ − z₂)/12h²  of the z_r that drives, below 90 Hz
 ///
-/// Of what is no rig every value is NaN.
-[[nodiscard]] host_sim::Response true_channels(const firmware::RigDescription& description, const Model& model,
-                                               const Measured& measured);
-
-/// What the sensors make of one channel: the model's own, but for a hold, which is renewed when the recording was.
-[[nodiscard]] std::vector<double> reading(const Rig& sensors, const Measured& measured, model::Channel channel,
-                                          const std::vector<double>& truth);
+/// Sensors are the model's own, but for a hold, which is renewed when the recording was. Of what is no rig all is NaN.
+[[nodiscard]] host_sim::Response predicted(const firmware::RigDescription& description, const Model& model,
+                                           const Measured& measured);
 
 }  // namespace reference
