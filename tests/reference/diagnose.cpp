@@ -37,7 +37,8 @@ std::optional<Model> with(Model model, const Cause& cause) {
 class Search {
  public:
   Search(const Description& description, const std::vector<firmware::Recording>& recordings, const Model& noise)
-      : whole_(description, recordings, whole_recording, noise), beginning_(description, recordings, scan_seconds, noise) {
+      : whole_(description, recordings, whole_recording, noise),
+        beginning_(description, recordings, scan_seconds, noise) {
     std::vector<Model> front{{std::vector<double>(description.tolerance.size()), {}}};
     take(whole_.fit(front.front(), {}, 10));
     for (std::size_t causes = 0; causes < most_causes; ++causes) {

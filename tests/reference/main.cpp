@@ -1,38 +1,61 @@
-// development driver
-#include <chrono>
+// rigtwin_reference: a plain second diagnosis beside the product's, over recordings whose answer is known.
+#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
-#include <set>
+#include <exception>
 
-#include "firmware/recording/recording_csv.hpp"
-#include "tests/reference/diagnose.hpp"
-#include "tests/truth/truth.hpp"
+#include "firmware/recording/output_file.hpp"
+#include "tests/reference/agreement.hpp"
+
+namespace {
+
+struct Options {
+  std::uint64_t seed = 1;
+  std::vector<std::string> groups;
+  unsigned part = 1, parts = 1;
+  truth::Wanted wanted;
+  double least = 0.0;
+  std::string out;
+};
+
+int main_of(const Options& options) {
+  std::vector<confusion::Asked> asked = confusion::part_of(confusion::plan(options.seed), options.part, options.parts);
+  std::erase_if(asked, [&](const confusion::Asked& a) {
+    const std::string what = a.what();
+    const auto holds = [&](const std::string& text) { return a.id().find(text) != std::string::npos; };
+    const bool chosen = options.groups.empty() || std::any_of(options.groups.begin(), options.groups.end(), holds);
+    return !chosen || (what != "single" && what != "pair" && what != "none");
+  });
+  std::vector<reference::Compared> all;
+  for (const confusion::Asked& a : asked) {
+    all.push_back(reference::compare(a, options.wanted));
+    std::fprintf(stderr, "%3zu/%zu %s %s\n", all.size(), asked.size(), all.back().agree() ? "same" : "DIFFERENT",
+                 a.id().c_str());
+  }
+  const std::string words = reference::text(all);
+  std::printf("%s", words.c_str());
+  if (!options.out.empty()) firmware::write_file(options.out, words);
+  return reference::agreement(all) < options.least ? 1 : 0;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string id = argv[i];
-    const truth::Truth truth = truth::draw(id.substr(0, id.rfind(':')), std::strtoull(id.substr(id.rfind(':') + 1).c_str(), nullptr, 10));
-    const auto description = firmware::parse_rig(truth::rig_toml(truth), "rig.toml");
-    std::vector<firmware::Recording> records;
-    for (const truth::Record& record : truth::simulate(truth))
-      records.push_back(firmware::parse_recording_csv(truth::csv(truth, record), "rec.csv", description.channels, description.sample_rate));
-    std::printf("%s: ", truth.id.c_str());
-    for (const auto& e : truth.effects) {
-      std::printf("%s %s", e.name.c_str(), e.channel.c_str());
-      for (const auto& [k, v] : e.parameters) std::printf(" %s=%.4g", k.c_str(), v);
-    }
-    std::printf("  (size %.3g, %zu rec)\n", truth.size, records.size());
-    const auto begin = std::chrono::steady_clock::now();
-    const auto v = reference::diagnose(description, records);
-    std::set<std::string> hidden, found;
-    for (const auto& e : truth.effects) hidden.insert(e.name + (e.channel.empty() ? "" : " of " + e.channel));
-    for (const auto& f : v.causes) if (f.confidence > 0.5) found.insert(reference::words(f.cause));
-    std::printf("  %s\n", hidden == found ? "RIGHT" : "WRONG");
-    for (const auto& f : v.causes) {
-      std::printf("   %s [%.3f]", reference::words(f.cause).c_str(), f.confidence);
-      for (double x : f.cause.values) std::printf(" %.4g", x);
-    }
-    std::printf("\n   unexplained %.3f, %.1f s\n", v.unexplained, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    std::fflush(stdout);
+  Options options;
+  CLI::App app{"A plain second diagnosis beside the product's, over recordings whose answer is known"};
+  app.add_option("--seed", options.seed, "First seed of every group")->capture_default_str();
+  app.add_option("--groups", options.groups, "Only recordings whose id holds one of these texts");
+  app.add_option("--part", options.part, "Only this part of --parts")->check(CLI::PositiveNumber);
+  app.add_option("--parts", options.parts, "How many parts there are")->check(CLI::PositiveNumber);
+  app.add_option("--duration", options.wanted.duration, "Length of a recording [s]")->capture_default_str();
+  app.add_option("--least", options.least, "Status 1 where a smaller share of the recordings is answered alike");
+  app.add_option("--out", options.out, "File for the table");
+  try {
+    app.parse(argc, argv);
+    return main_of(options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "rigtwin_reference: %s\n", problem.what());
+    return 5;
   }
 }
