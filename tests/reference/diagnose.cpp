@@ -11,7 +11,7 @@ namespace {
 /// How far the search looks: seconds that are scanned, causes that are fitted to these, starts of each, causes that are
 /// fitted to the whole, models that go on, causes of a model.
 constexpr double scan_seconds = 8.0, whole_recording = 1e6;
-constexpr std::size_t scanned = 6, starts = 2, fitted = 4, beam = 2, most_causes = 4;
+constexpr std::size_t scanned = 5, starts = 2, fitted = 3, beam = 2, most_causes = 4;
 
 std::string names(const Model& model) {
   std::set<std::string> sorted;
@@ -111,13 +111,13 @@ class Search {
 }  // namespace
 
 Verdict diagnose(const Description& description, const std::vector<firmware::Recording>& recordings) {
-  // What was found passes the noise of the input on: whiten, search, and again until the names stay.
+  // What was found passes the noise of a car's foot point on: whiten, search, and again until the names stay.
   Model noise{std::vector<double>(description.tolerance.size()), {}};
   std::optional<Search> search;
   for (int round = 0; round < 3; ++round) {
     search.emplace(description, recordings, noise);
     const Model found = search->best().model;
-    if (names(found) == names(noise)) break;
+    if (description.rig.kind != model::RigKind::quarter_car || names(found) == names(noise)) break;
     noise = found;
   }
   std::vector<double> evidence;

@@ -21,6 +21,15 @@ std::size_t band_of(double f) {
   return static_cast<std::size_t>(std::upper_bound(band_edges.begin(), band_edges.end(), f) - band_edges.begin()) - 1;
 }
 
+/// σ_c of (7). F_w of a hil rig has no sensor, but its tyre has a wheel that F accelerates in steps, as F's noise is new
+/// in each sample: differences of fourth order miss h Δa/12 of the velocity.
+double noise_of(const Description& description, Channel channel) {
+  const auto& declared = description.noise;
+  if (channel != Channel::F_w || declared[index(channel)]) return declared[index(channel)].value_or(0.0);
+  const double step = std::sqrt(2.0) * declared[index(Channel::F)].value_or(0.0) / description.rig.wheel.mass;
+  return description.rig.tyre.damping * description.period() * step / 12.0;
+}
+
 /// h_c of (7); sinc² is kept from its zeros, as no renewal is exact.
 double held(double period, double step, double f) {
   const double x = std::max(pi * f * period, 1e-6);
@@ -83,7 +92,7 @@ Whitening::Whitening(const Description& description, const Measured& m, const Mo
     const auto band = static_cast<Index>(band_of(f));
     for (Index c = 0; c < channels; ++c) {
       const Channel channel = m.channels[static_cast<std::size_t>(c)];
-      const double own = description.noise[index(channel)].value_or(0.0);
+      const double own = noise_of(description, channel);
       const double error = std::hypot(2e-4, std::pow(2.0 * pi * f * step, 4) / 30.0);
       sigma[hertz](c, c) +=
           own * own * held(m.hold_period(channel), step, f) + error * error * power(c, band) / count(band) + 1e-30;
