@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,9 @@ struct Measured {
   host_sim::SimulationInput input;
   std::vector<model::Channel> channels{};  ///< compared
   std::size_t from = 0, to = 0;
+  int fine_steps = 1;  ///< of the model a sample, where forces have corners; of a beginning half as many
+  /// The newest simulations before their sensors, by the numbers of their rig: most candidates differ in a sensor alone.
+  mutable std::map<std::vector<double>, Readings> simulated{};
   std::array<std::optional<host_sim::identification::Renewals>, model::channel_count> renewals{};  ///< of held channels
   [[nodiscard]] double hold_period(model::Channel channel) const;                                  ///< [s]; 0: not held
 };
@@ -63,6 +67,7 @@ inline constexpr std::size_t bands = band_edges.size() - 1;
 /// σ_c: declared noise; h_c: 1, of a held channel P/h sinc²(fP); S_c: power of the channel in the band; ε: error of the
 /// simulation, as the product has it; D: what noise of z_r of the declared size, drawn four times, changes in the
 /// prediction of `noise`, mean over 1 Hz: what that noise makes of the channels, and of the instants of friction.
+/// z̈_r counts as independent of the others: what ω² z_r shares with them depends on its sensor.
 ///
 ///   (8)  r(f) = L⁻¹ √(2/Σw²) Σ_k w_k (measured − predicted)_k e^{−2πi fk},   Σ = L Lᴴ
 ///

@@ -38,6 +38,7 @@ double held(double period, double step, double f) {
 
 /// A recording that is driven by z_r and noise of this size.
 Measured shaken(Measured m, double noise, truth::Random& random) {
+  m.simulated.clear();
   std::vector<double> position;
   for (const auto& motion : m.input.motion) position.push_back(motion.position + noise * random.normal());
   const auto moved = firmware::through_samples(position, 1.0 / m.input.period);
@@ -90,6 +91,13 @@ Whitening::Whitening(const Description& description, const Measured& m, const Mo
   for (std::size_t hertz = 0; hertz < sigma.size(); ++hertz) {
     const double f = static_cast<double>(hertz) + 0.5;
     const auto band = static_cast<Index>(band_of(f));
+    const auto foot = std::find(m.channels.begin(), m.channels.end(), Channel::zdd_r) - m.channels.begin();
+    if (foot < channels) {
+      const std::complex<double> own = sigma[hertz](foot, foot);
+      sigma[hertz].row(foot).setZero();
+      sigma[hertz].col(foot).setZero();
+      sigma[hertz](foot, foot) = own;
+    }
     for (Index c = 0; c < channels; ++c) {
       const Channel channel = m.channels[static_cast<std::size_t>(c)];
       const double own = noise_of(description, channel);
