@@ -67,7 +67,8 @@ inline constexpr std::size_t bands = band_edges.size() - 1;
 /// σ_c: declared noise; h_c: 1, of a held channel P/h sinc²(fP); S_c: power of the channel in the band; ε: error of the
 /// simulation, as the product has it; D: what noise of z_r of the declared size, drawn four times, changes in the
 /// prediction of `noise`, mean over 1 Hz: what that noise makes of the channels, and of the instants of friction.
-/// z̈_r counts as independent of the others: what ω² z_r shares with them depends on its sensor.
+/// z̈_r counts as independent of the others, and where the noise of ω² z_r is above that of the accelerometer its variance
+/// is taken larger by the ratio of both: a sensor that blurs z̈_r blurs that noise too, and would be believed for it.
 ///
 ///   (8)  r(f) = L⁻¹ √(2/Σw²) Σ_k w_k (measured − predicted)_k e^{−2πi fk},   Σ = L Lᴴ
 ///

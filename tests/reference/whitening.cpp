@@ -93,10 +93,10 @@ Whitening::Whitening(const Description& description, const Measured& m, const Mo
     const auto band = static_cast<Index>(band_of(f));
     const auto foot = std::find(m.channels.begin(), m.channels.end(), Channel::zdd_r) - m.channels.begin();
     if (foot < channels) {
-      const std::complex<double> own = sigma[hertz](foot, foot);
+      const double own = sigma[hertz](foot, foot).real(), sensor = noise_of(description, Channel::zdd_r);
       sigma[hertz].row(foot).setZero();
       sigma[hertz].col(foot).setZero();
-      sigma[hertz](foot, foot) = own;
+      sigma[hertz](foot, foot) = own * (1.0 + own / (sensor * sensor + 1e-30));
     }
     for (Index c = 0; c < channels; ++c) {
       const Channel channel = m.channels[static_cast<std::size_t>(c)];
