@@ -305,7 +305,11 @@ Informed informed_by(const IdentificationProblem& problem, const std::vector<Fre
                      const Eigen::MatrixXd& information) {
   const auto fitted = static_cast<Index>(fit.parameters.size());
   const auto is_force = [](model::Channel channel) { return model::unit(channel) == "N"; };
-  const bool measures_force = std::any_of(problem.channels().begin(), problem.channels().end(), is_force);
+  const bool measures_force =
+      std::any_of(problem.channels().begin(), problem.channels().end(), is_force) ||
+      std::any_of(problem.samples().begin(), problem.samples().end(), [](const PreparedRecording& r) {
+        return r.input.is_force() || !r.input.actuator_force.empty();  // what drives the rig is measured, too
+      });
   const Eigen::VectorXd scale = mass_scale(fit);
   // A described value without a tolerance is exact: one of them holds the scale.
   const bool all_fitted = std::all_of(every.begin(), every.end(), [&](const FreeParameter& p) {

@@ -15,10 +15,17 @@ using model::Channel;
 /// [s] A truncated window is no shorter: two periods of 1 Hz.
 constexpr double shortest_truncated = 2.0;
 
+/// Whether all that is known of the noise is that it is no louder: white noise that nobody has declared was read off the
+/// samples' highest third of the frequencies, and motion that reaches there passes for noise.
+bool is_bound(const PreparedRecording& r, Channel channel) {
+  const ChannelNoise& noise = r.channel_noise[index(channel)];
+  return !r.declared_noise[index(channel)] && noise.is_known() && noise.colour.is_white();
+}
+
 /// True if the residual of a hypothesis may be a better estimate of a channel's noise than the channel itself.
 bool is_open(const PreparedRecording& r, Channel channel) {
   const ChannelNoise& noise = r.channel_noise[index(channel)];
-  return !r.renewals[index(channel)] && (!noise.is_known() || !noise.colour.is_white());
+  return !r.renewals[index(channel)] && (!noise.is_known() || !noise.colour.is_white() || is_bound(r, channel));
 }
 
 /// The colour of noise behind the filter that a hypothesis has for this channel. Its signal says the corner a hundred
@@ -160,7 +167,16 @@ bool IdentificationProblem::update_channel_noise(const Hypothesis& hypothesis) {
       const auto c = index(channel);
       const double period = r.compared_period();
       const std::optional<NoiseColour> filter = filter_in(hypothesis, channel);
-      ChannelNoise found = noise_in(left_of(r, channel, read), period, channel, filter ? filter : r.expected_colour);
+      const std::vector<double> left = left_of(r, channel, read);
+      if (is_bound(r, channel)) {
+        const double level =
+            std::max(std::min(noise_estimate(left).rms, r.channel_noise[c].level), r.rounding[c] / std::sqrt(12.0));
+        if (!(level < thresholds::quieter * problem.noise[c].level)) continue;
+        problem.noise[c].level = level;
+        changed = true;
+        continue;
+      }
+      ChannelNoise found = noise_in(left, period, channel, filter ? filter : r.expected_colour);
       problem.noise[c].on_signal = false;
       if (!found.is_known()) continue;
       // A corner that is a guess is what the model leaves of the motion.

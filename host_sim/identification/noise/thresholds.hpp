@@ -49,6 +49,11 @@ inline constexpr double least_filtered_noise = 0.05;
 /// to the known density of the input's noise, so only the incoherent part scatters, by 1/√(3 lines of a band). Half (2)
 /// and twice (6): the same names; the time of the noise step is proportional to it.
 inline constexpr int noise_realisations = 3;
+/// [1] Of the level of white noise that was read off the samples, the level in what a model leaves from which this is the
+/// noise: the rest of the first was motion. Derivation: 5000 samples say the level within 2 % (1/√(2 · 1500) and the
+/// median), a tenth is four of these. Half and twice of the distance to 1: refits for nothing; no difference, motion in
+/// the highest third of the frequencies makes factors.
+inline constexpr double quieter = 0.9;
 /// [samples] A stretch of a recording that is whitened by itself has so many that were recorded, at least. Derivation:
 /// a taper of a quarter at each end leaves eight, and the lines of five frequencies between 0 and half the rate. Half:
 /// three. Twice: at 10 Hz what changes within three seconds is one.

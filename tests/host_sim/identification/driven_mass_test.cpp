@@ -99,6 +99,26 @@ TEST(DrivenMass, FindsNothingWhereNothingIs) {
   EXPECT_NEAR(found.parameters.at("suspension.stiffness").value / stiffness, 1.0, 2e-3);
 }
 
+// Journey. As it comes: position alone, no noise declared, no value known but roughly. The force that drives it is
+// measured, so mass, stiffness and damping are known apart.
+TEST(DrivenMass, KnowsTheMassByTheForce) {
+  Recording r = recorded({.amplitude = 20.0, .seconds = 8.0, .seed = 4, .highest = 200.0});
+  r[Channel::zdd_b].clear();
+  auto described = silverbox();
+  described.noise = {};
+  described.tolerance = {{"body.mass", 0.2}, {"suspension.stiffness", 0.3}, {"suspension.damping", 0.5}};
+  described.rig.body.mass = 0.5;
+  described.rig.suspension.stiffness = 90e3;
+  const Diagnosis found = host_sim::identification::diagnose(described, {{std::move(r), Use::shared}});
+  EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << host_sim::identification::sentence(found);
+  EXPECT_TRUE(found.undetermined.empty()) << found.undetermined.front().combination;
+  const auto known = found.parameters.at("body.mass");
+  EXPECT_NEAR(known.value / mass, 1.0, 2e-3);
+  EXPECT_LT(known.lower, mass);
+  EXPECT_GT(known.upper, mass);
+  EXPECT_LT(known.upper - known.lower, 0.2 * mass);  // half of the tolerance
+}
+
 // Journey. Dry friction of a guide, seen by an accelerometer alone: the effect of the component.
 TEST(DrivenMass, NamesFriction) {
   Recording r = recorded({.amplitude = 20.0, .seconds = 8.0, .seed = 3, .friction = 3.0});

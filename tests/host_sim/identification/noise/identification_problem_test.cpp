@@ -206,6 +206,24 @@ TEST(IdentificationProblem, HasTheNoiseBehindAFilterOfTheHypothesis) {
   }
 }
 
+// Law. White noise that nobody has declared is no louder than what the samples hold above the motion, where motion may be,
+// too: what a model leaves there takes its place where that is quieter, and never where it is louder.
+TEST(IdentificationProblem, TakesUndeclaredNoiseForABound) {
+  const firmware::RigDescription bench = sample::bench();
+  for (const double bound : {10.0 * sample::force_noise, 0.5 * sample::force_noise}) {
+    auto recordings = sample::prepared(bench, bench);
+    const Hypothesis given = described_hypothesis(bench, recordings);
+    recordings[0].declared_noise[index(Channel::F)].reset();
+    recordings[0].channel_noise[index(Channel::F)].level = bound;
+    IdentificationProblem problem(std::move(recordings), given);
+    problem.update_input_noise(given);
+    // 8000 samples say the level within 2 %.
+    const double expected = std::min(bound, sample::force_noise);
+    EXPECT_NEAR(problem.recordings()[0].noise[index(Channel::F)].level / expected, 1.0, 0.06) << bound;
+    EXPECT_FALSE(problem.update_input_noise(given));  // and then stands
+  }
+}
+
 // A command is exact: nothing to weight anew.
 TEST(IdentificationProblem, HasNoNoiseOfACommand) {
   const firmware::RigDescription bench = sample::bench();
