@@ -282,7 +282,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_sensors(top, description);
   description.recorder = read_recorder(top, description.rig);
   read_waivers(top, description.waivers);
-  read_controller(top, description.rig, description.controller);
+  read_controller(top, description.rig, description.sample_rate, description.controller);
   read_arming(top, description.waivers, description.controller);
   read_delay_budget(top, description.rig.kind, description.delay_budget);
   description.compensation = read_compensation(top, description.rig);

@@ -221,11 +221,22 @@ void read_limits(DescriptionTable& top, ControllerDescription& controller) {
   table->finish();
 }
 
-void read_supervision(DescriptionTable& top, Settings& settings) {
+/// `frozen_samples`, as descriptions had it before `frozen_time`: that many at their sample rate.
+void read_frozen_samples(DescriptionTable& table, double sample_rate, Settings& settings) {
+  constexpr int most = 1'000'000;
+  if (!table.has("frozen_samples")) return;
+  if (table.has("frozen_time")) {
+    table.fail("frozen_samples", table.path("frozen_samples") + " beside frozen_time", "frozen_time alone");
+  }
+  settings.supervision.frozen_time = table.whole_in("frozen_samples", 0, most) / sample_rate;
+}
+
+void read_supervision(DescriptionTable& top, double sample_rate, Settings& settings) {
   for (const std::string_view name : {"supervision", "motion"}) {
     auto table = top.table(name);
     if (!table) continue;
     read_loop_settings(*table, name, settings);
+    if (name == "supervision") read_frozen_samples(*table, sample_rate, settings);
     table->finish();
   }
 }
@@ -259,10 +270,10 @@ void read_waivers(DescriptionTable& top, std::map<std::string, std::string>& wai
   table->finish();
 }
 
-void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig,
+void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig, double sample_rate,
                      ControllerDescription& controller) {
   read_limits(top, controller);
-  read_supervision(top, controller.loop);
+  read_supervision(top, sample_rate, controller.loop);
   read_estimator(top, rig.kind, controller);
   auto valves = top.table("valves");
   if (!valves) return;

@@ -20,7 +20,8 @@ inline constexpr std::array<std::string_view, 11> waiver_names{
     "off_centre",           "wide_limits"};
 
 void read_waivers(DescriptionTable& top, std::map<std::string, std::string>& waivers);
-void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig, ControllerDescription& controller);
+void read_controller(DescriptionTable& top, const model::RigParameters<double>& rig, double sample_rate,
+                     ControllerDescription& controller);
 void read_delay_budget(DescriptionTable& top, model::RigKind kind, DelayBudget& budget);
 void read_arming(DescriptionTable& top, const std::map<std::string, std::string>& waivers,
                  ControllerDescription& controller);

@@ -44,13 +44,19 @@ void add_remarks(const PreparedRecording& r, std::vector<std::string>& remarks) 
   const std::string& source = r.recording.source;
   for (const Channel channel : r.channels) {
     const auto c = index(channel);
+    const auto stuck = channel == Channel::F ? static_cast<std::ptrdiff_t>(r.stuck) : 0;
     const auto count =
-        std::count(r.clipped[c].begin(), r.clipped[c].end(), true) -
+        std::count(r.clipped[c].begin(), r.clipped[c].end(), true) - stuck -
         (r.clipped[c].empty() ? 0 : std::count(r.recording.filled.begin(), r.recording.filled.end(), true));
     if (count > 0) {
       remarks.push_back(source + ": " + std::to_string(count) + " clipped samples of " +
                         std::string(model::name(channel)) + " are left out");
     }
+  }
+  if (r.stuck > 0) {
+    remarks.push_back(
+        source + ": x_cmd stands still in " + std::to_string(r.stuck) +
+        " samples, where its stroke does not say what a component that sticks carries; F is not compared there");
   }
   if (const std::string road = road_remark(r.input); !road.empty()) remarks.push_back(source + ": " + road);
   if (r.inputs_disagree) {

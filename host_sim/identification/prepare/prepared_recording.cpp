@@ -85,6 +85,30 @@ void prepare_input(PreparedRecording& prepared, const firmware::RigDescription& 
   noise.acceleration_colour = sampled.channel_noise[index(Channel::zdd_r)].colour;
 }
 
+/// Samples of F are not used while the command of a hil rig stands still. The stroke of its virtual car does so where the
+/// component sticks, and the force is then what the car asks for, anything up to the friction: (1) no function of the
+/// stroke. Two samples on either side: so far a cubic through the samples feels the standstill.
+///
+///   (1)  |x_{k+1} − x_k| ≤ 1e-9 max|x|        the nine digits of a recording
+void leave_out_standstill(const firmware::Recording& recording, PreparedRecording& prepared) {
+  const std::vector<double>& command = recording[Channel::x_cmd];
+  constexpr double digits = 1e-9;
+  constexpr std::size_t reach = 2;
+  const auto less = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  const double still =
+      command.empty() ? 0.0 : digits * std::abs(*std::max_element(command.begin(), command.end(), less));
+  if (!(still > 0.0)) return;  // it never moves
+  std::vector<bool>& unused = prepared.clipped[index(Channel::F)];
+  unused.resize(command.size(), false);
+  for (std::size_t k = 0; k + 1 < command.size(); ++k) {
+    if (std::abs(command[k + 1] - command[k]) > still) continue;
+    for (std::size_t i = k - std::min(k, reach); i <= std::min(k + 1 + reach, command.size() - 1); ++i) {
+      if (!unused[i]) ++prepared.stuck;
+      unused[i] = true;
+    }
+  }
+}
+
 /// Whether the samples that may be used differ: of what never moves inside its measuring range nothing is known.
 bool moves(const std::vector<double>& samples, const std::vector<bool>& clipped, std::size_t step) {
   const double* first = nullptr;
@@ -226,6 +250,7 @@ PreparedRecording prepare_recording(const firmware::RigDescription& description,
     prepared.renewals[c] = std::move(sampled.renewals[c]);
     prepared.clipped[c] = std::move(sampled.clipped[c]);
   }
+  if (description.rig.kind == RigKind::hil && prepared.explains(Channel::F)) leave_out_standstill(recording, prepared);
   const std::optional<Channel> driving = prepared.input_sensor();
   if (driving && sampled.renewals[index(*driving)] && sampled.renewals[index(*driving)]->regular) {
     prepared.renewals[index(*driving)] = std::move(sampled.renewals[index(*driving)]);

@@ -54,6 +54,7 @@ struct PreparedRecording {
   /// How much louder the noise is than declared; nullopt: not known. Of all channels with samples, inputs too.
   std::array<std::optional<NoiseFactor>, model::channel_count> noise_factor{};
   std::array<std::vector<bool>, model::channel_count> clipped{};  ///< samples not to be used; empty: none
+  std::size_t stuck = 0;  ///< of those, samples of F while the command of a hil rig stands still
   /// Of those, samples at the knocks of the present hypothesis (noise/identification_problem.hpp).
   std::array<std::vector<std::size_t>, model::channel_count> knocks{};
   std::array<Outliers, model::channel_count> outliers{};                 ///< mended and not used; inputs too

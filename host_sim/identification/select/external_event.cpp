@@ -10,7 +10,6 @@
 #include "host_sim/identification/estimate/residual_over_time.hpp"
 #include "host_sim/identification/parity/disturbed_span.hpp"
 #include "host_sim/identification/select/budget.hpp"
-#include "host_sim/identification/select/budget.hpp"
 #include "host_sim/identification/select/law_constancy.hpp"
 #include "host_sim/identification/select/model_fitter.hpp"
 #include "host_sim/identification/select/select_model.hpp"

@@ -77,15 +77,18 @@ void settle(IdentificationProblem& problem, const SearchSpace& space, const Sele
   leave_out_steps(problem, space, criterion, found);
 }
 
-/// Steps 1, 2 and 4. false: the search was stopped behind step 1, since it explains less than `worth_comparing` or has
-/// spent what it may.
+/// Steps 1, 2 and 4. false: the search was stopped behind step 1, since it explains less than `worth_comparing`, or
+/// leaves more than noise and has spent what it may.
 bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, const ProgressCallback& progress,
                      const SelectionCriterion& criterion, double worth_comparing, SearchResult& found) {
   const SearchOptions options{criterion, true, progress};
   const StageBudget budget(problem);
   found = search(problem, space, options);
-  if (worth_comparing > 0.0 && (leaves_more(problem, found.best, found.nothing, worth_comparing) ||
-                                !budget.allows(problem, "rivals of laws that could imitate others", found))) {
+  const auto may_go_on = [&] {
+    return is_whole(problem, found.best.fit) ||
+           budget.allows(problem, "rivals of laws that could imitate others", found);
+  };
+  if (worth_comparing > 0.0 && (leaves_more(problem, found.best, found.nothing, worth_comparing) || !may_go_on())) {
     return false;
   }
   compare(problem, space, options, found);

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "firmware/description/text/input_error.hpp"
 #include "tests/support/rig_texts.hpp"
 
 namespace {
@@ -37,6 +38,7 @@ TEST(WideLimits, NeedWords) {
         std::tuple("limits", "energy_gain = 50.0", "limits.energy_gain"),
         std::tuple("supervision", "frozen_time = 0.0", "supervision.frozen_time"),
         std::tuple("supervision", "frozen_time = 1.0", "supervision.frozen_time"),
+        std::tuple("supervision", "frozen_samples = 0", "supervision.frozen_time"),
         std::tuple("supervision", "gap = 1.0", "supervision.gap"),
         std::tuple("supervision", "unpowered_way = 0.05", "supervision.unpowered_way"),
         std::tuple("controller", "late_in_a_row = 1000", "controller.late_in_a_row"),
@@ -46,6 +48,16 @@ TEST(WideLimits, NeedWords) {
     EXPECT_EQ(objection(text).key, key) << objection(text).text;
     EXPECT_TRUE(objection(text + "[waivers]\nwide_limits = 'a rig without people'\n").empty()) << entry;
   }
+}
+
+// Descriptions of before count samples, of their own rate.
+TEST(WideLimits, TakesFrozenSamplesForATime) {
+  const auto parsed = [](const std::string& more) {
+    return firmware::parse_rig(std::string(support::hil_text) + "[supervision]\n" + more, "rig.toml");
+  };
+  const firmware::RigDescription rig = parsed("frozen_samples = 300\n");
+  EXPECT_DOUBLE_EQ(rig.controller.loop.supervision.frozen_time, 300.0 / rig.sample_rate);
+  EXPECT_THROW((void)parsed("frozen_samples = 300\nfrozen_time = 0.1\n"), firmware::InputError);
 }
 
 }  // namespace

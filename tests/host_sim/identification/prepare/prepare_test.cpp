@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 #include "firmware/description/text/input_error.hpp"
 #include "host_sim/identification/prepare/prepared_recording.hpp"
 #include "host_sim/identification/prepare/recording_window.hpp"
@@ -67,6 +70,29 @@ TEST(PreparedRecording, ExplainsTheBenchOfAHilRig) {
   EXPECT_EQ(explained_part(hil.rig).kind, model::RigKind::component_bench);
   EXPECT_EQ(explained_part(hil.rig).machine.virtual_damping, 0.0);
   EXPECT_EQ(explained_part(sample::bench().rig).kind, model::RigKind::component_bench);
+}
+
+// Law. Where the command of a hil rig stands still, F is what its virtual car asks for: not compared, and two samples on
+// either side, and it is said. A bench that stands still says its stiffness.
+TEST(PreparedRecording, ComparesNoForceOfACommandThatStandsStill) {
+  firmware::RigDescription hil = firmware::parse_rig(support::hil_text, "hil");
+  firmware::Recording stuck = sample::recorded(sample::bench());
+  for (std::size_t k = 1001; k <= 1010; ++k) stuck[Channel::x_cmd][k] = stuck[Channel::x_cmd][1000];
+  for (const Channel of_a_car : {Channel::z_r, Channel::z_w, Channel::z_b}) stuck[of_a_car] = stuck[Channel::x_cmd];
+  const PreparedRecording prepared = prepare_recording(hil, stuck, Use::fitted, false);
+  const std::vector<bool>& unused = prepared.clipped[index(Channel::F)];
+  ASSERT_EQ(unused.size(), 8000U);
+  for (std::size_t k = 0; k < unused.size(); ++k) ASSERT_EQ(unused[k], k >= 998 && k <= 1012) << k;
+  EXPECT_EQ(prepared.stuck, 15U);
+  const PreparedData data = prepare(hil, {{stuck, Use::fitted}});
+  const auto says = [&](const char* words) {
+    return std::count_if(data.remarks.begin(), data.remarks.end(),
+                         [&](const std::string& remark) { return remark.find(words) != std::string::npos; });
+  };
+  EXPECT_EQ(says("x_cmd stands still in 15 samples"), 1);
+  EXPECT_EQ(says("clipped"), 0);
+  for (const Channel of_a_car : {Channel::z_r, Channel::z_w, Channel::z_b}) stuck[of_a_car].clear();
+  EXPECT_TRUE(prepare_recording(sample::bench(), stuck, Use::fitted, false).clipped[index(Channel::F)].empty());
 }
 
 // Law. Of 500 s the first 120 s are fitted and the last 40 s held out, as a recording of their own, and it is said.
