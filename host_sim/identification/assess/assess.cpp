@@ -311,6 +311,10 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.remarks.insert(result.remarks.begin(), of_noise.begin(), of_noise.end());
   result.remarks.insert(result.remarks.end(), found.remarks.begin(), found.remarks.end());
   result.not_tried = found.not_tried;
+  if (!found.not_tried.empty()) {
+    result.remarks.push_back("the work that a diagnosis may cost was spent; not tried: " +
+                             identification::joined(found.not_tried));
+  }
   result.residual_power = residual_power(whole, space, found);
   const LeftByFit left = left_by(problem, found.best.fit);
   result.unexplained = left.any();
