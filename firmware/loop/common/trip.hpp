@@ -171,7 +171,7 @@ struct Trip {
   std::int8_t interlock = -1;               ///< which interlock was open; −1: none
 };
 
-/// What a guard has found about a channel. Written out at each place it would take a kilobyte of a board's flash.
+/// A hazard that a guard has found in a channel. Written out at each place it would take a kilobyte of a board's flash.
 [[nodiscard]] std::optional<Trip> hazard_of(Reason reason, model::Channel channel, double value, double limit,
                                             hal::Time now);
 

@@ -1,8 +1,6 @@
 // Does the measured force answer the motion at all?
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 
 #include "firmware/loop/common/settings.hpp"

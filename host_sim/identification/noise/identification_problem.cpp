@@ -15,7 +15,7 @@ using model::Channel;
 /// [s] A truncated window is no shorter: two periods of 1 Hz.
 constexpr double shortest_truncated = 2.0;
 
-/// Whether all that is known of the noise is that it is no louder: white noise that nobody has declared was read off the
+/// Whether a channel's noise is known as an upper bound only: white noise that nobody has declared was read off the
 /// samples' highest third of the frequencies, and motion that reaches there passes for noise.
 bool is_bound(const PreparedRecording& r, Channel channel) {
   const ChannelNoise& noise = r.channel_noise[index(channel)];

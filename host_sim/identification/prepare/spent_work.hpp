@@ -1,4 +1,4 @@
-// What the simulations of a diagnosis have cost so far.
+// Counts the model steps that the simulations of a diagnosis cost.
 #pragma once
 
 #include <atomic>

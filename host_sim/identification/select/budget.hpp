@@ -29,11 +29,11 @@ class StageBudget {
   double end_;  ///< [steps of the model]
 };
 
-/// Whether a stage may begin: less than most_work() is spent. Else it enters SearchResult::not_tried under the
+/// True if a stage may begin: less than most_work() is spent. Else it enters SearchResult::not_tried under the
 /// name `stage`.
 [[nodiscard]] bool may_begin(const IdentificationProblem& problem, const std::string& stage, SearchResult& found);
 
-/// What two searches did not try, where only one of them is kept.
+/// Adds to `found` the steps that another search left out, of which only this one is kept.
 void add_not_tried(const SearchResult& other, SearchResult& found);
 
 }  // namespace host_sim::identification

@@ -424,7 +424,8 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   return false;
 }
 
-/// What another effect, one for several sensors, or a fault of the recording says of an effect in its place.
+/// Replaces an effect by another one, by one for several sensors, or by a fault of the recording: by the first of these
+/// that is better. nullopt: none is.
 std::optional<CandidateModel> Search::rewritten(std::size_t effect, const SearchResult& found) const {
   if (auto other = instead_of_limit(effect, found)) return other;
   if (auto shared = in_group(fitter_, found.best, effect)) return shared;

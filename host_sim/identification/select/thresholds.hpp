@@ -90,9 +90,9 @@ inline constexpr double continuation_shares[] = {0.1, 0.16, 0.25, 0.35, 0.5, 0.7
 /// 2026120500). Half and twice were not tried.
 inline constexpr double distance_shift = 1.05;
 
-/// [steps of the model] Work that a diagnosis may spend on each fitted recording before steps of it are left out (budget.hpp): 15 to 20 s of one
-/// core, since ten whole diagnoses of benches and cars took 9 to 14 ns a step. Half: the slowest real recordings are told
-/// without laws. Twice: twice the time of the slowest.
+/// [steps of the model] Work that a diagnosis may spend on each fitted recording before stages are left out (budget.hpp):
+/// 15 to 20 s of one core, since whole diagnoses of benches and cars take 9 to 14 ns a step. Half: the slowest real
+/// recordings are told without laws. Twice: twice the time of the slowest.
 inline constexpr double most_work = 1.5e9;
 
 /// Steps of a fit that tell the starts of a machine's effects apart, and how many of the best are followed to the end
