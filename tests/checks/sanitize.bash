@@ -21,7 +21,7 @@ Backlash.IsStepped* EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther*
 ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstReference.Follows*Delay ModelAgainstReference.Follows*Friction
 ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Pages.* PairsOfParts.* PairsOfPartsCommand.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N* Plan.P*
 Plan.S* Plan.W* PlanCommand.* Questions/* RecordingFaults.A* RecordingFaults.Damping* RecordingFaults.Delays* RecordingFaults.Hum* RecordingFaults.Mains* RecordingFaults.One*
-RecordingFaults.TheInputs* RecordingFaults.WhatOnly* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.SurvivesAbsurd* Replication.Inverts* Replication.StaysWithin* RivalParameters.* Rest.IsNot* Rths.* SampledLoop.AddsHalf*
+RecordingFaults.TheInputs* RecordingFaults.WhatOnly* Reference.Names* Reference.Whitens* RecordingMat.SurvivesDamaged* Refit.FitsReal* Refit.SurvivesAbsurd* Replication.Inverts* Replication.StaysWithin* RivalParameters.* Rest.IsNot* Rths.* SampledLoop.AddsHalf*
 SampledLoop.TendsTo* Search.* SearchApart.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityCommand.LimitsHold* StabilityMap.IsExact* StabilityMap.TakesAny*
 StabilityReport.IsWhole* StackFit.Diagnosis* Sensitivity.IsTheChange* SuspectParameters.A* SuspectParameters.E* SuspectParameters.H* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand* SuspectParameters.Take*
 SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is* TransferPosterior.StaysAt*

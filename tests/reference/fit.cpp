@@ -93,7 +93,7 @@ void Problem::differentiate(Fit& fit, Index from) const {
 Fit Problem::fit(const Model& start, const MatrixXd& known, int most) const {
   Fit f{start, parameters_of(start, recordings_.front(), scales_), residual(start)};
   f.jacobian = MatrixXd::Zero(f.residual.size(), static_cast<Index>(f.parameters.size()));
-  f.jacobian.leftCols(known.cols()) = known;
+  if (known.cols() > 0) f.jacobian.leftCols(known.cols()) = known;
   for (bool tempered = known.cols() == 0, done = false; !done; done = tempered, tempered = true) {
     const auto left = [&](const VectorXd& r) { return tempered ? counted(r) : r.squaredNorm(); };
     for (int i = 0; i < most; ++i) {
