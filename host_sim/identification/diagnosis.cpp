@@ -40,7 +40,7 @@ void require_motion(const IdentificationProblem& problem) {
 /// everything, it takes their place if it leaves nothing but noise.
 Learned explain_rest(const firmware::RigDescription& description, IdentificationProblem& problem,
                      const SearchSpace& space, const ProgressCallback& progress, SearchResult& found) {
-  if (!may_begin(problem, "events from outside and laws", found)) return {};
+  if (!may_begin(problem, "events from outside and laws")) return {};
   if (!leaves_a_rest(problem, found)) return learn_laws(problem, space, progress, found);
   IdentificationProblem whole = problem;
   SearchResult without_events = found;
@@ -67,7 +67,7 @@ Identified identify(const firmware::RigDescription& description, std::vector<Rec
   SearchSpace space = search_space(description, problem.samples(), given);                              // estimate/
   SearchResult found = select_model(problem, space, progress);                                          // select/
   Learned learned = explain_rest(description, problem, space, progress, found);                         // learn/
-  if (may_begin(problem, "parameters as rivals", found)) find_rival_parameters(problem, space, found);  // select/
+  if (may_begin(problem, "parameters as rivals")) find_rival_parameters(problem, space, found);  // select/
   Diagnosis diagnosis = assess(description, problem, space, std::move(relations), found, learned);      // assess/
   diagnosis.remarks.insert(diagnosis.remarks.begin(), data.remarks.begin(), data.remarks.end());
   return {std::move(problem), std::move(space), std::move(found), std::move(learned), std::move(diagnosis)};

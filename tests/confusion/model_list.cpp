@@ -12,9 +12,8 @@ using namespace host_sim::identification;
 
 std::vector<ComparedModel> compared_models(Identified& identified) {
   const SelectionCriterion criterion;
-  Effort effort;
   const SearchResult& found = identified.found;
-  const ModelFitter fitter(identified.problem, identified.space.common, criterion, effort);
+  const ModelFitter fitter(identified.problem, identified.space.common, criterion);
   std::vector<ComparedModel> list;
   const auto add = [&](const CandidateModel& model) {
     ComparedModel compared;

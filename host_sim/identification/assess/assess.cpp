@@ -305,15 +305,15 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const Uncertainty& known = supported.known;
   const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
   result.relations = std::move(relations);
-  result.simulations = found.simulations;
-  result.candidates = found.candidates;
+  result.simulations = whole.work().simulations();
+  result.candidates = whole.work().candidates();
   const auto of_noise = noise_remarks(problem);
   result.remarks.insert(result.remarks.begin(), of_noise.begin(), of_noise.end());
   result.remarks.insert(result.remarks.end(), found.remarks.begin(), found.remarks.end());
-  result.not_tried = found.not_tried;
-  if (!found.not_tried.empty()) {
+  result.not_tried = whole.work().left_out();
+  if (!result.not_tried.empty()) {
     result.remarks.push_back("the work that a diagnosis may cost was spent; not tried: " +
-                             identification::joined(found.not_tried));
+                             identification::joined(result.not_tried));
   }
   result.residual_power = residual_power(whole, space, found);
   const LeftByFit left = left_by(problem, found.best.fit);

@@ -26,7 +26,7 @@ void erase_at(std::vector<T>& list, std::size_t i) {
 class Reduction {
  public:
   Reduction(const IdentificationProblem& problem, const SearchSpace& space, const SearchResult& found)
-      : problem_(problem), space_(untied(space, found.freed)), fitter_(problem_, space_.common, criterion_, effort_) {}
+      : problem_(problem), space_(untied(space, found.freed)), fitter_(problem_, space_.common, criterion_) {}
 
   [[nodiscard]] CandidateModel without_effect(const SearchResult& found, std::size_t i) const {
     const bool alone = found.best.effects.size() == 1 && found.best.faults().empty() && found.freed.empty() &&
@@ -49,14 +49,12 @@ class Reduction {
     for (std::vector<FoundCause>* const list : {&found.causes, &found.faults}) {
       for (FoundCause& cause : *list) cause.shift_rivals(shift);
     }
-    found.simulations += effort_.simulations;
   }
 
  private:
   SelectionCriterion criterion_;
   IdentificationProblem problem_;
   SearchSpace space_;
-  Effort effort_;
   ModelFitter fitter_;
 };
 

@@ -63,11 +63,7 @@ void find_simulated_columns(const IdentificationProblem& problem, Fit& at, const
     if (parameter.role == FreeParameter::Role::start) variations.back().recording = parameter.recording;
     steps.push_back(step);
   }
-  at.simulations += columns.size();
-  if (halved) {
-    variations.push_back({at.hypothesis, std::nullopt});
-    ++at.simulations;
-  }
+  if (halved) variations.push_back({at.hypothesis, std::nullopt});
   const std::vector<Eigen::VectorXd> values =
       residuals_of_each(problem, variations, true, halved ? nullptr : &at.prediction);
   const Eigen::VectorXd& base = halved ? values.back() : at.residual;
@@ -112,7 +108,6 @@ class FitProblem {
     if (!is_rig(problem_, tried_)) return std::nullopt;
     tried_prediction_ = predict(problem_, tried_);
     tried_residual_ = residuals(problem_, tried_prediction_);
-    ++fit_.simulations;
     return tried_residual_.squaredNorm();
   }
   void accept() {
@@ -178,7 +173,6 @@ void refine_jacobian(const IdentificationProblem& problem, Fit& fit) {
       if (parameter.role == FreeParameter::Role::start) variations.back().recording = parameter.recording;
     }
   }
-  fit.simulations += variations.size();
   const std::vector<Eigen::VectorXd> values = residuals_of_each(problem, variations, false, &fit.prediction);
   for (std::size_t i = 0; i < apart.size(); ++i) {
     if (!(apart[i] > 0.0)) continue;
@@ -208,7 +202,6 @@ Fit fit(const IdentificationProblem& problem, Hypothesis start, std::vector<Free
   result.parameters = std::move(parameters);
   result.prediction = predict(problem, result.hypothesis);
   result.residual = residuals(problem, result.prediction);
-  result.simulations = 1;
   result.chi_squared = result.residual.squaredNorm();
   if (!std::isfinite(result.chi_squared)) result.chi_squared = std::numeric_limits<double>::infinity();
   result.jacobian.resize(result.residual.size(), static_cast<Eigen::Index>(result.parameters.size()));

@@ -25,7 +25,6 @@ struct Fit {
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;  ///< J at or near the minimum
   double chi_squared = 0.0;
-  std::size_t simulations = 0;  ///< that it took
 
   /// (3); also of parameters at a bound: a bound says where the truth is not, not where it is.
   [[nodiscard]] Eigen::MatrixXd covariance() const;

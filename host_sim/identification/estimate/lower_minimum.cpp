@@ -45,31 +45,25 @@ Hypothesis beside(const Fit& fit, const Eigen::VectorXd& change) {
 }
 
 /// As long as slopes over what the data cannot tell apart lead down.
-std::size_t follow_slopes(const IdentificationProblem& problem, Fit& fit) {
-  std::size_t simulations = 0;
+void follow_slopes(const IdentificationProblem& problem, Fit& fit) {
   for (int round = 0; round < thresholds::slope_rounds; ++round) {
-    const std::size_t before = fit.simulations;
     refine_jacobian(problem, fit);
-    simulations += fit.simulations - before;
     Fit on = identification::fit(problem, fit.hypothesis, fit.parameters, thresholds::lower_steps, fit.jacobian);
-    simulations += on.simulations;
     const double gained = fit.chi_squared - on.chi_squared;
     if (gained > 0.0) fit = std::move(on);
     if (gained < thresholds::smooth_valley) break;
   }
-  return simulations;
 }
 
 }  // namespace
 
-std::size_t find_lower_minimum(const IdentificationProblem& problem, Fit& fit) {
-  if (fit.parameters.empty() || !has_corners(fit.hypothesis.rig)) return 0;
-  std::size_t simulations = fit.parameters.size();
+void find_lower_minimum(const IdentificationProblem& problem, Fit& fit) {
+  if (fit.parameters.empty() || !has_corners(fit.hypothesis.rig)) return;
   refresh_jacobian(problem, fit);
-  if (!fit.jacobian.allFinite()) return simulations;
-  simulations += follow_slopes(problem, fit);
+  if (!fit.jacobian.allFinite()) return;
+  follow_slopes(problem, fit);
   const Eigen::LLT<Eigen::MatrixXd> covariance(fit.covariance());
-  if (covariance.info() != Eigen::Success) return simulations;
+  if (covariance.info() != Eigen::Success) return;
   const Eigen::MatrixXd spread = covariance.matrixL();
   NormalNumbers normal;
   bool found = false;
@@ -85,7 +79,6 @@ std::size_t find_lower_minimum(const IdentificationProblem& problem, Fit& fit) {
     Fit* best = nullptr;
     bool smooth = true;
     for (Fit& other : tries) {
-      simulations += other.simulations;
       if (other.parameters.empty()) continue;
       smooth = smooth && std::abs(other.chi_squared - fit.chi_squared) < thresholds::smooth_valley;
       if (best == nullptr || other.chi_squared < best->chi_squared) best = &other;
@@ -95,8 +88,7 @@ std::size_t find_lower_minimum(const IdentificationProblem& problem, Fit& fit) {
     found = true;
     fit = std::move(*best);
   }
-  if (found) simulations += follow_slopes(problem, fit);
-  return simulations;
+  if (found) follow_slopes(problem, fit);
 }
 
 }  // namespace host_sim::identification

@@ -16,9 +16,8 @@ namespace host_sim::identification {
 ///
 /// that is from where the parameters may as well be, with the same Jacobian, from four places at once. The best becomes
 /// u where it is better, thresholds::lower_rounds times. Then the fit goes on there. Where all four end where they
-/// began the valley is smooth, and the first round is the last. Returns the simulations that it took; 0 without
-/// corners. Draws are the same in every run. Source: D. J. Wales and J. P. K. Doye, J. Phys. Chem. A 101, 1997 (basin
+/// began the valley is smooth, and the first round is the last. Nothing without corners. Draws are the same in every run. Source: D. J. Wales and J. P. K. Doye, J. Phys. Chem. A 101, 1997 (basin
 /// hopping).
-std::size_t find_lower_minimum(const IdentificationProblem& problem, Fit& fit);
+void find_lower_minimum(const IdentificationProblem& problem, Fit& fit);
 
 }  // namespace host_sim::identification

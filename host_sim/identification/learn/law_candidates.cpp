@@ -105,13 +105,12 @@ std::optional<Hypothesis> LawSearch::start_of(const Beside& beside) const {
 /// them: of a real damper the mount and the mass behind the load cell are seen only beside the curve.
 void LawSearch::grow(Curve& curve) const {
   IdentificationProblem part = part_;
-  Effort effort;
   for (std::size_t more = 0; more < thresholds::grown_effects; ++more) {
     const Hypothesis& hypothesis = curve.fit.model.fit.hypothesis;
     std::vector<FreeParameter> free = space_.common;
     const auto of_laws = law_parameters(hypothesis.laws);
     free.insert(free.end(), of_laws.begin(), of_laws.end());
-    const ModelFitter fitter(part, std::move(free), criterion_, effort);
+    const ModelFitter fitter(part, std::move(free), criterion_);
     if (fitter.leaves_noise(curve.fit.model)) return;
     const CandidateModel base = fitter.refitted(hypothesis, curve.beside.effects, 0);
     auto list = fitter.extended(base, found_.scales, thresholds::grown_candidates);

@@ -67,7 +67,7 @@ class LawSearch {
   void weigh_anew();
   void adopt(Candidate law);
   void tell(double share, const char* what) const {
-    if (progress_) progress_(share, what, found_.simulations, found_.candidates);
+    if (progress_) progress_(share, what, problem_.work().simulations(), problem_.work().candidates());
   }
 
   /// As much of the recordings as tells laws apart, at a coarse step.

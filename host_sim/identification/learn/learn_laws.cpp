@@ -218,17 +218,17 @@ Learned LawSearch::learn() {
   const StageBudget budget(problem_);
   tell(0.96, "learning a law");
   std::vector<Candidate> list = candidates(curves());
-  if (budget.allows(problem_, "laws with memory", found_)) {
+  if (budget.allows(problem_, "laws with memory")) {
     for (Candidate& stack : stacks()) list.push_back(std::move(stack));
   }
-  if (budget.allows(problem_, "laws over deflection and velocity", found_)) {
+  if (budget.allows(problem_, "laws over deflection and velocity")) {
     for (Candidate& surface : surfaces()) list.push_back(std::move(surface));
   }
   std::sort(list.begin(), list.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
   learned.contenders = contenders(list);
   if (list.empty() || !is_kept_alone(list.front(), learned)) {
     auto surface =
-        may_begin(problem_, "a free law over deflection and velocity", found_) ? free_surface(list) : std::nullopt;
+        may_begin(problem_, "a free law over deflection and velocity") ? free_surface(list) : std::nullopt;
     if (!surface || !is_kept_alone(*surface, learned)) return learned;
     list.insert(list.begin(), std::move(*surface));
     learned.contenders = contenders(list);
@@ -251,7 +251,7 @@ Learned learn_laws(IdentificationProblem& problem, const SearchSpace& space, con
   Hypothesis without = found.best.fit.hypothesis;
   Learned learned = LawSearch(problem, space, progress, reasons, found).learn();
   if (learned.found) learned.without = std::move(without);
-  if (!learned.found || !leaves_a_rest(problem, found) || !may_begin(problem, "a second law", found)) return learned;
+  if (!learned.found || !leaves_a_rest(problem, found) || !may_begin(problem, "a second law")) return learned;
   // A curve beside branches with memory, or one over the other variable; a free surface holds both variables.
   if (found.best.fit.hypothesis.laws.back().family == LawFamily::free_surface) return learned;
   const Reasons rest{.rest = true};

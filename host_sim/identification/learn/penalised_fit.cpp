@@ -92,7 +92,6 @@ bool PenalisedFit::step() {
     if (firmware::find_rig_fault(tried.rig, problem_.sample_period())) continue;
     Prediction prediction = predict(problem_, tried);
     Eigen::VectorXd residual = residuals(problem_, prediction);
-    ++fit_.simulations;
     const Eigen::VectorXd law = known_.now + d.segment(first_, count_);
     const double after = residual.squaredNorm() / temper + lambda * law.dot(penalty * law);
     if (!(after < before)) continue;

@@ -97,8 +97,9 @@ bool ProblemRecording::holds_motion() const {
   });
 }
 
-IdentificationProblem::IdentificationProblem(std::vector<PreparedRecording> recordings)
-    : samples_(std::make_shared<const std::vector<PreparedRecording>>(std::move(recordings))) {
+IdentificationProblem::IdentificationProblem(std::vector<PreparedRecording> recordings) {
+  for (PreparedRecording& r : recordings) r.work = recordings.front().work;
+  samples_ = std::make_shared<const std::vector<PreparedRecording>>(std::move(recordings));
   for (const PreparedRecording& r : *samples_) {
     recordings_.push_back({&r, r.fitted, r.held_out, r.substeps, r.channel_noise, {}, std::nullopt, std::nullopt});
   }

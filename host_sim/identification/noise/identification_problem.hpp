@@ -48,6 +48,8 @@ class IdentificationProblem {
   [[nodiscard]] std::size_t residual_count() const;  ///< of the fitted windows
   [[nodiscard]] std::size_t fitted_count() const;    ///< recordings
   [[nodiscard]] bool has_held_out() const;
+  /// Of this problem and of all its copies and parts.
+  [[nodiscard]] SpentWork& work() const { return *samples_->front().work; }
 
   /// Weights residuals anew for what a hypothesis makes of the input's noise, and for the noise of channels that their
   /// own samples did not tell from motion: what the hypothesis leaves of them (sensor_noise.hpp). Where it has free

@@ -96,7 +96,7 @@ void count_work(const PreparedRecording& recording, const RigVariation& variatio
   const auto count = static_cast<double>(samples == 0 ? recording.size() : std::min(samples, recording.size()));
   double cost = count * (static_cast<double>(steps) + around);
   if (variation.every > 0) cost += new_matrices * count / static_cast<double>(variation.every);
-  recording.work->add(recording.machine ? 2.0 * cost : cost);
+  recording.work->add_simulation(recording.machine ? 2.0 * cost : cost);
 }
 
 /// The same rig with another machine.

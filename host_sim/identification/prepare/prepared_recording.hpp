@@ -78,7 +78,7 @@ struct PreparedRecording {
   double input_edge = 0.0;  ///< [Hz] the input is smoothed above (smoothed_input.hpp); 0: it is as recorded
   /// Model steps per sample where friction, free play or stops act (comparison/fine_steps.hpp).
   int substeps = 1;
-  /// Of all simulations of it; copies, and parts of it, count together.
+  /// Of all that is done with it; copies and parts count together, and so do the recordings of one problem.
   std::shared_ptr<SpentWork> work = std::make_shared<SpentWork>();
 
   /// The motion that samples of the driving channel say, smoothed as the input is.

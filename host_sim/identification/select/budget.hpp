@@ -7,11 +7,6 @@
 
 namespace host_sim::identification {
 
-struct SearchResult;
-
-/// [steps of the model] What all simulations of the problem's recordings have cost so far (prepare/spent_work.hpp).
-[[nodiscard]] double spent_work(const IdentificationProblem& problem);
-
 /// [steps of the model] What may be spent: thresholds::most_work for each recording that is fitted.
 [[nodiscard]] double most_work(const IdentificationProblem& problem);
 
@@ -21,19 +16,15 @@ struct SearchResult;
 class StageBudget {
  public:
   explicit StageBudget(const IdentificationProblem& problem);
-  [[nodiscard]] bool is_spent(const IdentificationProblem& problem) const { return spent_work(problem) >= end_; }
-  /// Else `step` enters SearchResult::not_tried.
-  [[nodiscard]] bool allows(const IdentificationProblem& problem, const std::string& step, SearchResult& found) const;
+  [[nodiscard]] bool is_spent(const IdentificationProblem& problem) const { return problem.work().steps() >= end_; }
+  /// Else `step` is left out (SpentWork::leave_out).
+  [[nodiscard]] bool allows(const IdentificationProblem& problem, const std::string& step) const;
 
  private:
   double end_;  ///< [steps of the model]
 };
 
-/// True if a stage may begin: less than most_work() is spent. Else it enters SearchResult::not_tried under the
-/// name `stage`.
-[[nodiscard]] bool may_begin(const IdentificationProblem& problem, const std::string& stage, SearchResult& found);
-
-/// Adds to `found` the steps that another search left out, of which only this one is kept.
-void add_not_tried(const SearchResult& other, SearchResult& found);
+/// True if a stage may begin: less than most_work() is spent. Else it is left out under the name `stage`.
+[[nodiscard]] bool may_begin(const IdentificationProblem& problem, const std::string& stage);
 
 }  // namespace host_sim::identification

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "host_sim/identification/estimate/free_parameter.hpp"
 #include "host_sim/identification/predict/true_input.hpp"
 #include "host_sim/identification/prepare/sample_faults.hpp"
 #include "host_sim/identification/select/ripple_period.hpp"

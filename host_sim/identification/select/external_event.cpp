@@ -310,9 +310,6 @@ bool select_without(const firmware::RigDescription& description, IdentificationP
                     IdentificationProblem without, LeftOut out, const SearchSpace& space,
                     const ProgressCallback& progress, SearchResult& found) {
   SearchResult again = select_in_noise(without, space, progress);
-  found.simulations += again.simulations;
-  found.candidates += again.candidates;
-  add_not_tried(again, found);
   if (leaves_rest(without, again.best.fit)) return false;
   leave_out_what_lasts(without, space, progress, out, again);
   const SelectionCriterion criterion;
@@ -322,9 +319,6 @@ bool select_without(const firmware::RigDescription& description, IdentificationP
   if (!(gain > 0.0) && !out.held_out) return false;
   again.events = timed(description, problem, again.best.fit.hypothesis, out);
   if (again.events.empty()) return false;
-  again.simulations = found.simulations;
-  again.candidates = found.candidates;
-  add_not_tried(found, again);
   for (ExternalEvent& event : again.events) event.gain = std::max(gain, 0.0);
   found = std::move(again);
   problem = std::move(without);

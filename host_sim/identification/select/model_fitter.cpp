@@ -94,7 +94,6 @@ CandidateModel ModelFitter::fitted(const Hypothesis& start, std::vector<firmware
   CandidateModel result;
   result.fit = fit(problem_, start, parameters(start, effects), most, known_jacobian);
   result.channels = problem_.channels().size();
-  effort_.simulations += result.fit.simulations;
   result.effects = read_back(result.fit.hypothesis, std::move(effects));
   return result;
 }
@@ -102,16 +101,13 @@ CandidateModel ModelFitter::fitted(const Hypothesis& start, std::vector<firmware
 CandidateModel ModelFitter::refitted(const Hypothesis& start, std::vector<firmware::PlacedEffect> effects,
                                      int most) const {
   CandidateModel result = fitted(start, std::move(effects), most);
-  const std::size_t before = result.fit.simulations;
   refresh_jacobian(problem_, result.fit);
-  effort_.simulations += result.fit.simulations - before;
   return result;
 }
 
 CandidateModel ModelFitter::refitted_in(IdentificationProblem& problem, const SearchSpace& space,
                                         const SelectionCriterion& criterion, const CandidateModel& model) {
-  Effort effort;
-  return ModelFitter(problem, space.common, criterion, effort).refitted(model.fit.hypothesis, model.effects, 6);
+  return ModelFitter(problem, space.common, criterion).refitted(model.fit.hypothesis, model.effects, 6);
 }
 
 void ModelFitter::refit(CandidateModel& model, int most) const {
@@ -164,7 +160,6 @@ std::vector<ModelFitter::Direction> ModelFitter::directions_of(const CandidateMo
     simulated[s].change = values[s] - base.fit.residual;
     tried.push_back(std::move(simulated[s]));
   }
-  effort_.simulations += variations.size();
   std::erase_if(tried, [](const Direction& d) { return !d.change.allFinite(); });
   return tried;
 }
@@ -273,7 +268,7 @@ CandidateModel ModelFitter::fitted_beside(const CandidateModel& base, const Scan
 std::vector<CandidateModel> ModelFitter::extended(const CandidateModel& base, const Scales& scales, std::size_t most,
                                                   double least) const {
   auto scanned = scan(base, scales);
-  effort_.candidates += scanned.size();
+  problem_.work().add_candidates(scanned.size());
   if (scanned.empty()) return {};
   const double good = thresholds::promising_beside_best * scanned.front().starts.front().first;
   const auto promises = [](const Scanned& s) { return s.starts.front().first; };
@@ -305,7 +300,7 @@ std::optional<CandidateModel> ModelFitter::extended_by_fault(const CandidateMode
       return candidate.gain < penalty(criterion_, candidate.fault, problem_.channels().size());
     });
   }
-  effort_.candidates += list.size();
+  problem_.work().add_candidates(list.size());
   std::erase_if(list, [least](const FaultCandidate& candidate) { return candidate.gain < least; });
   if (list.size() > thresholds::fitted_faults) list.resize(thresholds::fitted_faults);
   std::vector<CandidateModel> models(list.size());
@@ -467,7 +462,6 @@ void ModelFitter::refit_from_other_distances(CandidateModel& model) const {
 CandidateModel ModelFitter::grown_from(Hypothesis start, const std::vector<firmware::PlacedEffect>& effects) const {
   for (const double share : thresholds::continuation_shares) {
     Fit part = fit(problem_.truncated(share), start, parameters(start, effects), 10);
-    effort_.simulations += part.simulations;
     start = std::move(part.hypothesis);
   }
   return refitted(start, effects, 8);

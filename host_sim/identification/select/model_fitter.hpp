@@ -1,7 +1,6 @@
 // Fits candidate models to one problem: a set of effects, and one effect more beside it.
 #pragma once
 
-#include <atomic>
 #include <optional>
 #include <span>
 #include <utility>
@@ -13,12 +12,6 @@
 namespace host_sim::identification {
 
 class LinearRefit;
-
-/// Work done so far, counted from several threads.
-struct Effort {
-  std::atomic<std::size_t> simulations{0};
-  std::atomic<std::size_t> candidates{0};
-};
 
 /// Leaves of a fit its result, not the Jacobian and prediction that only a next step would need: megabytes for minutes.
 void drop_jacobian(Fit& fit);
@@ -32,16 +25,15 @@ void drop_jacobian(Fit& fit);
 /// costs one simulation, and a sensor effect none.
 class ModelFitter {
  public:
-  /// `common`: parameters that are free in every model. Problem, criterion and effort outlive the fitter.
-  ModelFitter(IdentificationProblem& problem, std::vector<FreeParameter> common, const SelectionCriterion& criterion,
-              Effort& effort)
-      : problem_(problem), common_(std::move(common)), criterion_(criterion), effort_(effort) {}
+  /// `common`: parameters that are free in every model. Problem and criterion outlive the fitter.
+  ModelFitter(IdentificationProblem& problem, std::vector<FreeParameter> common, const SelectionCriterion& criterion)
+      : problem_(problem), common_(std::move(common)), criterion_(criterion) {}
 
   [[nodiscard]] const IdentificationProblem& problem() const { return problem_; }
   [[nodiscard]] const SelectionCriterion& criterion() const { return criterion_; }
   /// The same with other common parameters.
   [[nodiscard]] ModelFitter with_common(std::vector<FreeParameter> common) const {
-    return {problem_, std::move(common), criterion_, effort_};
+    return {problem_, std::move(common), criterion_};
   }
   /// Weights residuals anew for a hypothesis; what was fitted must be refitted. false: nothing changed.
   bool update_input_noise(const Hypothesis& hypothesis) { return problem_.update_input_noise(hypothesis); }
@@ -143,7 +135,6 @@ class ModelFitter {
   IdentificationProblem& problem_;
   std::vector<FreeParameter> common_;
   const SelectionCriterion& criterion_;
-  Effort& effort_;
 };
 
 }  // namespace host_sim::identification

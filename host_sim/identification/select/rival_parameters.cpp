@@ -43,7 +43,6 @@ class Resemblance {
   [[nodiscard]] double squared_cosine(std::size_t effect, std::size_t suspect) const;
   /// Whether the one number of an effect changes the residuals as a parameter does.
   [[nodiscard]] bool is_one_number(std::size_t effect, std::size_t suspect) const;
-  [[nodiscard]] std::size_t simulations() const { return simulations_; }
 
  private:
   [[nodiscard]] static double squared_cosine(const Eigen::MatrixXd& gram, const std::vector<Index>& others, Index one,
@@ -54,16 +53,12 @@ class Resemblance {
   std::vector<Index> suspects_;          ///< column of each
   std::vector<std::vector<Index>> own_;  ///< columns of the parameters of each effect
   std::vector<Index> changes_;           ///< column of what each effect changes
-  std::size_t simulations_ = 0;
 };
 
 Resemblance::Resemblance(const IdentificationProblem& problem, const CandidateModel& best,
                          const std::vector<FreeParameter>& suspects) {
   Fit fit = best.fit;
-  if (fit.jacobian.cols() != static_cast<Index>(fit.parameters.size())) {
-    refresh_jacobian(problem, fit);
-    simulations_ += fit.parameters.size();
-  }
+  if (fit.jacobian.cols() != static_cast<Index>(fit.parameters.size())) refresh_jacobian(problem, fit);
   std::vector<Variation> variations;
   std::vector<double> steps;
   Index columns = fit.jacobian.cols();
@@ -92,7 +87,6 @@ Resemblance::Resemblance(const IdentificationProblem& problem, const CandidateMo
     for (std::size_t p = 0; p < effect_parameters(effect).size(); ++p) own.push_back(first++);
   }
   const std::vector<Eigen::VectorXd> values = residuals_of_each(problem, variations, false, &fit.prediction);
-  simulations_ += variations.size();
   Eigen::MatrixXd all(fit.residual.size(), columns);
   all.leftCols(fit.jacobian.cols()) = fit.jacobian;
   for (std::size_t v = 0; v < values.size(); ++v) {
@@ -140,8 +134,7 @@ void find_rival_parameters(IdentificationProblem& problem, const SearchSpace& sp
   found.causes.resize(best.effects.size());
   for (FoundCause& cause : found.causes) cause.parameters.clear();
   const SelectionCriterion criterion;
-  Effort effort;
-  const ModelFitter fitter(problem, untied(space, found.freed).common, criterion, effort);
+  const ModelFitter fitter(problem, untied(space, found.freed).common, criterion);
   if (best.effects.empty() || !best.fit.hypothesis.laws.empty() || problem.is_apart() || !fitter.leaves_noise(best)) {
     return;
   }
@@ -181,7 +174,6 @@ void find_rival_parameters(IdentificationProblem& problem, const SearchSpace& sp
       return a.penalised_chi_squared < b.penalised_chi_squared;
     });
   }
-  found.simulations += effort.simulations + resemblance.simulations();
 }
 
 }  // namespace host_sim::identification

@@ -45,7 +45,7 @@ class Search {
       : space_(space),
         options_(options),
         criterion_(options.criterion),
-        fitter_(problem, space.common, criterion_, effort_),
+        fitter_(problem, space.common, criterion_),
         budget_(problem),
         first_share_(options.truncates ? share_with(problem, thresholds::seconds_far_above_noise) : 1.0) {}
 
@@ -109,17 +109,13 @@ class Search {
   }
 
   void report(double share, const std::string& what) const {
-    if (options_.progress) options_.progress(share, what, effort_.simulations, effort_.candidates);
-  }
-  void count(SearchResult& found) const {
-    found.simulations = effort_.simulations;
-    found.candidates = effort_.candidates;
+    const SpentWork& work = fitter_.problem().work();
+    if (options_.progress) options_.progress(share, what, work.simulations(), work.candidates());
   }
 
   const SearchSpace& space_;
   const SearchOptions& options_;
   const SelectionCriterion& criterion_;
-  mutable Effort effort_;
   ModelFitter fitter_;
   StageBudget budget_;
   std::map<std::size_t, CandidateModel> reduced_;  ///< the compared model without its effect i, fitted
@@ -155,7 +151,6 @@ void Search::forward(SearchResult& found) {
       beam.front() = found.best;
     }
   }
-  count(found);
 }
 
 /// The tolerated parameters alone, then holds and filters: no fit could say these better than values and noises do.
@@ -245,8 +240,6 @@ void Search::update_noise(std::vector<CandidateModel>& beam, SearchResult& found
 }
 
 void Search::backward(SearchResult& found) {
-  effort_.simulations = found.simulations;
-  effort_.candidates = found.candidates;
   compare_in_sample(found);
   if (fitter_.problem().has_held_out()) {
     for (int round = 0; round < thresholds::most_rounds && !is_spent() && eliminate_by_held_out(found); ++round)
@@ -254,7 +247,6 @@ void Search::backward(SearchResult& found) {
     rate_by_held_out(found);
   }
   found.alone.clear();
-  count(found);
 }
 
 /// Rounds of elimination and swaps on the fitted windows.
@@ -374,7 +366,7 @@ bool Search::improve(std::size_t effect, SearchResult& found) {
   if (fitter_.is_seen(best.effects[effect])) return false;
   report(0.6 + 0.3 * static_cast<double>(effect) / static_cast<double>(best.effects.size()),
          "rivals of " + std::string(best.effects[effect].entry->name));
-  const bool exchanges = budget_.allows(fitter_.problem(), "some exchanges of effects", found);
+  const bool exchanges = budget_.allows(fitter_.problem(), "some exchanges of effects");
   if (auto simpler = fitter_.simplified(best, effect);
       simpler && (ends_at_bound(best.effects[effect]) || criterion_.prefers(*simpler, best))) {
     best = std::move(*simpler);
@@ -555,7 +547,7 @@ bool Search::improve_fault(std::size_t fault, SearchResult& found) {
   }
   FoundCause& support = found.faults[fault];
   support.gain = reduced.fit.chi_squared - best.fit.chi_squared;
-  if (!budget_.allows(fitter_.problem(), "some exchanges of faults", found)) return false;
+  if (!budget_.allows(fitter_.problem(), "some exchanges of faults")) return false;
   // What is of the rig is compared with what is of the recorder by the evidence: where both explain as much, the prior
   // of a component decides, and beside a discrepancy what both leave of it is no difference.
   const double own = evidence(best, found);
@@ -675,7 +667,7 @@ std::vector<CandidateModel> Search::extended(const CandidateModel& base, const S
 /// Candidates are told apart on a part of the windows, then refitted on the whole.
 std::vector<CandidateModel> Search::extended_on_part(const CandidateModel& base, const Scales& scales, bool all) const {
   IdentificationProblem part = fitter_.problem().truncated(first_share_);
-  const ModelFitter on_part(part, space_.common, criterion_, effort_);
+  const ModelFitter on_part(part, space_.common, criterion_);
   const CandidateModel start = on_part.refitted(base.fit.hypothesis, base.effects, 2);
   auto list = on_part.extended(start, scales, most(all), least_gain(start, all));
   const Eigen::MatrixXd none;
@@ -704,13 +696,11 @@ void compare(IdentificationProblem& problem, const SearchSpace& space, const Sea
 
 void refit_on(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
               SearchResult& found) {
-  Effort effort;
-  const ModelFitter fitter(problem, space.common, criterion, effort);
+  const ModelFitter fitter(problem, space.common, criterion);
   const double before = found.best.penalised_chi_squared(criterion);
   const auto part = static_cast<double>(found.best.fit.residual.size());
   fitter.refit(found.nothing, 8);
   fitter.refit(found.best, 8);
-  found.simulations += effort.simulations;
   const double larger = static_cast<double>(found.best.fit.residual.size()) / part;
   const double after = found.best.penalised_chi_squared(criterion);
   for (std::vector<FoundCause>* const list : {&found.causes, &found.faults}) {

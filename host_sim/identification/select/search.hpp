@@ -71,10 +71,7 @@ struct SearchResult {
   std::vector<SuspectParameter> suspects;  ///< each of them
   std::vector<CandidateModel> alone;       ///< single effects that were tried, best first; until they are compared
   Scales scales{};                         ///< from `nothing` before any effect was tried
-  std::size_t simulations = 0;
-  std::size_t candidates = 0;            ///< tried
-  std::vector<std::string> remarks;      ///< rivals that only effects of sensors make
-  std::vector<std::string> not_tried{};  ///< steps for which the budget was spent (budget.hpp)
+  std::vector<std::string> remarks;        ///< rivals that only effects of sensors make
 };
 
 /// Called during a search: share of the whole, what is done, simulations and candidates so far.

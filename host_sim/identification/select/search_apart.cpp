@@ -75,7 +75,7 @@ struct Machine {
 class MachineSearch {
  public:
   MachineSearch(IdentificationProblem stroke, const SearchSpace& space, const Scales& scales)
-      : stroke_(std::move(stroke)), fitter_(stroke_, {}, criterion_, effort_), given_(space.given) {
+      : stroke_(std::move(stroke)), fitter_(stroke_, {}, criterion_), given_(space.given) {
     for (Candidate& candidate : candidates(stroke_.samples(), given_, scales)) {
       if (candidate.entry->subsystem == model::Subsystem::machine) candidates_.push_back(std::move(candidate));
     }
@@ -97,7 +97,6 @@ class MachineSearch {
     });
     return machines;
   }
-  [[nodiscard]] const Effort& effort() const { return effort_; }
 
  private:
   /// From each of the starts, of two effects from each pair of theirs, a few steps; then to the end from the best that
@@ -144,18 +143,13 @@ class MachineSearch {
 
   IdentificationProblem stroke_;
   SelectionCriterion criterion_{};
-  mutable Effort effort_{};
   ModelFitter fitter_;
   const Hypothesis& given_;
   std::vector<Candidate> candidates_;
 };
 
-std::vector<Machine> machine_sets(const IdentificationProblem& stroke, const SearchSpace& space, SearchResult& found) {
-  const MachineSearch search(stroke, space, found.scales);
-  std::vector<Machine> machines = search.sets();
-  found.simulations += search.effort().simulations;
-  found.candidates += search.effort().candidates;
-  return machines;
+std::vector<Machine> machine_sets(const IdentificationProblem& stroke, const SearchSpace& space, const Scales& scales) {
+  return MachineSearch(stroke, space, scales).sets();
 }
 
 /// The set with the least error; one with more parameters must be better by thresholds::replaces_error.
@@ -173,8 +167,7 @@ const Machine& best_of(std::vector<Machine>& machines) {
 /// One more effect beside a component, as long as what is held out is explained better by it.
 void grow(IdentificationProblem& force, const SearchSpace& space, const SelectionCriterion& criterion,
           SearchResult& found) {
-  Effort effort;
-  const ModelFitter fitter(force, space.common, criterion, effort);
+  const ModelFitter fitter(force, space.common, criterion);
   double error = held_out_error(force, found.best.fit.hypothesis);
   while (found.best.effects.size() < thresholds::most_effects) {
     std::optional<CandidateModel> better;
@@ -188,8 +181,6 @@ void grow(IdentificationProblem& force, const SearchSpace& space, const Selectio
     if (!better) break;
     found.best = std::move(*better);
   }
-  found.simulations += effort.simulations;
-  found.candidates += effort.candidates;
 }
 
 /// The component in what F says, moved by a machine that is known.
@@ -204,17 +195,12 @@ SearchResult search_component(const IdentificationProblem& force, const SearchSp
     return found;
   };
   SearchResult found = searched(false);
-  if (is_whole(force, found.best.fit) || !may_begin(force, "laws of a component apart", found)) return found;
+  if (is_whole(force, found.best.fit) || !may_begin(force, "laws of a component apart")) return found;
   SearchResult other = searched(true);
-  add_not_tried(found, other);
-  add_not_tried(other, found);
-  const std::size_t simulations = found.simulations + other.simulations, tried = found.candidates + other.candidates;
   const double error = held_out_error(force, found.best.fit.hypothesis);
   if (held_out_error(force, other.best.fit.hypothesis) < thresholds::replaces_error * error) {
     found = std::move(other);
   }
-  found.simulations = simulations;
-  found.candidates = tried;
   return found;
 }
 
@@ -261,16 +247,13 @@ bool search_apart(IdentificationProblem& problem, const SearchSpace& space, cons
                   SearchResult& found) {
   if (!can_be_apart(problem) || !leaves_stroke(problem, found.best.fit.hypothesis)) return false;
   const IdentificationProblem stroke = problem.of_channels({Channel::x_act});
-  std::vector<Machine> machines = machine_sets(stroke, space, found);
+  std::vector<Machine> machines = machine_sets(stroke, space, found.scales);
   const Machine& machine = best_of(machines);
   if (machine.candidates.empty()) return false;
 
   SearchSpace moved = space;
   moved.given = machine.model.fit.hypothesis;
   SearchResult component = search_component(problem.of_channels({Channel::F}), moved, progress);
-  found.simulations += component.simulations;
-  found.candidates += component.candidates;
-  add_not_tried(component, found);
   const Hypothesis& both = component.best.fit.hypothesis;
   const double error = held_out_error(problem, found.best.fit.hypothesis);
   if (held_out_error(problem, both) >= thresholds::replaces_error * error) return false;

@@ -64,15 +64,12 @@ bool search_under_model_error(IdentificationProblem& problem, const SearchSpace&
   bool replaced = false;
   const StageBudget budget(problem);
   for (const bool sensors : {false, true}) {
-    if (sensors && !budget.allows(problem, "sensors under model error", found)) break;
+    if (sensors && !budget.allows(problem, "sensors under model error")) break;
     const SearchOptions options{criterion_under_model_error(sensors), false, progress};
     SearchResult again =
         search_part(problem, space, options, sensors ? to_beat : std::numeric_limits<double>::infinity());
     const double error = pooled_error(problem, again.best.fit.hypothesis);
-    again.simulations += found.simulations;
-    again.candidates += found.candidates;
     again.remarks = found.remarks;
-    add_not_tried(found, again);
     if (error < to_beat) {
       found = std::move(again);
       replaced = true;
@@ -80,9 +77,6 @@ bool search_under_model_error(IdentificationProblem& problem, const SearchSpace&
       to_beat = thresholds::sensors_replace_error * error;
       continue;
     }
-    found.simulations = again.simulations;
-    found.candidates = again.candidates;
-    add_not_tried(again, found);
     if (sensors && error < thresholds::replaces_error * left) {
       found.remarks.push_back(sensor_remark(again, error, left));
     }

@@ -44,8 +44,7 @@ bool comes_in_a_step(const IdentificationProblem& problem, const Fit& best, cons
 void leave_out_steps(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
                      SearchResult& found) {
   if (!found.freed.empty() || found.causes.size() != found.best.effects.size()) return;
-  Effort effort;
-  const ModelFitter fitter(problem, space.common, criterion, effort);
+  const ModelFitter fitter(problem, space.common, criterion);
   if (!fitter.leaves_noise(found.best)) return;
   for (std::size_t i = 0; i < found.causes.size();) {
     const firmware::PlacedEffect& effect = found.best.effects[i];
@@ -60,7 +59,6 @@ void leave_out_steps(IdentificationProblem& problem, const SearchSpace& space, c
     found.causes.erase(found.causes.begin() + static_cast<std::ptrdiff_t>(i));
     i = 0;
   }
-  found.simulations += effort.simulations;
 }
 
 /// The end of a selection. Free play that was found last was a guess when its knocks were looked for
@@ -68,12 +66,10 @@ void leave_out_steps(IdentificationProblem& problem, const SearchSpace& space, c
 void settle(IdentificationProblem& problem, const SearchSpace& space, const SelectionCriterion& criterion,
             SearchResult& found) {
   if (has_free_play(found.best.fit.hypothesis.rig) && problem.update_input_noise(found.best.fit.hypothesis)) {
-    for (Fit* const each : {&found.nothing.fit, &found.best.fit}) {
+    for (Fit* const each : {&found.nothing.fit, &found.best.fit})
       *each = fit(problem, each->hypothesis, each->parameters, 8);
-      found.simulations += each->simulations;
-    }
   }
-  found.simulations += find_lower_minimum(problem, found.best.fit);
+  find_lower_minimum(problem, found.best.fit);
   leave_out_steps(problem, space, criterion, found);
 }
 
@@ -85,8 +81,7 @@ bool select_in_noise(IdentificationProblem& problem, const SearchSpace& space, c
   const StageBudget budget(problem);
   found = search(problem, space, options);
   const auto may_go_on = [&] {
-    return is_whole(problem, found.best.fit) ||
-           budget.allows(problem, "rivals of laws that could imitate others", found);
+    return is_whole(problem, found.best.fit) || budget.allows(problem, "rivals of laws that could imitate others");
   };
   if (worth_comparing > 0.0 && (leaves_more(problem, found.best, found.nothing, worth_comparing) || !may_go_on())) {
     return false;
@@ -107,9 +102,6 @@ bool parameters_explain_all(IdentificationProblem& problem, const SearchSpace& s
   SearchResult off = found;
   const bool better = parameters_instead(other, space, progress, off, true);
   if (!better || off.freed.empty() || !is_whole(other, off.best.fit)) {
-    found.simulations = off.simulations;
-    found.candidates = off.candidates;
-    add_not_tried(off, found);
     return false;
   }
   problem = std::move(other);
@@ -206,37 +198,30 @@ SearchResult select_model(IdentificationProblem& problem, const SearchSpace& spa
   if (off) far = false;
   if (!far && !off) compare(problem, space, options, found);
   if (far || leaves_more(problem, found.best, found.nothing, thresholds::explains_all)) {
-    const bool replaced = may_begin(problem, "search under model error", found) &&
-                          search_under_model_error(problem, space, progress, found);
+    const bool replaced =
+        may_begin(problem, "search under model error") && search_under_model_error(problem, space, progress, found);
     if (far && !replaced) compare(problem, space, options, found);
   }
-  if (found.freed.empty() && may_begin(problem, "parameters in the place of effects", found)) {
+  if (found.freed.empty() && may_begin(problem, "parameters in the place of effects")) {
     compare_parameters(problem, space, progress, found);
   }
   settle(problem, space, {}, found);
   find_constancy(problem, found);
   const bool rest = leaves_a_rest(problem, found);
   if (!rest && !may_be_one_law(found)) return found;
-  if (rest && may_begin(problem, "machine and component apart", found) &&
-      search_apart(problem, space, progress, found)) {
+  if (rest && may_begin(problem, "machine and component apart") && search_apart(problem, space, progress, found)) {
     find_constancy(problem, found);
     return found;
   }
-  if (!may_begin(problem, "laws that could imitate others", found)) return found;
+  if (!may_begin(problem, "laws that could imitate others")) return found;
   IdentificationProblem other = before;
   SearchResult imitating;
   // What leaves that much is no answer, however its effects are exchanged.
   const bool compared =
       select_in_noise(other, space, progress, {.imitating = true}, thresholds::explains_most, imitating);
   if (!compared || !takes_its_place(other, imitating, found, rest)) {
-    found.simulations += imitating.simulations;
-    found.candidates += imitating.candidates;
-    add_not_tried(imitating, found);
     return found;
   }
-  imitating.simulations += found.simulations;
-  imitating.candidates += found.candidates;
-  add_not_tried(found, imitating);
   problem = std::move(other);
   return imitating;
 }

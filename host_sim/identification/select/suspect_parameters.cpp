@@ -65,8 +65,7 @@ class ParameterSearch {
       if (!holds(from.freed, parameter)) suspects.emplace_back(0.0, parameter);
     }
     find_promises(problem_, from.model.fit, suspects);
-    effort_.simulations += suspects.size();
-    effort_.candidates += suspects.size();
+    problem_.work().add_candidates(suspects.size());
     std::sort(suspects.begin(), suspects.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     if (suspects.size() > thresholds::fitted_suspects) suspects.resize(thresholds::fitted_suspects);
     std::erase_if(suspects, [&](const auto& s) { return s.first < thresholds::promising * least_gain; });
@@ -104,7 +103,6 @@ class ParameterSearch {
     const FreeParameter& parameter = other.freed.back();
     parameter.put(variations[1].hypothesis, parameter.get(other.model.fit.hypothesis));
     const std::vector<Eigen::VectorXd> values = residuals_of_each(problem_, variations, false, &whole.fit.prediction);
-    effort_.simulations += variations.size();
     const Eigen::VectorXd by_effect = whole.fit.residual - values[0], by_parameter = values[1] - values[0];
     return by_effect.dot(by_parameter) >= thresholds::at_the_limit * by_effect.norm() * by_parameter.norm();
   }
@@ -112,13 +110,13 @@ class ParameterSearch {
   /// The model without one of its effects, these parameters free.
   [[nodiscard]] CandidateModel without(const CandidateModel& whole, std::size_t effect,
                                        const std::vector<FreeParameter>& freed) {
-    return ModelFitter(problem_, untied(space_, freed).common, criterion_, effort_).without(whole, effect);
+    return ModelFitter(problem_, untied(space_, freed).common, criterion_).without(whole, effect);
   }
 
   /// The model without one of its faults.
   [[nodiscard]] CandidateModel without_fault(const CandidateModel& whole, std::size_t fault,
                                              const std::vector<FreeParameter>& freed) {
-    return ModelFitter(problem_, untied(space_, freed).common, criterion_, effort_).without_fault(whole, fault);
+    return ModelFitter(problem_, untied(space_, freed).common, criterion_).without_fault(whole, fault);
   }
 
   /// The model with one of its parameters within its tolerance again: from where it is, if that is within, else as
@@ -136,16 +134,16 @@ class ParameterSearch {
   }
 
   [[nodiscard]] bool is_seen(const firmware::PlacedEffect& effect) {
-    return ModelFitter(problem_, space_.common, criterion_, effort_).is_seen(effect);
+    return ModelFitter(problem_, space_.common, criterion_).is_seen(effect);
   }
 
   [[nodiscard]] CandidateModel fitted(const Hypothesis& start, const std::vector<FreeParameter>& freed,
                                       const std::vector<firmware::PlacedEffect>& effects) {
-    return ModelFitter(problem_, untied(space_, freed).common, criterion_, effort_).refitted(start, effects, 12);
+    return ModelFitter(problem_, untied(space_, freed).common, criterion_).refitted(start, effects, 12);
   }
 
   [[nodiscard]] bool leaves_noise(const CandidateModel& model) {
-    return ModelFitter(problem_, space_.common, criterion_, effort_).leaves_noise(model);
+    return ModelFitter(problem_, space_.common, criterion_).leaves_noise(model);
   }
 
   /// What could stand in the place of the freed parameter i: single effects and other parameters, everything else
@@ -156,7 +154,7 @@ class ParameterSearch {
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     Hypothesis start = best.fit.hypothesis;
     freed[i].put(start, freed[i].get(space_.given));
-    const ModelFitter fitter(problem_, untied(space_, others).common, criterion_, effort_);
+    const ModelFitter fitter(problem_, untied(space_, others).common, criterion_);
     const CandidateModel reduced = fitter.refitted(start, best.effects);
     SuspectParameter result{freed[i].path, {.gain = reduced.fit.chi_squared - best.fit.chi_squared}};
     const double to_best = best.penalised_chi_squared(criterion_) + price(1);
@@ -175,14 +173,10 @@ class ParameterSearch {
     return result;
   }
 
-  [[nodiscard]] std::size_t simulations() const { return effort_.simulations; }
-  [[nodiscard]] std::size_t candidates() const { return effort_.candidates; }
-
  private:
   IdentificationProblem& problem_;
   const SearchSpace& space_;
   SelectionCriterion criterion_;
-  Effort effort_;
 };
 
 }  // namespace
@@ -347,7 +341,7 @@ void exchange(IdentificationProblem& problem, const SearchSpace& space, SearchRe
   Replacement now{{found.best, found.freed}, {}, {}};
   for (std::size_t i = 0; i < found.best.effects.size(); ++i) now.effects.push_back(i);
   for (std::size_t i = 0; i < found.best.faults().size(); ++i) now.faults.push_back(i);
-  while (budget.allows(problem, "some parameters in the place of effects", found) &&
+  while (budget.allows(problem, "some parameters in the place of effects") &&
          (tie_again(search_for, now) || free_beside(search_for, now) || replace_one(search_for, now) ||
           replace_two(search_for, now))) {
   }
@@ -360,8 +354,6 @@ void exchange(IdentificationProblem& problem, const SearchSpace& space, SearchRe
   for (std::size_t i = 0; i < found.freed.size(); ++i) {
     found.suspects.push_back(search_for.suspect(found.best, found.freed, i, found.scales));
   }
-  found.simulations += search_for.simulations();
-  found.candidates += search_for.candidates();
 }
 
 /// The rig as it would be without effects or, with those that the values themselves show, with the recordings' faults.
@@ -455,13 +447,13 @@ std::optional<BesideFreed> search_beside(IdentificationProblem& problem, const S
 /// the problem weights residuals for what is returned.
 std::optional<SearchResult> search_beside_each(IdentificationProblem& problem, const SearchSpace& space,
                                                const ParameterSearch& search_for, const ProgressCallback& progress,
-                                               const FreedInstead& instead, SearchResult& found, bool whole) {
+                                               const FreedInstead& instead, const SearchResult& found, bool whole) {
   std::vector<FreedModel> starts = instead.singles;
   if (instead.best.freed.size() > 1) starts.push_back(instead.best);
   std::optional<BesideFreed> best;
   const StageBudget budget(problem);
   for (const FreedModel& start : starts) {
-    if (!budget.allows(problem, "effects beside some parameters that may be off", found)) break;
+    if (!budget.allows(problem, "effects beside some parameters that may be off")) break;
     std::optional<BesideFreed> other = search_beside(problem, space, search_for, progress, start, found, whole);
     if (other && (!best || other->advantage > best->advantage)) best = std::move(other);
   }
@@ -480,11 +472,9 @@ bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, 
   // One parameter costs more than nothing, or than a clean effect with one parameter.
   const bool has_faults = !found.best.faults().empty();
   if (clean && !has_faults && alone - found.best.fit.chi_squared <= search_for.price(1)) return false;
-  if (progress) progress(0.92, "parameters off", found.simulations, found.candidates);
+  if (progress) progress(0.92, "parameters off", problem.work().simulations(), problem.work().candidates());
 
   const FreedInstead instead = free_instead_of_effects(search_for, found, clean);
-  found.simulations += search_for.simulations();
-  found.candidates += search_for.candidates();
   if (instead.best.freed.empty()) return false;
 
   SearchResult other;
@@ -506,9 +496,6 @@ bool parameters_first(IdentificationProblem& problem, const SearchSpace& space, 
   if (other.faults.empty()) other.faults = found.faults;
   other.faults.resize(other.best.faults().size());
   other.nothing = std::move(found.nothing);
-  other.simulations += found.simulations;
-  other.candidates += found.candidates;
-  add_not_tried(found, other);
   found = std::move(other);
   return true;
 }

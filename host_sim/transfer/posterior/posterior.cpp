@@ -162,8 +162,7 @@ void add_other_models(const IdentificationProblem& problem, const identification
     }
   }
   IdentificationProblem same = problem;
-  identification::Effort effort;
-  const identification::ModelFitter fitter(same, space.common, criterion, effort);
+  const identification::ModelFitter fitter(same, space.common, criterion);
   identification::CandidateModel base = found.best;
   base.fit = models.front().hypothesis.laws.empty()
                  ? identification::fit(problem, models.front().hypothesis, models.front().parameters, 1)

@@ -18,8 +18,7 @@ using sample::Bench;
 /// A model with one effect as it is, not fitted, beside the model without effects.
 SearchResult found_with(Bench& bench, const firmware::PlacedEffect& effect, int most) {
   const SelectionCriterion criterion;
-  Effort effort;
-  const ModelFitter fitter(bench.problem, bench.space.common, criterion, effort);
+  const ModelFitter fitter(bench.problem, bench.space.common, criterion);
   SearchResult found;
   found.nothing = fitter.refitted(bench.given, {});
   Hypothesis with = found.nothing.fit.hypothesis;
@@ -92,8 +91,7 @@ TEST(ModelEvidence, RanksWhatIsThereAboveWhatIsNot) {
   const Scales scales = scales_of(bench.problem.samples(), friction.nothing.fit.hypothesis,
                                   read_all(bench.problem, friction.nothing.fit.hypothesis));
   const SelectionCriterion criterion;
-  Effort effort;
-  const ModelFitter fitter(bench.problem, bench.space.common, criterion, effort);
+  const ModelFitter fitter(bench.problem, bench.space.common, criterion);
   Hypothesis start = friction.best.fit.hypothesis;
   auto effects = friction.best.effects;
   effects.push_back({firmware::find_effect("sensor_gain"), Channel::F, {1.001}});

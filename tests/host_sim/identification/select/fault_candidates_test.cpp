@@ -145,12 +145,11 @@ struct ChangedCar {
     PreparedData data = prepare(description, {{sample::changed_recording(truth, change), Use::shared}});
     given = described_hypothesis(description, data.recordings);
     problem.emplace(std::move(data.recordings), given);
-    fitter.emplace(*problem, search_space(description, problem->samples(), given).common, criterion, effort);
+    fitter.emplace(*problem, search_space(description, problem->samples(), given).common, criterion);
   }
 
   host_sim::identification::Hypothesis given;
   std::optional<host_sim::identification::IdentificationProblem> problem;
-  host_sim::identification::Effort effort;
   host_sim::identification::SelectionCriterion criterion;
   std::optional<host_sim::identification::ModelFitter> fitter;
 };

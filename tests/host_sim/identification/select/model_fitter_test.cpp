@@ -135,8 +135,7 @@ TEST(SelectModel, NamesLawsWithAShapeOfTheirOwn) {
 TEST(ModelFitter, FindsTheHiddenEffectFirst) {
   Bench bench(sample::with_effect(sample::bench(), "coulomb_friction", {40.0}));
   const SelectionCriterion criterion;
-  Effort effort;
-  const ModelFitter fitter(bench.problem, bench.space.common, criterion, effort);
+  const ModelFitter fitter(bench.problem, bench.space.common, criterion);
   const CandidateModel nothing = fitter.refitted(bench.given, {});
   EXPECT_FALSE(fitter.leaves_noise(nothing));
   const Scales scales = scales_of(bench.problem.samples(), bench.given, read_all(bench.problem, bench.given));
@@ -147,8 +146,8 @@ TEST(ModelFitter, FindsTheHiddenEffectFirst) {
   EXPECT_NEAR(list[0].effects[0].values[0], 40.0, 0.8);  // σ_F/√6000 = 0.13 N
   EXPECT_TRUE(fitter.leaves_noise(list[0]));
   EXPECT_EQ(list[0].fit.jacobian.size(), 0);
-  EXPECT_GT(effort.simulations, 0U);
-  EXPECT_GT(effort.candidates, 4U);
+  EXPECT_GT(bench.problem.work().simulations(), 0U);
+  EXPECT_GT(bench.problem.work().candidates(), 4U);
   const CandidateModel without = fitter.without(list[0], 0);
   EXPECT_TRUE(without.effects.empty());
   EXPECT_NEAR(without.fit.chi_squared / nothing.fit.chi_squared, 1.0, 1e-3);
@@ -164,8 +163,7 @@ TEST(ModelFitter, FindsTheHiddenEffectFirst) {
 TEST(ModelFitter, ScansWhatIsProportionalAtItsBestSize) {
   Bench bench(sample::with_effect(sample::bench(), "position_ripple", {4e-3, 60.0, -45.0}), 16.0);
   const SelectionCriterion criterion;
-  Effort effort;
-  const ModelFitter fitter(bench.problem, bench.space.common, criterion, effort);
+  const ModelFitter fitter(bench.problem, bench.space.common, criterion);
   const CandidateModel nothing = fitter.refitted(bench.given, {});
   const Scales scales = scales_of(bench.problem.samples(), bench.given, read_all(bench.problem, bench.given));
   const auto list = fitter.extended(nothing, scales, 1);

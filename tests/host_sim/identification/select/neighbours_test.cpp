@@ -22,8 +22,7 @@ struct Compared {
 };
 Compared compared(Bench& bench, const PlacedFault& fault) {
   static const SelectionCriterion criterion;
-  Effort effort;
-  const ModelFitter fitter(bench.problem, bench.space.common, criterion, effort);
+  const ModelFitter fitter(bench.problem, bench.space.common, criterion);
   Hypothesis start = bench.given;
   start.faults.push_back(fault);
   Compared result{fitter.refitted(start, {}), {}};
