@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "firmware/description/rig_description.hpp"
-#include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/spelling.hpp"
+#include "firmware/description/text/toml_text.hpp"
 #include "firmware/description/values/effects_by_name.hpp"
 
 namespace firmware {
@@ -54,13 +54,6 @@ std::string channel_array(const std::vector<model::Channel>& channels) {
     text += (text.empty() ? "\"" : ", \"") + std::string(model::name(channel)) + "\"";
   }
   return "[" + text + "]";
-}
-
-/// As TOML wants a float.
-std::string float_text(double value) {
-  std::string text = shortest(value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
 }
 
 void read_hold(DescriptionTable& entry, model::RigParameters<double>& rig) {
@@ -136,22 +129,22 @@ std::vector<std::pair<std::string, std::string>> recorder_lines(const RecorderDe
     if (!text.empty()) lines.emplace_back(key, "[" + text + "]");
   };
   add("common_filter", recorder.common_filter, [](const RecorderDescription::Filter& filter) {
-    return "channels = " + channel_array(filter.channels) + ", corner_hz = " + float_text(filter.corner) +
+    return "channels = " + channel_array(filter.channels) + ", corner_hz = " + toml_float(filter.corner) +
            ", order = " + std::to_string(filter.order) + (filter.digital ? ", digital = true" : "");
   });
   add("clock", recorder.clock, [](const RecorderDescription::Clock& clock) {
-    return "channels = " + channel_array(clock.channels) + ", offset = " + float_text(clock.offset) +
-           ", ppm = " + float_text(clock.ppm);
+    return "channels = " + channel_array(clock.channels) + ", offset = " + toml_float(clock.offset) +
+           ", ppm = " + toml_float(clock.ppm);
   });
   add("hum", recorder.hum, [](const RecorderDescription::Hum& hum) {
     std::string amplitudes;
-    for (const double value : hum.amplitude) amplitudes += (amplitudes.empty() ? "" : ", ") + float_text(value);
-    return "channels = " + channel_array(hum.channels) + ", hz = " + float_text(hum.frequency) + ", amplitude = [" +
+    for (const double value : hum.amplitude) amplitudes += (amplitudes.empty() ? "" : ", ") + toml_float(value);
+    return "channels = " + channel_array(hum.channels) + ", hz = " + toml_float(hum.frequency) + ", amplitude = [" +
            amplitudes + "]";
   });
   add("drift", recorder.drift, [](const RecorderDescription::Drift& drift) {
-    return "path = \"" + drift.path + "\", per_cent = " + float_text(drift.per_cent) +
-           (drift.bend != 0.0 ? ", bend = " + float_text(drift.bend) : "");
+    return "path = \"" + drift.path + "\", per_cent = " + toml_float(drift.per_cent) +
+           (drift.bend != 0.0 ? ", bend = " + toml_float(drift.bend) : "");
   });
   return lines;
 }

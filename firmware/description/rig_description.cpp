@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "firmware/description/calibration_reader.hpp"
 #include "firmware/description/compensation_reader.hpp"
 #include "firmware/description/compensation_setup.hpp"
 #include "firmware/description/laws/law_file.hpp"
@@ -280,6 +281,7 @@ RigDescription parse_rig(std::string_view text, std::string_view source) {
   read_effects(top, description.rig);
   description.laws = read_laws(top, description.rig);
   read_sensors(top, description);
+  description.calibration = read_calibrations(top, description.rig);
   description.recorder = read_recorder(top, description.rig);
   read_waivers(top, description.waivers);
   read_controller(top, description.rig, description.sample_rate, description.controller);

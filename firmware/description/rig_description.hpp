@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/description/laws/law_description.hpp"
+#include "firmware/description/values/calibration_description.hpp"
 #include "firmware/description/values/channel_map.hpp"
 #include "firmware/description/values/compensation_description.hpp"
 #include "firmware/description/values/hardware_description.hpp"
@@ -77,6 +78,7 @@ struct RigDescription {
   std::map<std::string, double> tolerance;                        ///< parameter path → relative hard bound
   std::array<std::optional<double>, model::channel_count> noise;  ///< rms of the sensor's noise [SI]
   MeasuringRanges range;
+  Calibrations calibration;  ///< of the sensors; used by the workbench only
   ChannelMap channels;
   RecorderDescription recorder;  ///< what it makes of the channels
   ControllerDescription controller;

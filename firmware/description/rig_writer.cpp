@@ -1,12 +1,11 @@
 #include "firmware/description/rig_writer.hpp"
 
-#include <cstdio>
-
+#include "firmware/description/calibration_reader.hpp"
 #include "firmware/description/compensation_reader.hpp"
 #include "firmware/description/recorder_reader.hpp"
 #include "firmware/description/semi_active_reader.hpp"
-#include "firmware/description/text/number_text.hpp"
 #include "firmware/description/text/quantity.hpp"
+#include "firmware/description/text/toml_text.hpp"
 #include "firmware/description/values/effects_by_name.hpp"
 #include "firmware/description/values/extensions.hpp"
 #include "firmware/description/values/loop_settings.hpp"
@@ -15,30 +14,6 @@ namespace firmware {
 namespace {
 
 using model::RigKind;
-
-/// A TOML basic string.
-std::string basic_string_of(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      (result += '\\') += c;
-    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      char code[8];
-      std::snprintf(code, sizeof code, "\\u%04X", static_cast<unsigned>(c));
-      result += code;
-    } else {
-      result += c;
-    }
-  }
-  return result + "\"";
-}
-
-/// A TOML float: 40 is a whole number to TOML, 40.0 is not.
-std::string real(double value) {
-  std::string text = shortest(value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
-}
 
 std::string ducts(model::OpenDucts open) {
   std::string list;
@@ -92,7 +67,7 @@ void write_parameters(Text& out, const RigDescription& description) {
       write_extensions(table);
       out.table(std::string(table = p.table));
     }
-    out.line(std::string(p.key), real(p.value(rig)));
+    out.line(std::string(p.key), toml_float(p.value(rig)));
   }
   write_extensions(table);
   if (rig.has_fdva) {
@@ -115,7 +90,7 @@ void write_effects(Text& out, const model::RigParameters<double>& rig) {
     out.table(heading);
     out.flush();
     for (std::size_t i = 0; i < effect.values.size(); ++i) {
-      out.line(std::string(effect.entry->parameters[i].name), real(effect.values[i]));
+      out.line(std::string(effect.entry->parameters[i].name), toml_float(effect.values[i]));
     }
   }
 }
@@ -130,43 +105,49 @@ void write_laws(Text& out, const RigDescription& description) {
 void write_sensors(Text& out, const RigDescription& description) {
   out.table("noise");
   for (std::size_t c = 0; c < model::channel_count; ++c) {
-    if (description.noise[c]) out.line(std::string(name(model::channel_at(c))), real(*description.noise[c]));
+    if (description.noise[c]) out.line(std::string(name(model::channel_at(c))), toml_float(*description.noise[c]));
   }
   out.table("range");
   for (std::size_t c = 0; c < model::channel_count; ++c) {
     const auto& range = description.range[c];
     if (!range) continue;
-    out.line(std::string(name(model::channel_at(c))), "[" + real(range->lower) + ", " + real(range->upper) + "]");
+    out.line(std::string(name(model::channel_at(c))),
+             "[" + toml_float(range->lower) + ", " + toml_float(range->upper) + "]");
+  }
+  for (std::size_t c = 0; c < model::channel_count; ++c) {
+    if (!description.calibration[c]) continue;
+    out.table("calibration." + std::string(name(model::channel_at(c))));
+    for (const auto& [key, value] : calibration_lines(*description.calibration[c])) out.line(key, value);
   }
   out.table("recording");
   for (const auto& [key, value] : recorder_lines(description.recorder)) out.line(key, value);
   out.table("channels");
   for (const auto& [key, source] : description.channels) {
-    out.line(key, "{ column = " + basic_string_of(source.column) +
-                      (source.scale ? ", scale = " + real(*source.scale) : "") + ", offset = " + real(source.offset) +
-                      " }");
+    out.line(key, "{ column = " + toml_string(source.column) +
+                      (source.scale ? ", scale = " + toml_float(*source.scale) : "") +
+                      ", offset = " + toml_float(source.offset) + " }");
   }
 }
 
 void write_controller(Text& out, const RigDescription& description) {
   const ControllerDescription& controller = description.controller;
   out.table("limits");
-  out.line("stroke", real(controller.stroke));
-  out.line("speed", real(controller.speed));
+  out.line("stroke", toml_float(controller.stroke));
+  out.line("speed", toml_float(controller.speed));
   if (controller.force_given || controller.force != ControllerDescription{}.force)
-    out.line("force", real(controller.force));
-  out.line("ramp", real(controller.ramp));
-  if (description.rig.kind == RigKind::hil) out.line("energy_gain", real(controller.energy_gain));
+    out.line("force", toml_float(controller.force));
+  out.line("ramp", toml_float(controller.ramp));
+  if (description.rig.kind == RigKind::hil) out.line("energy_gain", toml_float(controller.energy_gain));
   const Settings usual{};
   std::string_view open = "limits";
   for (const LoopSetting& setting : loop_settings()) {
     if (setting.table != open) out.table(std::string(open = setting.table));
     const double value = setting.get(controller.loop);
     if (value == setting.get(usual)) continue;
-    out.line(std::string(setting.key), setting.whole ? std::to_string(static_cast<int>(value)) : real(value));
+    out.line(std::string(setting.key), setting.whole ? std::to_string(static_cast<int>(value)) : toml_float(value));
   }
   out.table("estimator");
-  if (controller.cross_over > 0.0) out.line("cross_over", real(controller.cross_over));
+  if (controller.cross_over > 0.0) out.line("cross_over", toml_float(controller.cross_over));
   write_estimator(controller, [&out](const std::string& key, const std::string& value) { out.line(key, value); });
   out.table("valves");
   if (description.rig.has_fdva) out.line("safe", ducts(controller.safe_ducts));
@@ -175,27 +156,27 @@ void write_controller(Text& out, const RigDescription& description) {
   if (!controller.valve_plan.empty()) {
     std::string plan;
     for (const auto& entry : controller.valve_plan) {
-      plan += (plan.empty() ? "{ t = " : ", { t = ") + real(entry.time) + ", open = " + ducts(entry.open) + " }";
+      plan += (plan.empty() ? "{ t = " : ", { t = ") + toml_float(entry.time) + ", open = " + ducts(entry.open) + " }";
     }
     out.line("plan", "[" + plan + "]");
   }
   const Arming& arming = controller.arming;
   out.table("arming");
-  out.line("tare_time", real(arming.tare_time));
-  if (arming.preload > 0.0) out.line("preload", real(arming.preload));
-  if (arming.sway > 0.0) out.line("sway", real(arming.sway));
-  if (arming.wander > 0.0) out.line("wander", real(arming.wander));
-  out.line("position_tolerance", real(arming.position_tolerance));
-  out.line("probe_amplitude", real(arming.probe_amplitude));
-  if (arming.stop_test > 0.0) out.line("stop_test", real(arming.stop_test / 3600.0));
-  out.line("force_ramp", real(arming.force_ramp));
+  out.line("tare_time", toml_float(arming.tare_time));
+  if (arming.preload > 0.0) out.line("preload", toml_float(arming.preload));
+  if (arming.sway > 0.0) out.line("sway", toml_float(arming.sway));
+  if (arming.wander > 0.0) out.line("wander", toml_float(arming.wander));
+  out.line("position_tolerance", toml_float(arming.position_tolerance));
+  out.line("probe_amplitude", toml_float(arming.probe_amplitude));
+  if (arming.stop_test > 0.0) out.line("stop_test", toml_float(arming.stop_test / 3600.0));
+  out.line("force_ramp", toml_float(arming.force_ramp));
   out.table("waivers");
-  for (const auto& [key, sentence] : description.waivers) out.line(key, basic_string_of(sentence));
+  for (const auto& [key, sentence] : description.waivers) out.line(key, toml_string(sentence));
   const DelayBudget& budget = description.delay_budget;
   out.table("delay_budget");
-  if (budget.sensor_age > 0.0) out.line("sensor_age", real(budget.sensor_age));
-  if (budget.transport > 0.0) out.line("transport", real(budget.transport));
-  if (budget.computation > 0.0) out.line("computation", real(budget.computation));
+  if (budget.sensor_age > 0.0) out.line("sensor_age", toml_float(budget.sensor_age));
+  if (budget.transport > 0.0) out.line("transport", toml_float(budget.transport));
+  if (budget.computation > 0.0) out.line("computation", toml_float(budget.computation));
   if (description.compensation) {
     out.table("compensation");
     for (const auto& [key, value] : compensation_lines(*description.compensation)) out.line(key, value);
@@ -204,8 +185,8 @@ void write_controller(Text& out, const RigDescription& description) {
 
 void write_hardware(Text& out, const HardwareDescription& hardware) {
   const auto scaled = [&out](double scale, double offset) {
-    out.line("scale", real(scale));
-    if (offset != 0.0) out.line("offset", real(offset));
+    out.line("scale", toml_float(scale));
+    if (offset != 0.0) out.line("offset", toml_float(offset));
   };
   const ScheduleDescription &schedule = hardware.schedule, usual{};
   out.table("controller");
@@ -214,59 +195,59 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   if (schedule.late_in_a_row != usual.late_in_a_row) {
     out.line("late_in_a_row", std::to_string(schedule.late_in_a_row));
   }
-  if (schedule.wake_early != usual.wake_early) out.line("wake_early", real(schedule.wake_early));
-  if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
-  if (schedule.allowed_gain > 0.0) out.line("allowed_gain", real(schedule.allowed_gain));
-  if (!schedule.socket.empty()) out.line("socket", basic_string_of(schedule.socket));
-  if (!schedule.proven.empty()) out.line("proven", basic_string_of(schedule.proven));
+  if (schedule.wake_early != usual.wake_early) out.line("wake_early", toml_float(schedule.wake_early));
+  if (schedule.allowed_delay > 0.0) out.line("allowed_delay", toml_float(schedule.allowed_delay));
+  if (schedule.allowed_gain > 0.0) out.line("allowed_gain", toml_float(schedule.allowed_gain));
+  if (!schedule.socket.empty()) out.line("socket", toml_string(schedule.socket));
+  if (!schedule.proven.empty()) out.line("proven", toml_string(schedule.proven));
   if (hardware.gpio) {
     const GpioDescription& gpio = *hardware.gpio;
     const GpioDescription ordinary{};
     out.table("gpio");
-    out.line("chip", basic_string_of(gpio.chip));
+    out.line("chip", toml_string(gpio.chip));
     std::string valves;
-    for (const std::string& line : gpio.valves) valves += (valves.empty() ? "" : ", ") + basic_string_of(line);
+    for (const std::string& line : gpio.valves) valves += (valves.empty() ? "" : ", ") + toml_string(line);
     if (!gpio.valves.empty()) out.line("valves", "[" + valves + "]");
     if (gpio.valves_active_low) out.line("valves_active_low", "true");
-    if (!gpio.stop.empty()) out.line("stop", basic_string_of(gpio.stop));
-    if (!gpio.stop_2.empty()) out.line("stop_2", basic_string_of(gpio.stop_2));
-    if (gpio.stop_bias != ordinary.stop_bias) out.line("stop_bias", basic_string_of(gpio.stop_bias));
+    if (!gpio.stop.empty()) out.line("stop", toml_string(gpio.stop));
+    if (!gpio.stop_2.empty()) out.line("stop_2", toml_string(gpio.stop_2));
+    if (gpio.stop_bias != ordinary.stop_bias) out.line("stop_bias", toml_string(gpio.stop_bias));
     if (gpio.stop_active_low != pulls_down(gpio.stop_bias)) {
       out.line("stop_active_low", gpio.stop_active_low ? "true" : "false");
     }
-    if (!gpio.enable.empty()) out.line("enable", basic_string_of(gpio.enable));
+    if (!gpio.enable.empty()) out.line("enable", toml_string(gpio.enable));
     if (gpio.enable_active_low) out.line("enable_active_low", "true");
-    if (!gpio.enable_feedback.empty()) out.line("enable_feedback", basic_string_of(gpio.enable_feedback));
+    if (!gpio.enable_feedback.empty()) out.line("enable_feedback", toml_string(gpio.enable_feedback));
     if (gpio.enable_feedback_bias != ordinary.enable_feedback_bias) {
-      out.line("enable_feedback_bias", basic_string_of(gpio.enable_feedback_bias));
+      out.line("enable_feedback_bias", toml_string(gpio.enable_feedback_bias));
     }
-    if (!gpio.high_pressure.empty()) out.line("high_pressure", basic_string_of(gpio.high_pressure));
-    if (!gpio.hold_to_run.empty()) out.line("hold_to_run", basic_string_of(gpio.hold_to_run));
-    if (!gpio.heartbeat.empty()) out.line("heartbeat", basic_string_of(gpio.heartbeat));
+    if (!gpio.high_pressure.empty()) out.line("high_pressure", toml_string(gpio.high_pressure));
+    if (!gpio.hold_to_run.empty()) out.line("hold_to_run", toml_string(gpio.hold_to_run));
+    if (!gpio.heartbeat.empty()) out.line("heartbeat", toml_string(gpio.heartbeat));
     if (gpio.interlock_bias != ordinary.interlock_bias) {
-      out.line("interlock_bias", basic_string_of(gpio.interlock_bias));
+      out.line("interlock_bias", toml_string(gpio.interlock_bias));
     }
     out.table("gpio.interlocks");
-    for (const auto& [name, line] : gpio.interlocks) out.line(basic_string_of(name), basic_string_of(line));
+    for (const auto& [name, line] : gpio.interlocks) out.line(toml_string(name), toml_string(line));
   }
   if (hardware.converters) {
     const ConverterDescription& converters = *hardware.converters;
     out.table("converters");
-    if (!converters.trigger.empty()) out.line("trigger", basic_string_of(converters.trigger));
-    if (converters.trigger_rate > 0.0) out.line("trigger_rate", real(converters.trigger_rate));
-    if (converters.sample_age > 0.0) out.line("sample_age", real(converters.sample_age));
+    if (!converters.trigger.empty()) out.line("trigger", toml_string(converters.trigger));
+    if (converters.trigger_rate > 0.0) out.line("trigger_rate", toml_float(converters.trigger_rate));
+    if (converters.sample_age > 0.0) out.line("sample_age", toml_float(converters.sample_age));
     for (const auto& input : converters.inputs) {
       out.table("converters." + std::string(name(model::channel_at(input.channel))));
-      out.line("device", basic_string_of(input.device));
-      out.line("input", basic_string_of(input.input));
+      out.line("device", toml_string(input.device));
+      out.line("input", toml_string(input.input));
       scaled(input.scale, input.offset);
     }
     for (const auto& [name, output] :
          {std::pair("command", &converters.command), std::pair("area", &converters.area)}) {
       if (!*output) continue;
       out.table("converters." + std::string(name));
-      out.line("device", basic_string_of((*output)->device));
-      out.line("output", basic_string_of((*output)->output));
+      out.line("device", toml_string((*output)->device));
+      out.line("output", toml_string((*output)->output));
       scaled((*output)->scale, (*output)->offset);
       out.line("lowest_counts", std::to_string((*output)->lowest_counts));
       out.line("highest_counts", std::to_string((*output)->highest_counts));
@@ -274,10 +255,10 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   }
   for (const LaserDescription& laser : hardware.lasers) {
     out.table("lasers." + std::string(name(model::channel_at(laser.channel))));
-    out.line("port", basic_string_of(laser.port));
+    out.line("port", toml_string(laser.port));
     out.line("baud", std::to_string(laser.baud));
     out.line("address", std::to_string(laser.address));
-    out.line("range", real(laser.range));
+    out.line("range", toml_float(laser.range));
     scaled(laser.scale, laser.offset);
   }
 }
@@ -287,14 +268,14 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
 std::string format_rig(const RigDescription& description) {
   Text out;
   const bool driven = description.rig.kind == RigKind::driven_mass;
-  out.line("kind", basic_string_of(name(driven ? RigKind::component_bench : description.rig.kind)));
-  if (driven) out.line("driven_by", basic_string_of("force"));
-  out.line("sample_rate", real(description.sample_rate));
+  out.line("kind", toml_string(name(driven ? RigKind::component_bench : description.rig.kind)));
+  if (driven) out.line("driven_by", toml_string("force"));
+  out.line("sample_rate", toml_float(description.sample_rate));
   write_parameters(out, description);
   write_effects(out, description.rig);
   write_laws(out, description);
   out.table("tolerance");
-  for (const auto& [path, bound] : description.tolerance) out.line(basic_string_of(path), real(bound));
+  for (const auto& [path, bound] : description.tolerance) out.line(toml_string(path), toml_float(bound));
   write_sensors(out, description);
   write_controller(out, description);
   write_hardware(out, description.hardware);

@@ -48,15 +48,17 @@ struct Job {
   CampaignRecord record;
   report::Origin origin{};
   fs::path folder{};
+  firmware::CalendarDate recorded{};
 };
 
 /// The files are read here and nowhere else, on all processors.
 std::vector<Job> jobs_of(const DiagnoseOptions& options, const std::vector<CampaignRecord>& records) {
   std::vector<Job> jobs(records.size());
+  const firmware::CalendarDate recorded = day_recorded(options);
   identification::for_all(records.size(), [&](std::size_t i) {
     const std::string rig = records[i].rig.string(), data = records[i].data.string();
     jobs[i] = {records[i], origin_of("rigtwin diagnose --rig " + rig + " --data " + data, {rig, data}),
-               options.out / "records" / records[i].name};
+               options.out / "records" / records[i].name, recorded};
   });
   return jobs;
 }
@@ -87,7 +89,7 @@ std::optional<Done> known(const Job& job) {
 
 /// Diagnoses one record. What is wrong with it is its state, and no error of the campaign.
 void diagnose_record(const Job& job) {
-  const auto& [record, origin, folder] = job;
+  const auto& [record, origin, folder, recorded] = job;
   const auto begun = std::chrono::steady_clock::now();
   ordered_json state{{"made_of", fingerprint(origin)}};
   std::error_code none;
@@ -100,7 +102,8 @@ void diagnose_record(const Job& job) {
          read_parts(record.data, description.channels, description.sample_rate, description.rig.kind)) {
       records.push_back({std::move(part), identification::Use::shared});
     }
-    const identification::Diagnosis diagnosis = identification::diagnose(description, std::move(records));
+    identification::Diagnosis diagnosis = identification::diagnose(description, std::move(records));
+    diagnosis.certificates = firmware::certificate_objections(description.calibration, recorded);
     firmware::write_file(folder / "verdict.json",
                          json_text(origin, "rigtwin/diagnose/1", identification::to_json(diagnosis)));
     firmware::write_file(folder / "rig.toml",

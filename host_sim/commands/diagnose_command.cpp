@@ -66,6 +66,7 @@ void print_rivals(const std::vector<identification::Alternative>& alternatives) 
 
 void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
   std::printf("%s\n", emphasised(identification::sentence(diagnosis), Emphasis::bold, stdout).c_str());
+  for (const std::string& objection : diagnosis.certificates) std::printf("calibration: %s\n", objection.c_str());
   for (const identification::NamedEffect& named : diagnosis.effects) {
     std::printf("  %s", identification::words(named.effect).c_str());
     for (std::size_t p = 0; p < named.parameters.size(); ++p) {
@@ -77,6 +78,12 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
     std::printf("   confidence %s\n", identification::confidence_text(named.confidence).c_str());
     const std::string shape = identification::shape_words(named.effect, diagnosis.rig.rig);
     if (!shape.empty()) std::printf("    %s\n", shape.c_str());
+    for (std::size_t p = 0; p < named.budgets.size(); ++p) {
+      const std::string largest = identification::largest_part(named.budgets[p]);
+      if (largest.empty()) continue;
+      std::printf("    uncertainty of %s: %s\n", std::string(named.effect.entry->parameters[p].name).c_str(),
+                  largest.c_str());
+    }
     print_rivals(named.alternatives);
   }
   for (const identification::DescribedLaw& law : diagnosis.laws) {
@@ -102,8 +109,12 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
   }
   if (!diagnosis.parameters.empty()) std::printf("fitted parameters, 95 %% interval\n");
   for (const auto& [path, fitted] : diagnosis.parameters) {
-    std::printf("  %-28s %12.6g (%.6g … %.6g), ±%.2g %%\n", path.c_str(), fitted.value, fitted.lower, fitted.upper,
-                50.0 * (fitted.upper - fitted.lower) / std::abs(fitted.value));
+    const auto budget = diagnosis.budgets.find(path);
+    const std::string largest =
+        budget == diagnosis.budgets.end() ? std::string() : identification::largest_part(budget->second);
+    std::printf("  %-28s %12.6g (%.6g … %.6g), ±%.2g %%%s%s\n", path.c_str(), fitted.value, fitted.lower, fitted.upper,
+                50.0 * (fitted.upper - fitted.lower) / std::abs(fitted.value), largest.empty() ? "" : ", ",
+                largest.c_str());
   }
   for (const identification::Undetermined& open : diagnosis.undetermined) {
     std::printf("not determined: %s; %s\n", open.combination.c_str(), open.why.c_str());
@@ -209,6 +220,13 @@ nlohmann::ordered_json card_json(const firmware::CatalogueEntry& entry) {
 
 }  // namespace
 
+firmware::CalendarDate day_recorded(const DiagnoseOptions& options) {
+  if (options.recorded.empty()) return firmware::today();
+  const std::optional<firmware::CalendarDate> day = firmware::find_date(options.recorded);
+  if (day) return *day;
+  throw firmware::UsageError("--recorded: " + firmware::in_quotes(options.recorded) + " is no day such as 2026-03-01");
+}
+
 void run_diagnosis(const DiagnoseOptions& options) {
   if (!options.explain.empty()) {
     const firmware::CatalogueEntry* const entry = firmware::find_effect(options.explain);
@@ -231,6 +249,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
   if (options.rig.empty() || options.data.empty() || options.out.empty()) {
     throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --campaign, or --explain EFFECT");
   }
+  const firmware::CalendarDate recorded = day_recorded(options);
   const firmware::RigDescription description = firmware::read_rig(options.rig);
   firmware::refuse_compensation(description, "diagnose");
   check_name(options.keep_law, description);
@@ -254,6 +273,7 @@ void run_diagnosis(const DiagnoseOptions& options) {
         progress->show(share, what + tried);
       });
   progress.reset();
+  diagnosis.certificates = firmware::certificate_objections(description.calibration, recorded);
   keep_laws(options.keep_law, diagnosis);
 
   // All three files or none: each is written under a temporary name first.
@@ -279,6 +299,9 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
   command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
   add_json_option(*command, options.json, "the verdict, or the card of --explain,");
   command->add_option("--keep-law", options.keep_law, "Name of a learned law in rig.toml, as [laws.NAME]");
+  command->add_option("--recorded", options.recorded,
+                      "Day on which the recordings were made, YYYY-MM-DD (default: today): calibration certificates "
+                      "are held against it");
   command->add_option("--campaign", options.campaign,
                       "Many recordings, each alone: a folder, or a list of [[record]] (TOML) with data and rig. --out "
                       "then gets a folder for "

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host_sim/identification/assess/cause_support.hpp"
+#include "host_sim/identification/assess/error_propagation.hpp"
 #include "host_sim/identification/assess/experiment.hpp"
 #include "host_sim/identification/assess/lost_samples.hpp"
 #include "host_sim/identification/assess/noise_faults.hpp"
@@ -96,6 +97,26 @@ Interval interval_of(const Estimate& e) {
   return {e.value, e.value - deviations * e.error, e.value + deviations * e.error};
 }
 
+/// Numbers of the program carry no noise: their error is that of velocities by differences.
+UncertaintyBudget budget_of(const Estimate& e) {
+  UncertaintyBudget budget;
+  if (!(e.error > 0.0)) return budget;
+  budget.combined = e.error;
+  budget.coverage = (interval_of(e).upper - e.value) / e.error;
+  budget.parts.push_back({UncertaintyBudget::Source::discretisation, "", e.error});
+  return budget;
+}
+
+/// Of the effects that were found, whose parameters stand last in the fit.
+void add_budgets(const SearchResult& found, const std::vector<UncertaintyBudget>& budgets, Diagnosis& result) {
+  std::size_t next = budgets.size();
+  for (const firmware::PlacedEffect& effect : found.best.effects) next -= effect_parameters(effect).size();
+  for (std::size_t i = 0; i < found.best.effects.size(); ++i) {
+    const std::size_t count = effect_parameters(found.best.effects[i]).size();
+    for (std::size_t p = 0; p < count; ++p) result.effects[i].budgets.push_back(budgets[next++]);
+  }
+}
+
 ResidualPower residual_power(const IdentificationProblem& problem, const SearchSpace& space,
                              const SearchResult& found) {
   const auto count = static_cast<double>(problem.residual_count());
@@ -142,7 +163,10 @@ void add_tyre_effects(const VirtualCarEstimate& car, const SelectionCriterion& c
     const double seen = std::max(thresholds::significant_deviations * std::sqrt(2.0 * tyre.count),
                                  thresholds::significant_share * tyre.count);
     NamedEffect named{tyre.effect, {}, confidence({odds}, tyre.gain, {worth, 1.0, seen, false}), {}, {}};
-    for (const Estimate& e : tyre.parameters) named.parameters.push_back(interval_of(e));
+    for (const Estimate& e : tyre.parameters) {
+      named.parameters.push_back(interval_of(e));
+      named.budgets.push_back(budget_of(e));
+    }
     result.effects.push_back(std::move(named));
   }
   if (car.effects.empty()) return;
@@ -302,7 +326,8 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const IdentificationProblem& whole = problem.is_apart() ? joined.emplace(problem.joined()) : problem;
   Diagnosis result;
   const Supported supported = leave_out_unsupported(problem, whole, space, found, result);
-  const Uncertainty& known = supported.known;
+  const FitErrors errors = fit_errors(description, problem, found.best.fit, supported.known);
+  const Uncertainty& known = errors.known;
   const Hypothesis &refit = found.nothing.fit.hypothesis, &after = found.best.fit.hypothesis;
   result.relations = std::move(relations);
   result.simulations = whole.work().simulations();
@@ -337,7 +362,11 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   const SearchSpace fitted_space = untied(space, found.freed);
   const std::vector<Interval> parameters = intervals(found.best.fit, known.half_widths);
   const std::vector<FreeParameter>& tolerated = fitted_space.tolerated;
-  for (std::size_t i = 0; i < tolerated.size(); ++i) result.parameters[tolerated[i].path] = parameters[i];
+  const std::vector<UncertaintyBudget> budgets = parameter_budgets(found.best.fit, errors);
+  for (std::size_t i = 0; i < tolerated.size(); ++i) {
+    result.parameters[tolerated[i].path] = parameters[i];
+    result.budgets[tolerated[i].path] = budgets[i];
+  }
   result.parameters_off = parameters_off(description, problem, found, result.parameters, certainty);
   result.laws = describe_laws(problem, found.best.fit, known);
   for (DescribedLaw& law : result.laws) law.confidence = confidence(learned.odds_against, learned.gain, certainty);
@@ -345,6 +374,8 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.described_curves = described_curves(problem, description, refit);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
   for (std::size_t i = 0; i < supported.shares.size(); ++i) result.effects[i].share = supported.shares[i];
+  add_budgets(found, budgets, result);
+  result.predictions = predicted_channels(problem, found.best.fit, errors, result.unexplained);
   add_lookalikes(result);
   const auto has_close = [](const auto& named) { return has_close_rival(named.alternatives); };
   const auto has_lookalike = [](const NamedEffect& named) { return is_close(named.other); };
@@ -354,7 +385,10 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
                      std::any_of(result.parameters_off.begin(), result.parameters_off.end(), has_close) ||
                      std::any_of(result.recording_faults.begin(), result.recording_faults.end(), has_close);
   const VirtualCarEstimate car = estimate_virtual_car(description, problem.samples());
-  for (const auto& [path, estimate] : car.parameters) result.parameters[path] = interval_of(estimate);
+  for (const auto& [path, estimate] : car.parameters) {
+    result.parameters[path] = interval_of(estimate);
+    result.budgets[path] = budget_of(estimate);
+  }
   add_tyre_effects(car, criterion, result);
   add_numbers_off(description, car, criterion.effect + criterion.parameter + thresholds::violation,
                   {1.0, 1.0, 1.0, false}, result);

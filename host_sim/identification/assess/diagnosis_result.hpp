@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/description/rig_description.hpp"
+#include "host_sim/identification/assess/error_propagation.hpp"
 #include "host_sim/identification/assess/experiment.hpp"
 #include "host_sim/identification/assess/localisation.hpp"
 #include "host_sim/identification/assess/named_effect.hpp"
@@ -73,11 +74,14 @@ struct Diagnosis {
   std::vector<ParameterOff> parameters_off;
   std::vector<RecordingFault> recording_faults;
   std::map<model::Channel, PredictionError> prediction_errors;
-  std::map<std::string, Interval> parameters;  ///< tolerated, refitted
-  std::vector<Undetermined> undetermined;      ///< combinations of parameters that the recordings leave open
-  bool unexplained = false;                    ///< a significant residual remains
-  double unexplained_probability = 0.0;        ///< that more than noise is left in any band (estimate/evidence.hpp)
-  std::string residual;                        ///< that residual in words; empty without one
+  std::map<std::string, Interval> parameters;              ///< tolerated, refitted
+  std::map<std::string, UncertaintyBudget> budgets;        ///< of `parameters`
+  std::map<model::Channel, PredictedChannel> predictions;  ///< by the model that was found
+  std::vector<std::string> certificates;   ///< why a certificate does not hold (firmware::certificate_objections)
+  std::vector<Undetermined> undetermined;  ///< combinations of parameters that the recordings leave open
+  bool unexplained = false;                ///< a significant residual remains
+  double unexplained_probability = 0.0;    ///< that more than noise is left in any band (estimate/evidence.hpp)
+  std::string residual;                    ///< that residual in words; empty without one
   std::vector<Overlay> overlays;
   firmware::RigDescription rig;  ///< with effects and refitted parameters
   ResidualPower residual_power;

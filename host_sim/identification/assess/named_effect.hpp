@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "host_sim/identification/assess/uncertainty_budget.hpp"
 #include "host_sim/identification/select/search.hpp"
 
 namespace host_sim::identification {
@@ -41,7 +42,8 @@ struct NamedEffect {
   double confidence;
   std::vector<Alternative> alternatives;  ///< the nearest first
   PossibleLaw other{};
-  double share = 0.0;  ///< of the held-out error that goes when it is added (cause_support.hpp)
+  double share = 0.0;                        ///< of the held-out error that goes when it is added (cause_support.hpp)
+  std::vector<UncertaintyBudget> budgets{};  ///< of `parameters`; none of a period that was read off the recording
 };
 
 /// What confidence depends on beside the rivals.

@@ -22,6 +22,8 @@ namespace {
 
 using Index = Eigen::Index;
 
+constexpr double of_normal = 1.96;  // 95 % of a normal distribution
+
 /// One block: residuals and their derivatives by every parameter.
 struct Block {
   std::size_t recording = 0;
@@ -128,15 +130,16 @@ double coordinate_of_relative(const FreeParameter& parameter, double u) {
   return std::abs(parameter.value(u) / parameter.scale);
 }
 
-/// Student's of as many blocks as count: those that hold no information about a combination do not. `shares`: of each.
-double student_of(const std::vector<double>& shares) {
+/// Degrees of freedom of as many blocks as count: those that hold no information about a combination do not. `shares`: of
+/// each.
+double freedom_of(const std::vector<double>& shares) {
   double sum = 0.0, squares = 0.0;
   for (const double share : shares) {
     sum += share;
     squares += share * share;
   }
   const double counting = squares > 0.0 ? sum * sum / squares : 1.0;
-  return student(std::max(counting - 1.0, 2.0));
+  return std::max(counting - 1.0, 2.0);
 }
 
 /// (4): how far the estimate moves without each frequency band of the fit's own residuals.
@@ -382,21 +385,56 @@ std::vector<Undetermined> in_words(const Eigen::MatrixXd& vectors, const std::ve
 }
 
 double Uncertainty::half_width_of(const Eigen::VectorXd& g) const {
-  constexpr double deviations = 1.96;  // 95 % of a normal distribution
-  double half = deviations * std::sqrt(std::max(g.dot(covariance * g), 0.0));
+  double half = of_normal * std::sqrt(std::max(g.dot(covariance * g), 0.0));
   if (block_shares.cols() > 0) {
     std::vector<double> shares;
     for (const Eigen::MatrixXd& of_block : information) shares.push_back(g.dot(of_block * g));
     const auto count = static_cast<double>(block_shares.cols());
     const double variance = (block_shares.transpose() * g).squaredNorm() * count / (count - 1.0);
-    half = std::max(half, student_of(shares) * std::sqrt(variance));
+    half = std::max(half, student(freedom_of(shares)) * std::sqrt(variance));
   }
   if (band_shifts.cols() > 0) {
     const auto count = static_cast<double>(band_shifts.cols());
     const double variance = (band_shifts.transpose() * g).squaredNorm() * (count - 1.0) / count;
     half = std::max(half, student(count - 1.0) * std::sqrt(variance));
   }
-  return half + std::abs(g.dot(step_shift));
+  half += std::abs(g.dot(step_shift));
+  return other_shifts.cols() == 0 ? half : std::hypot(half, of_normal * (other_shifts.transpose() * g).norm());
+}
+
+Uncertainty::VarianceParts Uncertainty::variance_parts(const Eigen::VectorXd& g) const {
+  const Eigen::VectorXd moved = inverse_information * g;
+  VarianceParts parts;
+  parts.tolerances = prior.cwiseProduct(moved.cwiseAbs2());
+  parts.noise = std::max(g.dot(moved) - parts.tolerances.sum(), 0.0);
+  const double informed = parts.sum();
+  double whole = std::max(g.dot(covariance * g), informed);
+  const auto take = [&whole](double variance, double freedom) {
+    if (variance > whole * (1.0 + of_normal * std::sqrt(2.0 / freedom))) whole = variance;
+  };
+  if (block_shares.cols() > 0) {
+    std::vector<double> shares;
+    for (const Eigen::MatrixXd& of_block : information) shares.push_back(g.dot(of_block * g));
+    const auto count = static_cast<double>(block_shares.cols());
+    take((block_shares.transpose() * g).squaredNorm() * count / (count - 1.0), freedom_of(shares));
+  }
+  if (band_shifts.cols() > 0) {
+    const auto count = static_cast<double>(band_shifts.cols());
+    take((band_shifts.transpose() * g).squaredNorm() * (count - 1.0) / count, count - 1.0);
+  }
+  parts.model = whole - informed;
+  return parts;
+}
+
+void Uncertainty::add_shifts(const Eigen::MatrixXd& shifts) {
+  if (shifts.cols() == 0 || shifts.rows() != half_widths.size()) return;
+  Eigen::MatrixXd all(shifts.rows(), other_shifts.cols() + shifts.cols());
+  if (other_shifts.cols() > 0) all.leftCols(other_shifts.cols()) = other_shifts;
+  all.rightCols(shifts.cols()) = shifts;
+  other_shifts = std::move(all);
+  for (Index i = 0; i < half_widths.size(); ++i) {
+    if (std::isfinite(half_widths(i))) half_widths(i) = std::hypot(half_widths(i), of_normal * shifts.row(i).norm());
+  }
 }
 
 Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<FreeParameter>& every, const Fit& fit) {
@@ -410,6 +448,9 @@ Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<
   Informed informed = informed_by(problem, every, fit, whole);
   result.undetermined = std::move(informed.undetermined);
   const Eigen::MatrixXd variance = inverse(informed.with_tolerance), of_data = inverse(informed.of_data);
+  result.inverse_information = variance;
+  result.prior = (informed.with_tolerance - informed.of_data).diagonal();
+  result.directions = informed.directions;
 
   Eigen::MatrixXd gradients(informed.directions.cols(), static_cast<Index>(blocks.size()));
   std::vector<Eigen::MatrixXd> information;

@@ -43,10 +43,27 @@ struct Undetermined {
 /// Where all of them are tolerated, their tolerances alone bound ε. Other null vectors of J, over what is fitted and in
 /// relative changes, are said as well.
 struct Uncertainty {
+  /// The variance of a combination of coordinates by where it comes from. Its sum is that of (2), (3) or (4), whichever
+  /// is largest; (3) and (4), of ν degrees of freedom, count where they are larger by 1.96 √(2/ν), their own relative
+  /// deviation: within it they are the same number, known less well.
+  struct VarianceParts {
+    double noise = 0.0;          ///< of the sensors and of the input: what the tolerances leave of A⁻¹
+    Eigen::VectorXd tolerances;  ///< A⁻¹ diag(12/width²) A⁻¹, one part for each coordinate; 0 without a tolerance
+    double model = 0.0;          ///< beyond A⁻¹: the residual is more than the noise that is known
+    [[nodiscard]] double sum() const { return noise + tolerances.sum() + model; }
+  };
+  [[nodiscard]] VarianceParts variance_parts(const Eigen::VectorXd& g) const;
+
+  /// Widens the intervals by independent errors that noise does not hold (uncertainty_sources.hpp). `shifts`: how far
+  /// one standard deviation of each moves the coordinates, a column each.
+  ///
+  ///   (8)  half width ← √((5)² + 1.96² Σ shift²)
+  void add_shifts(const Eigen::MatrixXd& shifts);
+
   Eigen::VectorXd half_widths;  ///< 95 %, of the coordinates of fit.parameters; infinite: the whole tolerance
   std::vector<Undetermined> undetermined;
 
-  /// (5) of gᵀu, any linear combination of the coordinates: a point of a curve that several of them move. Without what
+  /// (5) and (8) of gᵀu, any linear combination of the coordinates: a point of a curve that several of them move. Without what
   /// tolerances and bounds say about a single parameter.
   [[nodiscard]] double half_width_of(const Eigen::VectorXd& g) const;
 
@@ -55,6 +72,10 @@ struct Uncertainty {
   std::vector<Eigen::MatrixXd> information{};  ///< A⁻¹ J_bᵀJ_b A⁻¹: which blocks count
   Eigen::MatrixXd band_shifts{};               ///< d_f of (4), a column for each band; none where (4) does not apply
   Eigen::VectorXd step_shift{};                ///< A⁻¹ Jᵀ (…) of (6), with its sign
+  Eigen::MatrixXd inverse_information{};       ///< A⁻¹
+  Eigen::VectorXd prior{};                     ///< the diagonal 12/width² of A
+  Eigen::MatrixXd directions{};                ///< a column for each coordinate: without (7), where that is open
+  Eigen::MatrixXd other_shifts{};              ///< of (8); empty: none
 };
 /// `every`: all parameters of the explained part (suspect_parameters()).
 [[nodiscard]] Uncertainty uncertainty(const IdentificationProblem& problem, const std::vector<FreeParameter>& every,

@@ -33,7 +33,9 @@ Rig moved_by(Rig rig, const std::vector<firmware::PlacedEffect>& machine) {
 
 /// Model steps per sample.
 int steps_of(const Rig& bare, double period, Resolution resolution) {
-  return host_sim::steps_of(bare, period, resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps);
+  const int steps =
+      host_sim::steps_of(bare, period, resolution.half ? (resolution.substeps + 1) / 2 : resolution.substeps);
+  return resolution.doubled && !firmware::find_rig_fault(bare, period / (2 * steps)) ? 2 * steps : steps;
 }
 
 /// z̈_r is no channel of a simulation: its input holds it.

@@ -13,6 +13,7 @@ namespace host_sim::identification {
 struct Resolution {
   int substeps = 1;
   bool half = false;
+  bool doubled = false;  ///< twice the steps of any rig: what the steps get wrong (estimate/uncertainty_sources.hpp)
 };
 
 /// Channels before their sensors: the rig's own motion and forces at the recording's sample rate. `input`: that of the

@@ -284,6 +284,56 @@ void add_overlays(Report& page, const Diagnosis& diagnosis) {
   }
 }
 
+/// A row for each part of a budget that counts; only the first names the number. verdict.json has them all.
+void add_budget(const std::string& number, const std::string& unit, double value, const UncertaintyBudget& budget,
+                Table& table) {
+  constexpr double shown = 1e-3;  // of the variance
+  const std::string in_unit = unit.empty() ? "" : " " + unit;
+  for (std::size_t i = 0; i < budget.parts.size(); ++i) {
+    const UncertaintyBudget::Part& part = budget.parts[i];
+    const bool first = i == 0;
+    if (!first && budget.share(part) < shown) continue;
+    table.rows.push_back({first ? number + " = " + figure_text(value, 5) + in_unit : "", words(part),
+                          figure_text(part.standard, 3) + in_unit, figure_text(100.0 * budget.share(part), 3) + " %",
+                          first ? figure_text(budget.combined, 3) + in_unit : "",
+                          first ? "± " + figure_text(budget.coverage * budget.combined, 3) + in_unit : ""});
+  }
+}
+
+std::string unit_of_parameter(const std::string& path) {
+  for (const firmware::ParameterPath& p : firmware::parameter_paths()) {
+    if (path == std::string(p.table) + "." + std::string(p.key)) return p.unit == "1" ? "" : std::string(p.unit);
+  }
+  return {};
+}
+
+/// Where the uncertainty of each number comes from.
+void add_budgets(Report& page, const Diagnosis& diagnosis) {
+  const std::vector<std::string> heading{"number",   "source", "standard uncertainty", "share of the variance",
+                                         "combined", "95 %"};
+  Table estimates{"Uncertainty budget of what was estimated", heading, {}, 2};
+  for (const NamedEffect& named : diagnosis.effects) {
+    for (std::size_t p = 0; p < std::min(named.parameters.size(), named.budgets.size()); ++p) {
+      add_budget(words(named.effect) + ", " + std::string(named.effect.entry->parameters[p].name),
+                 unit_of(named.effect, p), named.parameters[p].value, named.budgets[p], estimates);
+    }
+  }
+  for (const auto& [path, budget] : diagnosis.budgets) {
+    add_budget(path, unit_of_parameter(path), diagnosis.parameters.at(path).value, budget, estimates);
+  }
+  Table predictions{"Uncertainty budget of what the model predicts for the recorded motion", heading, {}, 2};
+  for (const auto& [channel, predicted] : diagnosis.predictions) {
+    const std::string unit(model::unit(channel)), of = " of " + std::string(model::name(channel));
+    add_budget("rms" + of, unit, predicted.rms.interval.value, predicted.rms.budget, predictions);
+    add_budget("peak" + of, unit, predicted.peak.interval.value, predicted.peak.budget, predictions);
+  }
+  if (estimates.rows.empty() && predictions.rows.empty()) return;
+  page.add_section("Where the uncertainty comes from");
+  page.add_text("Shares of the variance. Parts below 0.1 % stand in verdict.json.");
+  if (!estimates.rows.empty()) page.add_table(estimates);
+  if (!predictions.rows.empty()) page.add_table(predictions);
+}
+
 /// A rig description with a number that is not finite cannot be read again.
 void require_finite(const firmware::RigDescription& found) {
   model::RigParameters<double> rig = found.rig;
@@ -527,6 +577,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
                        ? report::Verdict::bad
                        : report::Verdict::good,
                    sentence(diagnosis));
+  for (const std::string& objection : diagnosis.certificates) page.add_text("Calibration: " + objection + ".");
   add_gaps(page, diagnosis);
   add_overlays(page, diagnosis);
   add_parameters_off(page, diagnosis);
@@ -546,6 +597,7 @@ std::string report_html(const Diagnosis& diagnosis, const firmware::RigDescripti
     }
     page.add_table(table);
   }
+  add_budgets(page, diagnosis);
   for (const Undetermined& open : diagnosis.undetermined) {
     page.add_text("Not determined: " + open.combination + "; " + open.why + ".");
   }

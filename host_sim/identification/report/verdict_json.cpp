@@ -45,6 +45,31 @@ ordered_json to_json(const Interval& interval) {
   return {{"value", interval.value}, {"ci95", {interval.lower, interval.upper}}};
 }
 
+/// {"combined": …, "coverage": …, "parts": [{"source": "calibration", "of": "F", "standard": …, "share": …}]}
+ordered_json to_json(const UncertaintyBudget& budget) {
+  ordered_json json{{"combined", budget.combined}, {"coverage", budget.coverage}, {"parts", ordered_json::array()}};
+  for (const UncertaintyBudget::Part& part : budget.parts) {
+    ordered_json one{{"source", name(part.source)}};
+    if (!part.of.empty()) one["of"] = part.of;
+    one["standard"] = part.standard;
+    one["share"] = budget.share(part);
+    json["parts"].push_back(std::move(one));
+  }
+  return json;
+}
+
+/// Only where the budget has a number: what the recordings leave open has none.
+void put_budget(ordered_json& json, const UncertaintyBudget& budget) {
+  if (budget.parts.empty() || !std::isfinite(budget.combined) || !std::isfinite(budget.coverage)) return;
+  json["uncertainty_budget"] = to_json(budget);
+}
+
+ordered_json to_json(const PredictedNumber& predicted) {
+  ordered_json json = to_json(predicted.interval);
+  put_budget(json, predicted.budget);
+  return json;
+}
+
 ordered_json to_json(const std::vector<Alternative>& alternatives) {
   ordered_json list = ordered_json::array();
   for (const Alternative& alternative : alternatives) {
@@ -85,7 +110,8 @@ ordered_json to_json(const NamedEffect& named, const model::RigParameters<double
   if (const std::string shape = shape_words(named.effect, rig); !shape.empty()) json["words"] = shape;
   json["parameters"] = ordered_json::object();
   for (std::size_t p = 0; p < named.parameters.size(); ++p) {
-    json["parameters"][named.effect.entry->parameters[p].name] = to_json(named.parameters[p]);
+    ordered_json& parameter = json["parameters"][named.effect.entry->parameters[p].name] = to_json(named.parameters[p]);
+    if (p < named.budgets.size()) put_budget(parameter, named.budgets[p]);
   }
   json["confidence"] = named.confidence;
   json["share"] = named.share;
@@ -159,7 +185,7 @@ void require_finite(const ordered_json& json, const std::string& where) {
 }  // namespace
 
 ordered_json to_json(const Diagnosis& diagnosis) {
-  ordered_json json{{"verdict", name(diagnosis.verdict)}};
+  ordered_json json{{"verdict", name(diagnosis.verdict)}, {"certificates", diagnosis.certificates}};
   json["where"] = ordered_json::array();
   for (const RecordingLocation& place : diagnosis.locations) {
     json["where"].push_back({{"channel", model::name(place.channel)},
@@ -184,7 +210,16 @@ ordered_json to_json(const Diagnosis& diagnosis) {
     if (gap.catalogue) json["gap"][model::name(channel)]["catalogue"] = *gap.catalogue;
   }
   json["parameters"] = ordered_json::object();
-  for (const auto& [path, value] : diagnosis.parameters) json["parameters"][path] = to_json(value);
+  for (const auto& [path, value] : diagnosis.parameters) {
+    json["parameters"][path] = to_json(value);
+    if (const auto budget = diagnosis.budgets.find(path); budget != diagnosis.budgets.end()) {
+      put_budget(json["parameters"][path], budget->second);
+    }
+  }
+  json["predictions"] = ordered_json::object();
+  for (const auto& [channel, predicted] : diagnosis.predictions) {
+    json["predictions"][model::name(channel)] = {{"rms", to_json(predicted.rms)}, {"peak", to_json(predicted.peak)}};
+  }
   json["unexplained"] = diagnosis.unexplained;
   json["unexplained_probability"] = diagnosis.unexplained_probability;
   if (!diagnosis.residual.empty()) json["rest"] = diagnosis.residual;
@@ -198,6 +233,9 @@ ordered_json to_json(const Diagnosis& diagnosis) {
   for (const ParameterOff& off : diagnosis.parameters_off) {
     ordered_json one{{"path", off.path}, {"described", off.described}, {"tolerance", off.tolerance}};
     one.update(to_json(off.value));
+    if (const auto budget = diagnosis.budgets.find(off.path); budget != diagnosis.budgets.end()) {
+      put_budget(one, budget->second);
+    }
     one["confidence"] = off.confidence;
     one["alternatives"] = to_json(off.alternatives);
     json["parameters_off"].push_back(std::move(one));

@@ -10,6 +10,7 @@
 #include "firmware/simulation/gaussian.hpp"
 #include "host_sim/identification/common/wording.hpp"
 #include "host_sim/identification/estimate/uncertainty.hpp"
+#include "host_sim/identification/estimate/uncertainty_sources.hpp"
 #include "host_sim/identification/select/select_model.hpp"
 #include "host_sim/identification/select/suspect_parameters.hpp"
 #include "host_sim/least_squares/gram.hpp"
@@ -231,14 +232,32 @@ std::string law_beside(const FreeParameter& parameter, const Hypothesis& hypothe
   return "";
 }
 
-void describe(Posterior& posterior) {
+/// (5) of a model at its mode. Tolerances that no fit has moved are drawn where the second rig is (predict/).
+void find_calibration(const firmware::RigDescription& from, const IdentificationProblem& problem,
+                      ComponentModel& model) {
+  if (model.mode.size() == 0) return;
+  Fit at_mode = identification::fit(problem, model.hypothesis, model.parameters, 0);
+  identification::refresh_jacobian(problem, at_mode);
+  auto sources = identification::uncertainty_sources(from, problem, at_mode);
+  std::erase_if(sources, [](const identification::UncertaintySource& source) {
+    return source.kind == identification::UncertaintySource::Kind::tolerance || !source.shift.allFinite();
+  });
+  model.calibration = identification::shifts_of(sources);
+}
+
+void describe(std::uint64_t seed, Posterior& posterior) {
   const ComponentModel& model = posterior.diagnosed();
+  firmware::Gaussian normal(seed, 75);
+  Eigen::MatrixXd draws = model.draws;
+  for (Eigen::Index k = 0; k < draws.cols(); ++k) {
+    draws.col(k) = model.with_calibration(draws.col(k), [&normal] { return normal(); });
+  }
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     const FreeParameter& parameter = model.parameters[i];
     if (parameter.role == Role::start) continue;
     const auto row = static_cast<Eigen::Index>(i);
     std::vector<double> values;
-    for (Eigen::Index k = 0; k < model.draws.cols(); ++k) values.push_back(parameter.value(model.draws(row, k)));
+    for (Eigen::Index k = 0; k < model.draws.cols(); ++k) values.push_back(parameter.value(draws(row, k)));
     const Bands bands = bands_of(std::move(values));
     LearnedValue learned{
         name_of(parameter, model.hypothesis), unit_of(parameter), bands.median, bands.low95, bands.high95,
@@ -276,6 +295,11 @@ Hypothesis ComponentModel::at(const Eigen::VectorXd& u) const {
   Hypothesis moved = hypothesis;
   for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i].put(moved, u(static_cast<Eigen::Index>(i)));
   return moved;
+}
+
+Eigen::VectorXd ComponentModel::with_calibration(Eigen::VectorXd u, const std::function<double()>& normal) const {
+  for (Eigen::Index i = 0; i < calibration.cols(); ++i) u += calibration.col(i) * normal();
+  return calibration.cols() > 0 ? reflected(*this, std::move(u)) : u;
 }
 
 std::string name_of(const FreeParameter& parameter, const Hypothesis& hypothesis) {
@@ -366,7 +390,7 @@ ChainReport sample_model(const IdentificationProblem& problem, double temper, co
   return report;
 }
 
-Posterior find_posterior(const firmware::RigDescription& /*from*/, const identification::Identified& first,
+Posterior find_posterior(const firmware::RigDescription& from, const identification::Identified& first,
                          std::size_t draws, std::uint64_t seed, const TransferProgress& progress) {
   Posterior posterior;
   // The diagnosis has chosen; the second rig validates. Nothing need be held out any more.
@@ -422,7 +446,12 @@ Posterior find_posterior(const firmware::RigDescription& /*from*/, const identif
   for (std::size_t i = 1; i < posterior.models.size(); ++i) {
     draw_laplace(posterior.models[i], thresholds::predictive_draws, seed + i);
   }
-  describe(posterior);
+  const bool calibrated = std::any_of(from.calibration.begin(), from.calibration.end(),
+                                      [](const auto& calibration) { return calibration.has_value(); });
+  for (ComponentModel& each : posterior.models) {
+    if (calibrated) find_calibration(from, problem, each);
+  }
+  describe(seed, posterior);
   return posterior;
 }
 

@@ -20,6 +20,8 @@ namespace host_sim::transfer {
 ///   (2)  ln evidence = −χ²/(2T) + (d/2) ln 2π + ½ ln|C| − Σ ln width_i − ln prior odds      Laplace, at the optimum
 ///   (3)  u ← û + D (u − û),   D_i = half width_i/(1.96 σ_i) from thresholds::stretched_from on, else 1
 ///   (4)  u ← u + √V z                                                                      V: Discrepancy (2)
+///   (5)  u ← u + Σ s_i z_i     where draws are used; s_i: what one standard deviation of a sensor's calibration moves
+///                              (estimate/uncertainty_sources.hpp)
 ///
 /// (3): half widths of estimate/uncertainty.hpp, which count residuals in bursts and bands that contradict each other;
 /// only where residuals are more than noise or the rig has corners. Of white residuals the likelihood is right as it
@@ -31,14 +33,17 @@ struct ComponentModel {
   std::vector<identification::FreeParameter> parameters;
   std::vector<firmware::PlacedEffect> effects;  ///< found, those that stay behind too
   Eigen::VectorXd mode;
-  Eigen::MatrixXd covariance;  ///< Laplace with (3) and (4)
-  Eigen::MatrixXd draws;       ///< a column a draw
+  Eigen::MatrixXd covariance;     ///< Laplace with (3) and (4)
+  Eigen::MatrixXd draws;          ///< a column a draw, without (5)
+  Eigen::MatrixXd calibration{};  ///< s of (5), a column for each error of a sensor; empty: none
   double chi_squared = 0.0;
   double log_evidence = 0.0;
   double probability = 1.0;
 
   /// The hypothesis with these coordinates.
   [[nodiscard]] identification::Hypothesis at(const Eigen::VectorXd& u) const;
+  /// (5), inside the bounds; `normal`: asked once for each column.
+  [[nodiscard]] Eigen::VectorXd with_calibration(Eigen::VectorXd u, const std::function<double()>& normal) const;
 };
 
 /// A parameter, its value and 95 % interval, from the draws.

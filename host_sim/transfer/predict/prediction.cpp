@@ -223,6 +223,27 @@ void add_noise(const SecondRig& second, Dice& dice, Outcome& outcome) {
   }
 }
 
+/// (4)
+void add_calibration(const SecondRig& second, Dice& dice, Outcome& outcome) {
+  const auto error_of = [&](model::Channel channel) {
+    const auto& calibration = second.description.calibration[model::index(channel)];
+    return calibration ? calibration->standard_gain() * dice.normal() : 0.0;
+  };
+  const double drive = second.is_measured() ? error_of(model::Channel::z_r) : 0.0;
+  std::array<double, outcome_channels.size()> factor{};
+  for (std::size_t c = 0; c < factor.size(); ++c) factor[c] = (1.0 + error_of(outcome_channels[c])) / (1.0 + drive);
+  for (std::size_t i = 0; i < outcome.response.size(); ++i) {
+    if (factor[i] == 1.0) continue;
+    for (Complex& h : outcome.response[i]) h *= factor[i];
+    for (double& density : outcome.density[i]) density *= factor[i] * factor[i];
+  }
+  for (std::size_t q = 0; q < quantity_count; ++q) {
+    const auto* const of = std::find(outcome_channels.begin(), outcome_channels.end(), quantity_channel[q]);
+    const double of_channel = factor[static_cast<std::size_t>(of - outcome_channels.begin())];
+    if (of_channel != 1.0) outcome.quantity[q] *= of_channel;
+  }
+}
+
 const ComponentModel& chosen(const Posterior& posterior, double uniform) {
   for (const ComponentModel& model : posterior.models) {
     if (uniform < model.probability) return model;
@@ -338,17 +359,21 @@ Prediction predict_second_rig(const firmware::RigDescription& from, const Poster
       add_discrepancy(posterior.discrepancy, *second.analysis, prediction.force_effect, dice, outcome);
     }
     add_simulation_error(dice, outcome);
+    add_calibration(second, dice, outcome);
     add_noise(second, dice, outcome);
   };
-  const auto learned_rig = [&](const ComponentModel& model) {
-    Rig rig = with_component(to.rig, from.rig, model.at(draw_of(model, dice)));
+  const auto normal = [&dice] { return dice.normal(); };
+  const auto learned_rig = [&](const ComponentModel& model, bool calibrated) {
+    Eigen::VectorXd u = draw_of(model, dice);
+    if (calibrated) u = model.with_calibration(std::move(u), normal);
+    Rig rig = with_component(to.rig, from.rig, model.at(u));
     draw_unlearned(from, model, dice, rig);
     return rig;
   };
 
   std::vector<Rig> rigs;
   for (std::size_t i = 0; i < draws; ++i) {
-    rigs.push_back(learned_rig(chosen(posterior, dice.uniform())));
+    rigs.push_back(learned_rig(chosen(posterior, dice.uniform()), true));
     draw_own_parameters(to, dice, rigs.back());
   }
   prediction.draws = outcomes_of(second, rigs);
@@ -361,7 +386,7 @@ Prediction predict_second_rig(const firmware::RigDescription& from, const Poster
   };
   const std::vector<double> equal(source_draws, 1.0);
   std::vector<Rig> varied;
-  for (std::size_t i = 0; i < source_draws; ++i) varied.push_back(learned_rig(diagnosed));
+  for (std::size_t i = 0; i < source_draws; ++i) varied.push_back(learned_rig(diagnosed, false));
   keep(Source::component, outcomes_of(second, varied), equal);
   varied.assign(source_draws, centre_rig);
   for (Rig& rig : varied) draw_own_parameters(to, dice, rig);
@@ -386,6 +411,18 @@ Prediction predict_second_rig(const firmware::RigDescription& from, const Poster
     add_noise(second, dice, o);
   }
   keep(Source::noise, disturbed, equal);
+  const bool second_calibrated = std::any_of(to.calibration.begin(), to.calibration.end(),
+                                             [](const auto& calibration) { return calibration.has_value(); });
+  if (diagnosed.calibration.cols() > 0 || second_calibrated) {
+    varied.clear();
+    for (std::size_t i = 0; i < source_draws; ++i) {
+      const Eigen::VectorXd u = diagnosed.with_calibration(diagnosed.mode, normal);
+      varied.push_back(with_component(to.rig, from.rig, diagnosed.at(u)));
+    }
+    disturbed = outcomes_of(second, varied);
+    for (Outcome& o : disturbed) add_calibration(second, dice, o);
+    keep(Source::calibration, disturbed, equal);
+  }
   set_budget(sources, prediction);
   return prediction;
 }

@@ -12,10 +12,10 @@
 namespace host_sim::transfer {
 
 /// Sources of the width of a band.
-enum class Source : unsigned char { component, rival_effects, discrepancy, rig, noise };
-inline constexpr std::size_t source_count = 5;
+enum class Source : unsigned char { component, rival_effects, discrepancy, rig, noise, calibration };
+inline constexpr std::size_t source_count = 6;
 inline constexpr std::array<std::string_view, source_count> source_names{"component", "rival_effects", "discrepancy",
-                                                                         "rig", "noise"};
+                                                                         "rig",       "noise",         "calibration"};
 
 /// Shares of a variance, which sum up to 1; all 0 where there is none.
 using Budget = std::array<double, source_count>;
@@ -40,6 +40,9 @@ struct ForceEffect {
 ///   simulation     each line of H times 1 + thresholds::simulation_error z
 ///   noise          a line of H gets complex noise of variance S_n/(S_zz K), a spectrum S_n and what scatters of it,
 ///                  rms² the noise's variance
+///   calibration    of the first rig's sensors: ComponentModel (5). Of the second rig's, whose readings are predicted:
+///                    (4)  H_y, S_y^½ and the quantities of y ← … · (1 + δ_y)/(1 + δ_z)   δ_z: of z_r, where it was
+///                                                                                       recorded and drives
 ///
 /// Each source alone, all others at their centre, gives the budget: its variance ÷ the sum of these variances. Beside
 /// them interactions are of second order.

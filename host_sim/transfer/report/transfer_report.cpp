@@ -14,8 +14,8 @@ namespace {
 using report::figure_text;
 
 constexpr std::array<std::string_view, 2> titles{"Wheel load ÷ road", "Body acceleration ÷ road"};
-constexpr std::array<std::string_view, source_count> source_words{"component's parameters", "rival effects",
-                                                                  "discrepancy", "second rig", "noise"};
+constexpr std::array<std::string_view, source_count> source_words{
+    "component's parameters", "rival effects", "discrepancy", "second rig", "noise", "calibration"};
 
 std::vector<double> part_of(const std::vector<Bands>& bands, double Bands::*part) {
   std::vector<double> values;

@@ -69,9 +69,12 @@ std::string prediction_text(const Transfer& t) {
   std::string text = "Predicted rms wheel load: " + figure_text(load.median, 4) + " N, 95 % band " +
                      figure_text(load.low95, 4) + " to " + figure_text(load.high95, 4) + " N";
   if (budget[largest] > 0.0) {
-    constexpr std::array<std::string_view, source_count> names{
-        "the component's parameters", "effects that rival each other", "the discrepancy of the component's model",
-        "the second rig's own tolerances", "measurement noise"};
+    constexpr std::array<std::string_view, source_count> names{"the component's parameters",
+                                                               "effects that rival each other",
+                                                               "the discrepancy of the component's model",
+                                                               "the second rig's own tolerances",
+                                                               "measurement noise",
+                                                               "the calibration of the sensors"};
     text += "; " + per_cent(budget[largest]) + " of its variance come from " + std::string(names[largest]);
   }
   return text + ".";

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -74,6 +75,67 @@ TEST_F(DiagnoseCommand, LeavesVerdictReportAndRig) {
             0);
   // The folder is ours: it may be written again.
   EXPECT_EQ(run({"--out", out.string()}).status, 0);
+}
+
+// Journey. A certificate of 1 % (k = 2) makes the friction less sure, and says so in its budget; that it had
+// expired when the recording was made stands behind the first sentence everywhere. Without the table the verdict is the
+// same but for its keys.
+TEST_F(DiagnoseCommand, CountsTheCalibrationAndReadsTheCertificate) {
+  const auto verdict_of = [&](const char* name, const std::vector<std::string>& more, std::string& output) {
+    std::vector<std::string> words{"--out", (folder / name).string()};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto ended = run(words);
+    EXPECT_EQ(ended.status, 0) << ended.errors;
+    output = ended.output;
+    const std::string text = TemporaryFolder::read(folder / name / "verdict.json");
+    support::expect_schema(text);
+    return nlohmann::json::parse(text);
+  };
+  std::string plain_output, output;
+  const auto plain = verdict_of("plain", {}, plain_output);
+  EXPECT_TRUE(plain["certificates"].empty());
+  EXPECT_EQ(plain_output.find("calibration"), std::string::npos) << plain_output;
+
+  const std::string description = TemporaryFolder::read(folder / "bench.toml");
+  folder.write("bench.toml", description +
+                                 "[calibration.F]\ngain = 0.01\ncertificate = '4711'\ndate = 2024-03-01\n"
+                                 "valid_until = '2025-02-28'\n");
+  const auto calibrated = verdict_of("calibrated", {"--recorded", "2026-05-04"}, output);
+  const std::string objection = "the certificate 4711 of F expired on 2025-02-28, before the recording (2026-05-04)";
+  ASSERT_EQ(calibrated["certificates"].size(), 1U);
+  EXPECT_EQ(calibrated["certificates"][0], objection);
+  EXPECT_LT(output.find("calibration: " + objection), output.find("  coulomb_friction")) << output;
+  EXPECT_NE(output.find("uncertainty of force: mostly calibration of F: "), std::string::npos) << output;
+  const std::string page = TemporaryFolder::read(folder / "calibrated" / "report.html");
+  EXPECT_NE(page.find("Calibration: " + objection), std::string::npos);
+  EXPECT_NE(page.find("Where the uncertainty comes from"), std::string::npos);
+
+  const auto& before = plain["effects"][0]["parameters"]["force"];
+  const auto& after = calibrated["effects"][0]["parameters"]["force"];
+  EXPECT_EQ(before["value"], after["value"]);
+  EXPECT_EQ(plain["effects"][0]["confidence"], calibrated["effects"][0]["confidence"]);
+  EXPECT_EQ(plain["gap"], calibrated["gap"]);
+  const auto half_of = [](const auto& number) {
+    return 0.5 * (number["ci95"][1].template get<double>() - number["ci95"][0].template get<double>());
+  };
+  const auto& budget = after["uncertainty_budget"];
+  EXPECT_EQ(budget["parts"][0]["source"], "calibration");
+  EXPECT_EQ(budget["parts"][0]["of"], "F");
+  // All but the friction is exact here, so it takes over what F is off elsewhere as well.
+  const double standard = budget["parts"][0]["standard"];
+  EXPECT_GT(standard, 0.005 * after["value"].get<double>());
+  EXPECT_NEAR(half_of(after), std::hypot(half_of(before), 1.96 * standard), 0.01 * half_of(after));
+  double variance = 0.0;
+  for (const auto& part : budget["parts"]) variance += std::pow(part["standard"].get<double>(), 2);
+  EXPECT_NEAR(variance / std::pow(budget["combined"].get<double>(), 2), 1.0, 0.02);
+  const auto& predicted = calibrated["predictions"]["F"]["rms"];
+  EXPECT_EQ(predicted["uncertainty_budget"]["parts"][0]["source"], "calibration");
+  EXPECT_GT(predicted["ci95"][1], predicted["value"]);
+
+  folder.write("bench.toml", description);
+  const auto wrong = run({"--out", (folder / "wrong").string(), "--recorded", "4.5.2026"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_NE(wrong.errors.find("--recorded"), std::string::npos) << wrong.errors;
 }
 
 // Each mistake is one line and the contract's status; the description that was given is never overwritten.

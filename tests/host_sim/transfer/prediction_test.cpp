@@ -191,6 +191,39 @@ TEST(TransferPrediction, SpreadsOverTolerances) {
   EXPECT_GT(share(p, Quantity::rms_zdd_b, Source::component), 0.99);
 }
 
+// Point. What one standard deviation of the first rig's load cell moves the level by its slope; the second rig's sensors
+// have their own certificates, (4): 1 % with k = 2 are 0.5 % of their channel, and of both channels where it is z_r.
+TEST(TransferPrediction, CarriesTheCalibrationOfBothRigs) {
+  const auto from = linear_pair::bench("[tolerance]\n\"suspension.stiffness\" = 0.2\n"), to = linear_pair::car();
+  transfer::Posterior posterior = linear_pair::known(from);
+  transfer::ComponentModel& model = posterior.models.front();
+  model.parameters = host_sim::identification::tolerated_parameters(from);
+  const double deviation = 0.02 * linear_pair::stiffness / model.parameters.at(0).scale;
+  model.mode = Eigen::VectorXd::Zero(1);
+  model.covariance = Eigen::MatrixXd::Constant(1, 1, deviation * deviation);
+  model.draws = Eigen::MatrixXd::Zero(1, 1);
+  model.calibration = Eigen::MatrixXd::Constant(1, 1, deviation);
+  const transfer::Prediction of_first = predicted(from, posterior, driven(to, 12.0));
+  const auto row = static_cast<Eigen::Index>(Quantity::rms_zdd_b);
+  const double slope = transfer::sensitivity_of(from, posterior, driven(to, 12.0)).gradient(row, 0) * deviation;
+  EXPECT_NEAR(spread(of_first, Quantity::rms_zdd_b) / (slope * slope), 1.0, of_variance);
+  EXPECT_GT(share(of_first, Quantity::rms_zdd_b, Source::calibration), 0.99);
+
+  const auto exact = linear_pair::bench();
+  const auto certified = linear_pair::car("[calibration.F_w]\ngain = 0.01\n");
+  const transfer::Prediction of_second = predicted(exact, linear_pair::known(exact), driven(certified, 12.0));
+  EXPECT_NEAR(spread(of_second, Quantity::rms_F_w) / (0.005 * 0.005), 1.0, of_variance);
+  EXPECT_GT(share(of_second, Quantity::rms_F_w, Source::calibration), 0.99);
+  EXPECT_LT(spread(of_second, Quantity::rms_zdd_b), 1e-20);
+
+  transfer::SecondRig measured = driven(linear_pair::car("[calibration.z_r]\ngain = 0.01\n"), 12.0);
+  measured.measured.emplace_back();
+  const transfer::Prediction of_input = predicted(exact, linear_pair::known(exact), measured);
+  for (const Quantity q : {Quantity::rms_F_w, Quantity::rms_zdd_b}) {
+    EXPECT_NEAR(spread(of_input, q) / (0.005 * 0.005), 1.0, of_variance);
+  }
+}
+
 // Point. Two models, 0.7 and 0.3 likely: three of ten draws are of the second, and between them lies the variance
 // p (1 − p) Δ².
 TEST(TransferPrediction, AveragesOverModels) {
