@@ -75,7 +75,8 @@ void print(const identification::Diagnosis& diagnosis, const fs::path& folder) {
                   identification::unit_of(named.effect, p).c_str(), named.parameters[p].lower,
                   named.parameters[p].upper);
     }
-    std::printf("   confidence %s\n", identification::confidence_text(named.confidence).c_str());
+    std::printf("   confidence %s%s\n", identification::confidence_text(named.confidence).c_str(),
+                named.is_by_chance() ? "; any cause could explain as much beside what is left" : "");
     const std::string shape = identification::shape_words(named.effect, diagnosis.rig.rig);
     if (!shape.empty()) std::printf("    %s\n", shape.c_str());
     for (std::size_t p = 0; p < named.budgets.size(); ++p) {

@@ -39,27 +39,25 @@ void give_up(SearchResult& found) {
 
 /// What is known of the model that stays when causes have left that the recordings do not bear out.
 struct Supported {
-  Uncertainty known;           ///< of its parameters
-  std::vector<double> shares;  ///< of its effects (cause_support.hpp)
+  Uncertainty known;     ///< of its parameters
+  CauseSupport support;  ///< of its effects
 };
-/// What is said of the causes that left enters the result. Beside a law only what is open leaves: the others were fitted
-/// with it.
+/// What is said of the causes that left enters the result.
 Supported leave_out_unsupported(const IdentificationProblem& problem, const IdentificationProblem& whole,
                                 const SearchSpace& space, SearchResult& found, Diagnosis& result) {
   Supported supported{uncertainty(problem, space.suspects, found.best.fit), {}};
   const std::vector<Undetermined> open = leave_out_undetermined(problem, space, supported.known, found);
-  const bool may_leave = found.best.fit.hypothesis.laws.empty() && left_by(problem, found.best.fit).any();
-  CauseSupport support = support_of_causes(problem, whole, space, may_leave, found);
-  for (const std::string& name : support.left_out) {
+  supported.support = support_of_causes(problem, whole, space, left_by(problem, found.best.fit).any(), found);
+  const std::vector<std::string>& left_out = supported.support.left_out;
+  for (const std::string& name : left_out) {
     result.remarks.push_back(name + " was left out: it raises the error on held-out data");
   }
-  if (!open.empty() || !support.left_out.empty()) {
+  if (!open.empty() || !left_out.empty()) {
     estimate_held_out_starts(found.best.fit.hypothesis, problem.samples());
     supported.known = uncertainty(problem, space.suspects, found.best.fit);
   }
   result.undetermined = supported.known.undetermined;
   result.undetermined.insert(result.undetermined.end(), open.begin(), open.end());
-  supported.shares = std::move(support.shares);
   return supported;
 }
 
@@ -240,8 +238,9 @@ void add_lookalikes(Diagnosis& result) {
 }
 
 Verdict verdict_of(const Diagnosis& result, double explained, bool close) {
-  if (result.effects.empty() && result.laws.empty() && result.parameters_off.empty() &&
-      !result.has_cause_in_recording())
+  const bool by_chance = std::all_of(result.effects.begin(), result.effects.end(),
+                                     [](const NamedEffect& named) { return named.is_by_chance(); });
+  if (by_chance && result.laws.empty() && result.parameters_off.empty() && !result.has_cause_in_recording())
     return result.unexplained ? Verdict::unexplained : Verdict::no_discrepancy;
   if (result.unexplained && explained < thresholds::explains_all) return Verdict::unexplained;
   return close ? Verdict::ambiguous : Verdict::named;
@@ -373,7 +372,11 @@ Diagnosis assess(const firmware::RigDescription& description, const Identificati
   result.next_step = next_step(problem, learned);
   result.described_curves = described_curves(problem, description, refit);
   result.effects = named_effects(problem, found, criterion, parameters, certainty);
-  for (std::size_t i = 0; i < supported.shares.size(); ++i) result.effects[i].share = supported.shares[i];
+  for (std::size_t i = 0; i < supported.support.shares.size(); ++i) {
+    result.effects[i].share = supported.support.shares[i];
+    result.effects[i].chance = supported.support.chances[i];
+    result.effects[i].confidence *= 1.0 - result.effects[i].chance;
+  }
   add_budgets(found, budgets, result);
   result.predictions = predicted_channels(problem, found.best.fit, errors, result.unexplained);
   add_lookalikes(result);

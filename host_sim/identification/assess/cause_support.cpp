@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "host_sim/identification/assess/chance_of_share.hpp"
 #include "host_sim/identification/assess/thresholds.hpp"
 #include "host_sim/identification/common/parallel.hpp"
 #include "host_sim/identification/common/wording.hpp"
@@ -74,53 +75,69 @@ std::string words_of(const PlacedFault& fault) {
 
 }  // namespace
 
-double error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis) {
-  if (!problem.has_held_out()) return pooled_error(problem, hypothesis);
+ErrorOfPrediction error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis) {
   estimate_held_out_starts(hypothesis, problem.samples());
   const std::vector<Response> readings = read_all(problem, hypothesis);
-  double sum = 0.0, terms = 0.0;
+  double held_out = 0.0, everywhere = 0.0, terms = 0.0;
+  const auto logarithm = [](const SquaredError& squares) {
+    return 0.5 * std::log(std::max(squares.error, std::numeric_limits<double>::min()) / squares.data);
+  };
   for (const model::Channel channel : problem.channels()) {
-    const SquaredError squares = held_out_squares(problem, readings, channel);
-    if (!(squares.data > 0.0)) continue;
-    sum += 0.5 * std::log(std::max(squares.error, std::numeric_limits<double>::min()) / squares.data);
+    SquaredError last = held_out_squares(problem, readings, channel), all = last;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const ProblemRecording& r = problem.recordings()[i];
+      if (r.is_fitted()) all.add(*r.samples, channel, readings[i], r.fitted);
+    }
+    if (!problem.has_held_out()) last = all;
+    if (!(last.data > 0.0)) continue;
+    held_out += logarithm(last);
+    everywhere += logarithm(all);
     terms += 1.0;
   }
-  return terms > 0.0 ? std::exp(sum / terms) : 0.0;
+  return terms > 0.0 ? ErrorOfPrediction{std::exp(held_out / terms), std::exp(everywhere / terms)}
+                     : ErrorOfPrediction{};
 }
 
 CauseSupport support_of_causes(const IdentificationProblem& problem, const IdentificationProblem& whole,
-                               const SearchSpace& space, bool may_leave_out, SearchResult& found) {
+                               const SearchSpace& space, bool beside_a_rest, SearchResult& found) {
   CauseSupport support;
+  const std::size_t tried = candidates(whole.samples(), space.given, found.scales).size();
   while (true) {
     const std::size_t effects = found.best.effects.size();
-    const std::size_t causes = effects + (may_leave_out ? found.best.faults().size() : 0);
+    const std::size_t causes = effects + (beside_a_rest ? found.best.faults().size() : 0);
     if (causes == 0) return support;
     const Reduction reduction(problem, space, found);
-    const double with = error_of_prediction(whole, found.best.fit.hypothesis);
-    std::vector<double> errors(causes);
+    const ErrorOfPrediction with = error_of_prediction(whole, found.best.fit.hypothesis);
+    std::vector<double> shares(causes), everywhere(causes);
     std::vector<CandidateModel> models(causes);
     for_all(causes, [&](std::size_t i) {
       models[i] = i < effects ? reduction.without_effect(found, i) : reduction.without_fault(found, i - effects);
-      errors[i] = error_of_prediction(whole, models[i].fit.hypothesis);
+      const ErrorOfPrediction error = error_of_prediction(whole, models[i].fit.hypothesis);
       // A model that diverges without the cause cannot do without it.
-      if (!std::isfinite(errors[i])) errors[i] = std::numeric_limits<double>::infinity();
+      const auto share = [](double of, double without) { return std::isfinite(without) ? 1.0 - of / without : 1.0; };
+      shares[i] = share(with.held_out, error.held_out);
+      everywhere[i] = share(with.everywhere, error.everywhere);
     });
-    const auto least = std::min_element(errors.begin(), errors.end());
-    if (!may_leave_out || !(*least * (1.0 + thresholds::raises_error) < with)) {
-      for (std::size_t i = 0; i < effects; ++i) {
-        const double share = 1.0 - with / errors[i];
-        support.shares.push_back(std::isfinite(share) ? share : 0.0);
-      }
+    const auto least = static_cast<std::size_t>(std::min_element(shares.begin(), shares.end()) - shares.begin());
+    if (!beside_a_rest || shares[least] > -thresholds::raises_error) {
+      shares.resize(effects);
+      everywhere.resize(effects);
+      support.shares = std::move(shares);
+      support.chances.assign(effects, 0.0);
+      if (!beside_a_rest) return support;
+      const double directions = directions_left(whole, found.best.fit.hypothesis);
+      std::transform(everywhere.begin(), everywhere.end(), support.chances.begin(),
+                     [&](double share) { return chance_of_share(share, directions, tried); });
       return support;
     }
-    const auto i = static_cast<std::size_t>(least - errors.begin());
-    support.left_out.push_back(i < effects ? words(found.best.effects[i]) : words_of(found.best.faults()[i - effects]));
-    if (i < effects) {
-      erase_at(found.causes, i);
+    if (least < effects) {
+      support.left_out.push_back(words(found.best.effects[least]));
+      erase_at(found.causes, least);
     } else {
-      erase_at(found.faults, i - effects);
+      support.left_out.push_back(words_of(found.best.faults()[least - effects]));
+      erase_at(found.faults, least - effects);
     }
-    reduction.take(std::move(models[i]), found);
+    reduction.take(std::move(models[least]), found);
   }
 }
 

@@ -9,30 +9,35 @@
 
 namespace host_sim::identification {
 
-/// Error over all channels on held-out data, or the pooled error of the fitted windows where nothing is held out:
+/// Error over all channels, on held-out data (on what is fitted where nothing is held out), and on both together:
 ///
 ///   (1)  ln e = mean over channels of ½ ln(Σ(simulated − measured)²/Σ measured²)
 ///
 /// A share of what is left counts alike in every channel, as in (2) of estimate/evidence.hpp far above the noise. In a
 /// mean of squares the channel that no model explains would decide about all others: about the delay of a machine the
 /// force of a component whose law is another one.
-[[nodiscard]] double error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis);
+struct ErrorOfPrediction {
+  double held_out = 0.0, everywhere = 0.0;
+};
+[[nodiscard]] ErrorOfPrediction error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis);
 
-/// For each effect of a model the share of the error (1) that goes when it is added, e_i: of the model without it, all
-/// else refitted:
+/// For each effect of a model the share of the held-out error (1) that goes when it is added, e_i: of the model without
+/// it, all else refitted:
 ///
 ///   (2)  share_i = 1 − e/e_i                         negative where the effect raises the error
 struct CauseSupport {
-  std::vector<double> shares;         ///< of each effect
+  std::vector<double> shares;  ///< of each effect
+  /// That a cause which is none had explained as much of the error everywhere (chance_of_share.hpp); 0 without a rest.
+  std::vector<double> chances;
   std::vector<std::string> left_out;  ///< causes that left the model
 };
 
-/// Shares (2) of the effects of `found.best`. With `may_leave_out` causes that raise the error (1) by more than
+/// Shares (2) of the effects of `found.best`. Beside a rest, causes that raise the held-out error by more than
 /// thresholds::raises_error leave the model first, the worst before the others, all else refitted: what explains a
 /// recording and spoils the next one is no explanation. `whole`: the problem on which errors are judged, machine and
 /// component as one.
 [[nodiscard]] CauseSupport support_of_causes(const IdentificationProblem& problem, const IdentificationProblem& whole,
-                                             const SearchSpace& space, bool may_leave_out, SearchResult& found);
+                                             const SearchSpace& space, bool beside_a_rest, SearchResult& found);
 
 /// The causes of a model with a parameter whose 95 % interval reaches both of its bounds: nothing is known of its size,
 /// so it has no name. They leave the model, and all else is refitted. `known`: of `found.best.fit`.

@@ -42,8 +42,12 @@ struct NamedEffect {
   double confidence;
   std::vector<Alternative> alternatives;  ///< the nearest first
   PossibleLaw other{};
-  double share = 0.0;                        ///< of the held-out error that goes when it is added (cause_support.hpp)
+  double share = 0.0;   ///< of the held-out error that goes when it is added (cause_support.hpp)
+  double chance = 0.0;  ///< that a cause which is none had explained as much beside a rest (chance_of_share.hpp)
   std::vector<UncertaintyBudget> budgets{};  ///< of `parameters`; none of a period that was read off the recording
+
+  /// Fits, but any cause could have.
+  [[nodiscard]] bool is_by_chance() const { return chance > 0.5; }
 };
 
 /// What confidence depends on beside the rivals.

@@ -471,6 +471,7 @@ std::string unit_of(const firmware::PlacedEffect& effect, std::size_t parameter)
 std::string sentence(const Diagnosis& diagnosis) {
   std::vector<std::string> names, likely, possible;  // by firmness
   for (const NamedEffect& named : diagnosis.effects) {
+    if (named.is_by_chance()) continue;
     std::string text = words(named.effect);
     if (!named.parameters.empty()) {
       const std::string unit = unit_of(named.effect, 0);
