@@ -12,7 +12,7 @@ namespace firmware {
 struct CalendarDate {
   int year = 0, month = 0, day = 0;
 
-  friend auto operator<=>(const CalendarDate&, const CalendarDate&) = default;
+  friend auto operator<=>(const CalendarDate&, const CalendarDate&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// "2026-03-01" (ISO 8601, extended format) of the years 1900 … 2999; nothing for any other text or for a day that no
