@@ -1,0 +1,224 @@
+#include "host_sim/live/score_test.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "host_sim/live/thresholds.hpp"
+
+namespace host_sim::live {
+
+double normal_of_student(double t, double degrees) {
+  const double z = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0) * std::sqrt(degrees * std::log1p(t * t / degrees));
+  return std::copysign(z, t);
+}
+
+double two_sided_quantile(double probability) {
+  double low = 0.0, high = 38.0;  // erfc of more is no number
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (std::erfc(middle / std::numbers::sqrt2) > probability ? low : high) = middle;
+  }
+  return high;
+}
+
+ScoreTest::ScoreTest(std::vector<Bounds> bounds, std::vector<std::size_t> causes, double block)
+    : bounds_(std::move(bounds)), causes_(std::move(causes)), block_(block), sums_(bounds_.size()) {
+  const double tests_per_hour = static_cast<double>(std::max<std::size_t>(bounds_.size(), 1) * thresholds::window) *
+                                3600.0 / block_;
+  level_ = two_sided_quantile(thresholds::false_names_per_hour / tests_per_hour);
+}
+
+double ScoreTest::Sums::noise() const {
+  const double m = mean();
+  return blocks < 2 ? 0.0 : std::max(0.0, bb_a - 2.0 * m * b + m * m * a) / static_cast<double>(blocks - 1);
+}
+
+double ScoreTest::Sums::error() const {
+  const double m = mean();
+  return aa > 0.0 ? std::max(0.0, bb - 2.0 * m * ab + m * m * aa) / aa : 0.0;
+}
+
+double ScoreTest::Sums::alikeness() const {
+  const auto n = static_cast<double>(blocks);
+  if (blocks < 6) return 1.0;
+  const double middle = z / n, spread = zz / n - middle * middle;
+  if (!(spread > 0.0)) return 1.0;
+  double k = 1.0;
+  for (int l = 1; l <= 4; ++l) {
+    const double correlation = (lagged[l - 1] / (n - l) - middle * middle) / spread;
+    k += 2.0 * correlation * (1.0 - l / 5.0);
+  }
+  return std::max(1.0, k);
+}
+
+std::size_t ScoreTest::lacking() const {
+  return learned_ < thresholds::baseline ? thresholds::baseline - learned_ : 0;
+}
+
+void ScoreTest::learn(const BlockScore& block) {
+  for (std::size_t j = 0; j < sums_.size(); ++j) {
+    Sums& s = sums_[j];
+    const double b = block.score[j], a = block.information[j];
+    if (!(a > 0.0)) continue;
+    const double z = b / std::sqrt(a);
+    for (std::size_t l = 0; l < 4 && l < s.blocks; ++l) s.lagged[l] += z * s.previous[l];
+    for (std::size_t l = 3; l > 0; --l) s.previous[l] = s.previous[l - 1];
+    s.previous[0] = z;
+    s.b += b;
+    s.a += a;
+    s.bb_a += b * b / a;
+    s.bb += b * b;
+    s.ab += a * b;
+    s.aa += a * a;
+    s.z += z;
+    s.zz += z * z;
+    ++s.blocks;
+  }
+  const double power = block.power / std::max(block.samples, 1.0);
+  power_ += power;
+  power_squares_ += power * power;
+  samples_ += block.samples;
+  ++learned_;
+}
+
+void ScoreTest::forget_window() {
+  window_.clear();
+  suspected_.reset();
+}
+
+ScoreTest::Window ScoreTest::window(std::size_t candidate, std::size_t blocks) const {
+  Window w;
+  for (std::size_t i = window_.size() - blocks; i < window_.size(); ++i) {
+    const double a = window_[i].information[candidate];
+    w.b += window_[i].score[candidate];
+    w.a += a;
+    w.aa += a * a;
+  }
+  return w;
+}
+
+double ScoreTest::variance(std::size_t candidate, const Window& w) const {
+  const Sums& s = sums_[candidate];
+  const double k = s.alikeness(), f = s.noise();
+  return k * std::max(f * w.a, s.error() * w.aa) + (s.a > 0.0 ? w.a * w.a * k * f / s.a : 0.0);
+}
+
+double ScoreTest::size(std::size_t candidate, const Window& w) const {
+  if (!(w.a > 0.0)) return 0.0;
+  const double before = sums_[candidate].mean();
+  const double size = w.b / w.a - before;
+  // What the baseline holds was no size of the cause where it lies beyond its bounds: these count from there.
+  const Bounds& bounds = bounds_[candidate];
+  return std::clamp(size, std::min(0.0, bounds.lower - std::max(before, bounds.lower)),
+                    std::max(0.0, bounds.upper - std::min(before, bounds.upper)));
+}
+
+double ScoreTest::gain(std::size_t candidate, const Window& w) const {
+  const double e = w.b - w.a * sums_[candidate].mean(), theta = size(candidate, w);
+  return 2.0 * theta * e - theta * theta * w.a;
+}
+
+double ScoreTest::deviations(std::size_t candidate, const Window& w) const {
+  const double v = variance(candidate, w);
+  if (!(v > 0.0) || !(w.a > 0.0) || sums_[candidate].blocks < thresholds::baseline / 2) return 0.0;
+  return normal_of_student(size(candidate, w) * w.a / std::sqrt(v),
+                           static_cast<double>(sums_[candidate].blocks - 1));
+}
+
+ScoreTest::Found ScoreTest::most_significant() const {
+  Found found;
+  for (std::size_t j = 0; j < sums_.size(); ++j) {
+    Window w;
+    for (std::size_t n = 1; n <= std::min(window_.size(), thresholds::window); ++n) {
+      const BlockScore& block = window_[window_.size() - n];
+      const double a = block.information[j];
+      w.b += block.score[j];
+      w.a += a;
+      w.aa += a * a;
+      const double z = std::abs(deviations(j, w));
+      if (z > found.deviations) found = {j, n, z};
+    }
+  }
+  return found;
+}
+
+Onset ScoreTest::describe(const Found& found) const {
+  Onset onset;
+  std::vector<std::pair<double, std::size_t>> gains;
+  for (std::size_t j = 0; j < sums_.size(); ++j) gains.push_back({gain(j, window(j, found.blocks)), j});
+  std::sort(gains.begin(), gains.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
+  onset.candidate = gains.front().second;
+  const Window w = window(onset.candidate, found.blocks);
+  onset.gain = gains.front().first;
+  onset.size = size(onset.candidate, w);
+  onset.deviation = std::sqrt(variance(onset.candidate, w)) / w.a;
+  onset.since = window_[window_.size() - found.blocks].begins;
+  onset.at = window_.back().ends;
+  onset.motion = static_cast<double>(found.blocks) * block_;
+  const double unit = std::max(1.0, sums_[onset.candidate].noise());
+  std::vector<std::size_t> said{causes_[onset.candidate]};
+  for (const auto& [g, j] : gains) {
+    if (g < onset.gain - thresholds::rival * unit) break;
+    if (!(g > 0.0) || std::find(said.begin(), said.end(), causes_[j]) != said.end()) continue;
+    said.push_back(causes_[j]);
+    onset.rivals.push_back({j, size(j, window(j, found.blocks)), g});
+  }
+  return onset;
+}
+
+bool ScoreTest::explains(const Onset& onset, std::size_t blocks) const {
+  const auto n = static_cast<double>(learned_);
+  const double mean = power_ / n, spread = std::sqrt(std::max(0.0, power_squares_ / n - mean * mean));
+  double rise = 0.0, doubt = 0.0;
+  for (std::size_t i = window_.size() - blocks; i < window_.size(); ++i) {
+    rise += window_[i].power - mean * window_[i].samples;
+    doubt += spread * spread * window_[i].samples * window_[i].samples;
+  }
+  return onset.gain >= thresholds::least_share * (rise - thresholds::rise_doubt * std::sqrt(doubt));
+}
+
+std::optional<Onset> ScoreTest::add(BlockScore block) {
+  if (lacking() > 0) {
+    learn(block);
+    return std::nullopt;
+  }
+  window_.push_back(std::move(block));
+  if (!suspected_ && window_.size() > thresholds::window) {
+    learn(window_.front());
+    window_.pop_front();
+  }
+  const Found found = most_significant();
+  largest_ = found.deviations;
+  if (!suspected_) {
+    if (found.deviations <= level_) return std::nullopt;
+    suspected_ = found.blocks;
+  } else {
+    ++*suspected_;
+  }
+  const bool full = *suspected_ >= thresholds::window;
+  if (found.deviations <= level_) {
+    if (!full) return std::nullopt;
+    Onset over;
+    over.since = window_[window_.size() - std::min(*suspected_, window_.size())].begins;
+    over.at = window_.back().ends;
+    over.motion = static_cast<double>(*suspected_) * block_;
+    over.passed = true;
+    forget_window();
+    return over;
+  }
+  if (found.blocks < thresholds::lasting && !full) return std::nullopt;
+  Onset onset = describe(found);
+  const std::size_t latest = std::min(found.blocks, thresholds::lasting);
+  const double now = size(onset.candidate, window(onset.candidate, latest));
+  const bool lasts = now / onset.size >= 0.5;
+  const bool explained = explains(onset, found.blocks);
+  if (!full && !(lasts && explained && onset.rivals.empty())) return std::nullopt;
+  onset.named = lasts && explained;
+  onset.passed = !lasts;
+  forget_window();
+  return onset;
+}
+
+}  // namespace host_sim::live

@@ -1,0 +1,122 @@
+// A sequential score test: which cause has begun to act, since when, and how large it is.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace host_sim::live {
+
+/// What one block says of each candidate: with r what the model leaves, g the change of the prediction that a cause of
+/// the size of its start makes, σ what the model leaves of a channel when nothing is wrong,
+///
+///   (1)  b = Σ g r/σ²        score
+///   (2)  A = Σ g²/σ²         information: what b would be, were the cause there with its start's size
+struct BlockScore {
+  std::vector<double> score, information;  ///< b and A by candidate
+  double power = 0.0;                      ///< Σ r²/σ² of all channels
+  double samples = 0.0;                    ///< of that sum
+  double begins = 0.0, ends = 0.0;         ///< [s]
+};
+
+/// The sizes that a candidate may have, in units of its start: a friction is never negative.
+struct Bounds {
+  double lower, upper;
+};
+
+/// A cause that has begun. Sizes in units of the candidate's start, relative to the baseline.
+struct Onset {
+  std::size_t candidate = 0;
+  double size = 0.0, deviation = 0.0;  ///< one Newton step: score/information, and its standard deviation
+  double gain = 0.0;                   ///< [χ²] that it explains
+  double since = 0.0, at = 0.0;        ///< [s] the begin of the window that shows it best; when that was known
+  double motion = 0.0;                 ///< [s] of motion between the two
+  bool named = false;                  ///< false: nothing of the candidates explains the rise
+  bool passed = false;                 ///< it is over already: a push from outside
+  struct Rival {
+    std::size_t candidate;
+    double size, gain;
+  };
+  std::vector<Rival> rivals{};  ///< within thresholds::rival, the best first
+};
+
+/// Score tests (Rao, 1948) of every candidate over every window of 1 … thresholds::window blocks that ends now, a
+/// generalised likelihood ratio over the onset (Willsky and Jones, 1976). What the model got wrong before is the
+/// baseline, all blocks that have left the window:
+///
+///   (3)  θ₀ = Σb/ΣA                                                 size of each candidate in the baseline
+///   (4)  s² = κ max(f ΣA, τ² ΣA²),  f = mean e²/A,  τ² = Σe²/ΣA²,  e = b − A θ₀     variance of a window's score
+///   (5)  κ = max(1, 1 + 2 Σ_l ρ_l (1 − l/5)),  l = 1 … 4            blocks that follow each other are alike
+///   (6)  t = (Σb − θ₀ ΣA)/√(s² + (ΣA)² κ f/ΣA₀)                     Student's t with as many degrees of freedom as the
+///                                                                   baseline has blocks, less one
+///
+/// f is what noise leaves, τ what a model that is wrong leaves, in proportion to its motion; the larger one counts.
+/// A window is significant beyond the level of thresholds::false_names_per_hour. The cause is named once it has lasted
+/// thresholds::lasting blocks and stands alone, or at the end of the longest window with its rivals.
+class ScoreTest {
+ public:
+  /// `causes`: by candidate, which cause it is a size of; several may be one.
+  ScoreTest(std::vector<Bounds> bounds, std::vector<std::size_t> causes, double block);
+
+  /// The next block of motion.
+  [[nodiscard]] std::optional<Onset> add(BlockScore block);
+
+  /// Forgets the window: it holds samples of a sensor that has failed.
+  void forget_window();
+
+  /// Blocks that the baseline still lacks.
+  [[nodiscard]] std::size_t lacking() const;
+  /// [standard deviations] beyond which a window is significant.
+  [[nodiscard]] double level() const { return level_; }
+  [[nodiscard]] double largest() const { return largest_; }  ///< of the last block's windows [standard deviations]
+
+ private:
+  struct Sums {
+    double b = 0.0, a = 0.0, bb_a = 0.0, bb = 0.0, ab = 0.0, aa = 0.0, z = 0.0, zz = 0.0;
+    double lagged[4] = {};
+    double previous[4] = {};
+    std::size_t blocks = 0;
+
+    [[nodiscard]] double mean() const { return a > 0.0 ? b / a : 0.0; }
+    [[nodiscard]] double noise() const;      ///< f
+    [[nodiscard]] double error() const;      ///< τ²
+    [[nodiscard]] double alikeness() const;  ///< κ
+  };
+  struct Window {
+    double b = 0.0, a = 0.0, aa = 0.0;
+  };
+  struct Found {
+    std::size_t candidate = 0, blocks = 0;
+    double deviations = 0.0;
+  };
+
+  void learn(const BlockScore& block);
+  [[nodiscard]] Window window(std::size_t candidate, std::size_t blocks) const;
+  [[nodiscard]] double variance(std::size_t candidate, const Window& w) const;
+  [[nodiscard]] double size(std::size_t candidate, const Window& w) const;
+  [[nodiscard]] double gain(std::size_t candidate, const Window& w) const;
+  [[nodiscard]] double deviations(std::size_t candidate, const Window& w) const;
+  [[nodiscard]] Found most_significant() const;
+  [[nodiscard]] Onset describe(const Found& found) const;
+  [[nodiscard]] bool explains(const Onset& onset, std::size_t blocks) const;
+
+  std::vector<Bounds> bounds_;
+  std::vector<std::size_t> causes_;
+  double block_, level_;
+  std::vector<Sums> sums_;
+  std::deque<BlockScore> window_;
+  std::size_t learned_ = 0;
+  double power_ = 0.0, power_squares_ = 0.0, samples_ = 0.0;
+  std::optional<std::size_t> suspected_;  ///< blocks since a window was significant, from its begin
+  double largest_ = 0.0;
+};
+
+/// Standard deviations of a normal distribution as improbable as `t` of Student's with ν degrees of freedom.
+/// Source: D. L. Wallace, Bounds on normal approximations to Student's and the chi-square distributions, 1959.
+[[nodiscard]] double normal_of_student(double t, double degrees);
+
+/// The standard deviation beyond which, on both sides together, a normal distribution has `probability`.
+[[nodiscard]] double two_sided_quantile(double probability);
+
+}  // namespace host_sim::live
