@@ -211,9 +211,7 @@ void LiveDiagnosis::begin() {
     return;
   }
   waits_for_.clear();
-  std::vector<std::size_t> causes;
-  for (const Candidate& candidate : twins_->candidates()) causes.push_back(candidate.cause);
-  test_ = std::make_unique<ScoreTest>(twins_->bounds(), causes, thresholds::block);
+  test_ = std::make_unique<ScoreTest>(twins_->tested(), thresholds::block);
   twins_->start(known_.front());
   run_in_ = run_in_blocks;
   const std::deque<Block> blocks = std::exchange(known_, {});
@@ -284,12 +282,11 @@ void LiveDiagnosis::conclude(const Onset& onset) {
   finding.since = onset.since;
   finding.named_at = onset.at;
   finding.motion = onset.motion;
-  std::vector<std::size_t> causes;
-  for (const Candidate& candidate : twins_->candidates()) causes.push_back(candidate.cause);
+  finding.share = onset.share;
   if (!onset.named) {
     finding.kind = Finding::Kind::unexplained;
     add(std::move(finding));
-    test_ = std::make_unique<ScoreTest>(twins_->bounds(), causes, thresholds::block);
+    test_ = std::make_unique<ScoreTest>(twins_->tested(), thresholds::block);
     return;
   }
   finding.cause = named(onset.candidate, onset.size, onset.deviation);
@@ -308,9 +305,7 @@ void LiveDiagnosis::conclude(const Onset& onset) {
   }
   if (!firmware::find_rig_fault(changed.rig, changed.period())) description_ = std::move(changed);
   twins_ = std::make_unique<Twins>(description_, *prepared_);
-  causes.clear();
-  for (const Candidate& candidate : twins_->candidates()) causes.push_back(candidate.cause);
-  test_ = std::make_unique<ScoreTest>(twins_->bounds(), causes, thresholds::block);
+  test_ = std::make_unique<ScoreTest>(twins_->tested(), thresholds::block);
   run_in_ = run_in_blocks + 1;
 }
 

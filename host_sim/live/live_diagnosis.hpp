@@ -39,6 +39,7 @@ struct Finding {
   double since = 0.0;                ///< [s] on the rig's clock
   double named_at = 0.0;             ///< [s]
   double motion = 0.0;               ///< [s] of motion between the two
+  double share = 0.0;                ///< of the rise of the residual that the cause explains, 0 … 1
 };
 
 [[nodiscard]] std::string_view name(Finding::Kind kind);

@@ -23,9 +23,9 @@ double two_sided_quantile(double probability) {
   return high;
 }
 
-ScoreTest::ScoreTest(std::vector<Bounds> bounds, std::vector<std::size_t> causes, double block)
-    : bounds_(std::move(bounds)), causes_(std::move(causes)), block_(block), sums_(bounds_.size()) {
-  const double tests_per_hour = static_cast<double>(std::max<std::size_t>(bounds_.size(), 1) * thresholds::window) *
+ScoreTest::ScoreTest(std::vector<Tested> candidates, double block)
+    : candidates_(std::move(candidates)), block_(block), sums_(candidates_.size()) {
+  const double tests_per_hour = static_cast<double>(std::max<std::size_t>(candidates_.size(), 1) * thresholds::window) *
                                 3600.0 / block_;
   level_ = two_sided_quantile(thresholds::false_names_per_hour / tests_per_hour);
 }
@@ -110,7 +110,7 @@ double ScoreTest::size(std::size_t candidate, const Window& w) const {
   const double before = sums_[candidate].mean();
   const double size = w.b / w.a - before;
   // What the baseline holds was no size of the cause where it lies beyond its bounds: these count from there.
-  const Bounds& bounds = bounds_[candidate];
+  const Tested& bounds = candidates_[candidate];
   return std::clamp(size, std::min(0.0, bounds.lower - std::max(before, bounds.lower)),
                     std::max(0.0, bounds.upper - std::min(before, bounds.upper)));
 }
@@ -146,37 +146,41 @@ ScoreTest::Found ScoreTest::most_significant() const {
 
 Onset ScoreTest::describe(const Found& found) const {
   Onset onset;
+  const double unit = std::max(1.0, sums_[found.candidate].noise());  // of χ²
   std::vector<std::pair<double, std::size_t>> gains;
-  for (std::size_t j = 0; j < sums_.size(); ++j) gains.push_back({gain(j, window(j, found.blocks)), j});
+  for (std::size_t j = 0; j < sums_.size(); ++j) {
+    gains.push_back({gain(j, window(j, found.blocks)) - unit * candidates_[j].price, j});
+  }
   std::sort(gains.begin(), gains.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
   onset.candidate = gains.front().second;
   const Window w = window(onset.candidate, found.blocks);
-  onset.gain = gains.front().first;
+  onset.gain = gain(onset.candidate, w);
+  const Rise rose = rise(found.blocks);
+  onset.share = onset.gain / std::max(onset.gain, rose.size - thresholds::rise_doubt * rose.deviation);
   onset.size = size(onset.candidate, w);
   onset.deviation = std::sqrt(variance(onset.candidate, w)) / w.a;
   onset.since = window_[window_.size() - found.blocks].begins;
   onset.at = window_.back().ends;
   onset.motion = static_cast<double>(found.blocks) * block_;
-  const double unit = std::max(1.0, sums_[onset.candidate].noise());
-  std::vector<std::size_t> said{causes_[onset.candidate]};
+  std::vector<std::size_t> said{candidates_[onset.candidate].cause};
   for (const auto& [g, j] : gains) {
-    if (g < onset.gain - thresholds::rival * unit) break;
-    if (!(g > 0.0) || std::find(said.begin(), said.end(), causes_[j]) != said.end()) continue;
-    said.push_back(causes_[j]);
+    if (g < gains.front().first - thresholds::rival * unit) break;
+    if (!(g > 0.0) || std::find(said.begin(), said.end(), candidates_[j].cause) != said.end()) continue;
+    said.push_back(candidates_[j].cause);
     onset.rivals.push_back({j, size(j, window(j, found.blocks)), g});
   }
   return onset;
 }
 
-bool ScoreTest::explains(const Onset& onset, std::size_t blocks) const {
+ScoreTest::Rise ScoreTest::rise(std::size_t blocks) const {
   const auto n = static_cast<double>(learned_);
   const double mean = power_ / n, spread = std::sqrt(std::max(0.0, power_squares_ / n - mean * mean));
-  double rise = 0.0, doubt = 0.0;
+  Rise rise;
   for (std::size_t i = window_.size() - blocks; i < window_.size(); ++i) {
-    rise += window_[i].power - mean * window_[i].samples;
-    doubt += spread * spread * window_[i].samples * window_[i].samples;
+    rise.size += window_[i].power - mean * window_[i].samples;
+    rise.deviation = std::hypot(rise.deviation, spread * window_[i].samples);
   }
-  return onset.gain >= thresholds::least_share * (rise - thresholds::rise_doubt * std::sqrt(doubt));
+  return rise;
 }
 
 std::optional<Onset> ScoreTest::add(BlockScore block) {
@@ -213,7 +217,7 @@ std::optional<Onset> ScoreTest::add(BlockScore block) {
   const std::size_t latest = std::min(found.blocks, thresholds::lasting);
   const double now = size(onset.candidate, window(onset.candidate, latest));
   const bool lasts = now / onset.size >= 0.5;
-  const bool explained = explains(onset, found.blocks);
+  const bool explained = onset.share >= thresholds::least_share;
   if (!full && !(lasts && explained && onset.rivals.empty())) return std::nullopt;
   onset.named = lasts && explained;
   onset.passed = !lasts;

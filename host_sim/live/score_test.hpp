@@ -20,9 +20,11 @@ struct BlockScore {
   double begins = 0.0, ends = 0.0;         ///< [s]
 };
 
-/// The sizes that a candidate may have, in units of its start: a friction is never negative.
-struct Bounds {
-  double lower, upper;
+/// A candidate. Several sizes of one cause are candidates, too.
+struct Tested {
+  std::size_t cause;
+  double lower, upper;  ///< size that it may have, in units of its start: a friction is never negative
+  double price;         ///< [χ²] by which it must explain more than others to be named in their place
 };
 
 /// A cause that has begun. Sizes in units of the candidate's start, relative to the baseline.
@@ -30,6 +32,7 @@ struct Onset {
   std::size_t candidate = 0;
   double size = 0.0, deviation = 0.0;  ///< one Newton step: score/information, and its standard deviation
   double gain = 0.0;                   ///< [χ²] that it explains
+  double share = 0.0;                  ///< of the rise of the residual, 0 … 1
   double since = 0.0, at = 0.0;        ///< [s] the begin of the window that shows it best; when that was known
   double motion = 0.0;                 ///< [s] of motion between the two
   bool named = false;                  ///< false: nothing of the candidates explains the rise
@@ -56,8 +59,8 @@ struct Onset {
 /// thresholds::lasting blocks and stands alone, or at the end of the longest window with its rivals.
 class ScoreTest {
  public:
-  /// `causes`: by candidate, which cause it is a size of; several may be one.
-  ScoreTest(std::vector<Bounds> bounds, std::vector<std::size_t> causes, double block);
+  /// `block` [s]
+  ScoreTest(std::vector<Tested> candidates, double block);
 
   /// The next block of motion.
   [[nodiscard]] std::optional<Onset> add(BlockScore block);
@@ -99,10 +102,13 @@ class ScoreTest {
   [[nodiscard]] double deviations(std::size_t candidate, const Window& w) const;
   [[nodiscard]] Found most_significant() const;
   [[nodiscard]] Onset describe(const Found& found) const;
-  [[nodiscard]] bool explains(const Onset& onset, std::size_t blocks) const;
+  /// What rose in the residual of the last blocks [χ²], and its standard deviation without a cause.
+  struct Rise {
+    double size = 0.0, deviation = 0.0;
+  };
+  [[nodiscard]] Rise rise(std::size_t blocks) const;
 
-  std::vector<Bounds> bounds_;
-  std::vector<std::size_t> causes_;
+  std::vector<Tested> candidates_;
   double block_, level_;
   std::vector<Sums> sums_;
   std::deque<BlockScore> window_;

@@ -45,6 +45,9 @@ inline constexpr double rise_doubt = 3.0;
 /// [χ²] A cause that gains this much less is no rival: odds of 1000 to 1, as in a verdict (identification/assess), is
 /// 2 ln 1000. Half: 32 to 1. Twice: 10⁶ to 1, and a fault is said with more rivals.
 inline constexpr double rival = 13.8;
+/// [χ²] A parameter of the description must explain this much more than an effect, as in a diagnosis of recordings
+/// (identification/select): 2 ln 100. Half and twice: 10 to 1 and 10⁴ to 1; it decides where both do the same.
+inline constexpr double described_value = 9.2;
 /// Blocks that a fault lasts before it is named, and in whose latest so many it must still be there with half its size:
 /// a second. A push from outside passes sooner. Half: a longer push is named. Twice: names come a second later.
 inline constexpr std::size_t lasting = 4;

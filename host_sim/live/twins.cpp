@@ -6,7 +6,9 @@
 
 #include "firmware/description/rig_description.hpp"
 #include "host_sim/comparison/fine_steps.hpp"
+#include "host_sim/identification/estimate/free_parameter.hpp"
 #include "host_sim/identification/predict/sensor_readings.hpp"
+#include "host_sim/live/thresholds.hpp"
 
 namespace host_sim::live {
 
@@ -31,13 +33,20 @@ model::Sensors<double> sensor_of(const Rig& rig, Channel channel, double period)
 /// What wears while a rig runs. Masses, areas and ducts stay what they are.
 bool may_change(const firmware::ParameterPath& path) { return path.table == "suspension" || path.table == "tyre"; }
 
+std::string unit_of(const model::EffectParameter& card, std::optional<Channel> channel) {
+  return std::string(channel && card.unit.starts_with("of ") ? model::unit(*channel) : card.unit);
+}
+
 }  // namespace
 
 Twins::Twins(const firmware::RigDescription& description, const identification::PreparedRecording& known)
     : rig_(identification::explained_part(description.rig)),
       bare_(without_sensors(rig_)),
-      like_(simulation_input(rig_, known.recording)),
-      input_sensor_(known.input_sensor()) {
+      like_(simulation_input(rig_, known.recording)) {
+  // A diagnosis of recordings fuses z_r with z̈_r; here z_r drives alone, and its sensor may fail.
+  std::vector<identification::PreparedRecording> recordings{known};
+  recordings.front().inputs_fused = false;
+  input_sensor_ = recordings.front().input_sensor();
   const std::vector<Channel> simulated = response_channels(rig_.kind, like_);
   for (const Channel channel : known.channels) {
     if (std::find(simulated.begin(), simulated.end(), channel) == simulated.end()) continue;
@@ -46,31 +55,40 @@ Twins::Twins(const firmware::RigDescription& description, const identification::
       sensors_.push_back({channel, sensor_of(rig_, channel, like_.period)});
     }
   }
-  const std::vector<identification::PreparedRecording> recordings{known};
   const identification::Hypothesis hypothesis = identification::described_hypothesis(description, recordings);
   const Response response = simulate(bare_, like_, hypothesis.starts.front());
   const identification::Scales scales = identification::scales_of(recordings, hypothesis, {response});
   for (const identification::Candidate& found : identification::candidates(recordings, hypothesis, scales)) {
-    add(found, description);
+    add(found);
   }
-  // What the rig has already may become another one: by a twentieth, so that a step of a law with corners is none of
-  // rounding and the change is still small.
-  constexpr double part = 0.05;
+  // What the rig has already may become larger or smaller, in the steps of its card.
   for (const firmware::PlacedEffect& present : firmware::effects_of(rig_)) {
     const auto& entry = *present.entry;
     const bool reading = entry.parameters.empty() || entry.parameters[0].starts.read != model::Reading::nothing;
     if (entry.parameters.size() != 1 || reading || present.values[0] == entry.parameters[0].neutral) continue;
     const auto& card = entry.parameters[0];
-    add_cause({&entry, present.channel, firmware::effect_path(present, 0), std::string(card.unit), present.values[0],
-               card.lower, card.upper},
-              {card.neutral + (1.0 + part) * (present.values[0] - card.neutral)}, bare_);
+    model::MotionScales motion = scales.motion;
+    if (present.channel) motion.channel = scales.rms[index(*present.channel)];
+    std::vector<double> values;
+    for (const double factor : card.starts.factors) {
+      for (const double sign : {1.0, -1.0}) {
+        const double value = present.values[0] + sign * (factor * card.starts.scale(motion) - card.neutral);
+        if (value > card.lower && value < card.upper) values.push_back(value);
+      }
+      if (identification::is_proportional(card)) break;
+    }
+    add_cause({&entry, present.channel, firmware::effect_path(present, 0), unit_of(card, present.channel),
+               present.values[0], card.lower, card.upper},
+              values, bare_);
   }
+  // A parameter by a twentieth, which is linear and far above rounding.
+  constexpr double part = 0.05;
   for (const firmware::ParameterPath& path : firmware::parameter_paths()) {
     Rig changed = bare_;
     if (!may_change(path) || !firmware::has_part(rig_, path.table) || path.value(changed) == 0.0) continue;
     const double value = path.value(changed);
     add_cause({nullptr, std::nullopt, std::string(path.table) + "." + std::string(path.key), std::string(path.unit),
-               value, 0.0, INFINITY},
+               value, 0.0, INFINITY, thresholds::described_value},
               {(1.0 + part) * value}, bare_);
   }
   described_.try_emplace(1, bare_, like_, 1, channels_);
@@ -79,7 +97,7 @@ Twins::Twins(const firmware::RigDescription& description, const identification::
   }
 }
 
-void Twins::add(const identification::Candidate& found, const firmware::RigDescription&) {
+void Twins::add(const identification::Candidate& found) {
   // A score test has one direction: of effects with several parameters the shape is not known.
   const firmware::CatalogueEntry& entry = *found.entry;
   if (entry.parameters.size() != 1 || entry.parameters[0].starts.read != model::Reading::nothing) return;
@@ -87,7 +105,7 @@ void Twins::add(const identification::Candidate& found, const firmware::RigDescr
   std::vector<double> values;
   for (const identification::Start& start : found.starts) values.push_back(start.values[0]);
   add_cause({&entry, found.channel, firmware::effect_path({&entry, found.channel, {values.front()}}, 0),
-             std::string(found.channel && card.unit.starts_with("of ") ? model::unit(*found.channel) : card.unit),
+             unit_of(card, found.channel),
              card.neutral, card.lower, card.upper},
             values, bare_);
 }
@@ -139,13 +157,13 @@ void Twins::add_cause(Cause cause, const std::vector<double>& values, const Rig&
   }
 }
 
-std::vector<Bounds> Twins::bounds() const {
-  std::vector<Bounds> all;
+std::vector<Tested> Twins::tested() const {
+  std::vector<Tested> all;
   for (const Candidate& candidate : candidates_) {
     const Cause& cause = causes_[candidate.cause];
     const double a = (cause.lower - cause.described) / candidate.step;
     const double b = (cause.upper - cause.described) / candidate.step;
-    all.push_back({std::min(a, b), std::max(a, b)});
+    all.push_back({candidate.cause, std::min(a, b), std::max(a, b), cause.price});
   }
   return all;
 }

@@ -27,6 +27,7 @@ struct Cause {
   std::string unit;
   double described = 0.0;  ///< the value with which the description has it; of an effect that is not there: neutral
   double lower = 0.0, upper = 0.0;
+  double price = 0.0;  ///< [χ²] by which it must explain more than another cause
 };
 
 /// A cause at one size.
@@ -56,8 +57,8 @@ class Twins {
   [[nodiscard]] model::Channel input() const { return like_.channel; }
   /// Whether that channel has a sensor.
   [[nodiscard]] bool input_is_measured() const { return input_sensor_.has_value(); }
-  /// The sizes of each candidate that its card allows, in units of its step.
-  [[nodiscard]] std::vector<Bounds> bounds() const;
+  /// The candidates, for a test; sizes in units of their steps.
+  [[nodiscard]] std::vector<Tested> tested() const;
 
   /// Simulations begin with this block, at rest.
   void start(const Block& block);
@@ -84,7 +85,7 @@ class Twins {
     std::vector<double> passed{};  ///< the input behind `sensor`, of the block's recording
   };
 
-  void add(const identification::Candidate& found, const firmware::RigDescription& description);
+  void add(const identification::Candidate& found);
   void add_cause(Cause cause, const std::vector<double>& values, const model::RigParameters<double>& bare);
   [[nodiscard]] bool can_step(const model::RigParameters<double>& rig, int substeps) const;
   [[nodiscard]] SimulationInput input_of(const Block& block) const;

@@ -59,6 +59,7 @@ void drive(const firmware::RigDescription& description, const Run& run,
   const model::RigModel<> healthy(before, period), changed(after, period);
   const bool bench = before.kind == RigKind::component_bench;
   auto x = healthy.start(bench ? 0.0 : motion[0].position, bench ? motion[0].position : 0.0);
+  auto shadow = x;
   firmware::Gaussian gaussian(run.seed, 7);
   const auto from = static_cast<std::size_t>(std::lround(run.changes_at * rate));
   for (std::size_t k = 0; k < count; ++k) {
@@ -66,11 +67,18 @@ void drive(const firmware::RigDescription& description, const Run& run,
     for (std::size_t c = 0; c < noise.size(); ++c) {
       if (description.noise[c]) noise[c] = *description.noise[c] * gaussian();
     }
+    // The delay lines and filters of the changed sensors have lived through the last half second.
+    if (k + 500 == from) {
+      shadow = x;
+      shadow.sensors = changed.start().sensors;
+    }
+    if (k == from) x.sensors = shadow.sensors;
     const model::RigModel<>& now = k < from ? healthy : changed;
     if (k == from && delay_of(after) != delay_of(before)) now.set_delay(x, delay_of(after));
-    if (k > 0) {
-      now.step(x, {.foot_point = motion[k], .command = {motion[k].position, motion[k].velocity}, .noise = &noise});
-    }
+    const model::RigModel<>::Input input{
+        .foot_point = motion[k], .command = {motion[k].position, motion[k].velocity}, .noise = &noise};
+    if (k > 0) now.step(x, input);
+    if (k < from && k + 500 >= from) changed.step(shadow, input);
     const auto measured = now.measured(x, &noise);
     host_sim::live::LiveSample sample;
     sample.time = static_cast<double>(k) * period;

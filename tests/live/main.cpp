@@ -1,6 +1,7 @@
 // Hours of healthy rigs, and faults of many sizes: how often a diagnosis while the rig runs names what is not there, how
 // soon it names what is, and what it costs.
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -19,7 +20,8 @@ double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 
 void print(const std::vector<Finding>& findings) {
   for (const Finding& f : findings) {
-    std::printf("    %6.2f s (%.2f s later) %s\n", f.named_at, f.named_at - f.since, sentence(f).c_str());
+    std::printf("    %6.2f s (%.2f s later, share %.2f) %s\n", f.named_at, f.named_at - f.since, f.share,
+                sentence(f).c_str());
   }
 }
 
@@ -72,6 +74,30 @@ void show_faults(std::uint64_t seed) {
   }
 }
 
+/// Sensors that fail in the samples themselves.
+void show_readings(std::uint64_t seed) {
+  using model::Channel;
+  for (const Rigs& one : rigs) {
+    const firmware::RigDescription rig = one.rig();
+    const bool car = rig.rig.kind == model::RigKind::quarter_car;
+    for (const bool stuck : {true, false}) {
+      for (const Channel channel : car ? std::vector{Channel::zdd_b, Channel::z_r} : std::vector{Channel::F}) {
+        std::printf("%s, %s %s from 45 s on\n", one.name, stuck ? "stuck" : "lost",
+                    std::string(model::name(channel)).c_str());
+        sample::Run run;
+        run.seed = seed;
+        run.duration = 55.0;
+        run.reader = [=, value = std::nan("")](host_sim::live::LiveSample& sample) mutable {
+          double& shown = sample.values[index(channel)];
+          if (stuck && std::isnan(value)) value = shown;
+          shown = value;
+        };
+        print(sample::diagnosed(rig, run));
+      }
+    }
+  }
+}
+
 void count_false_names(double cpu_limit, std::uint64_t first_seed) {
   double watched = 0.0, driven = 0.0, in_engine = 0.0;
   std::size_t named = 0, unexplained = 0, passed = 0;
@@ -117,6 +143,7 @@ void count_false_names(double cpu_limit, std::uint64_t first_seed) {
 int main(int argc, char** argv) {
   if (argc == 3 && std::strcmp(argv[1], "faults") == 0) {
     show_faults(std::strtoul(argv[2], nullptr, 10));
+    show_readings(std::strtoul(argv[2], nullptr, 10));
     return 0;
   }
   if (argc == 4 && std::strcmp(argv[1], "healthy") == 0) {
