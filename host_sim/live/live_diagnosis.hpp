@@ -62,7 +62,7 @@ struct Progress {
 ///
 ///   1  acquaintance  the first seconds of motion: channels, noise, sizes, candidates        identification/prepare
 ///   2  baseline      what the model gets wrong from the beginning                            score_test.hpp (3)–(5)
-///   3  watching      score tests of every candidate                                          score_test.hpp (6)
+///   3  watching      score tests of every candidate                                          score_test.hpp (7), (8)
 ///
 /// A cause that was named becomes part of the described rig, and 2 begins again. So does it behind a gap, with the rig
 /// as it is. An unexplained change becomes part of the baseline.

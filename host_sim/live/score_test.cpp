@@ -96,6 +96,7 @@ ScoreTest::Window ScoreTest::window(std::size_t candidate, std::size_t blocks) c
     w.a += a;
     w.aa += a * a;
   }
+  w.blocks = blocks;
   return w;
 }
 
@@ -105,19 +106,21 @@ double ScoreTest::variance(std::size_t candidate, const Window& w) const {
   return k * std::max(f * w.a, s.error() * w.aa) + (s.a > 0.0 ? w.a * w.a * k * f / s.a : 0.0);
 }
 
+double ScoreTest::beyond(std::size_t candidate, const Window& w) const {
+  const Sums& s = sums_[candidate];
+  const double following = w.a * s.mean();
+  const double constant = s.blocks > 0 ? s.b / static_cast<double>(s.blocks) * static_cast<double>(w.blocks) : 0.0;
+  return w.b - std::clamp(w.b, std::min(following, constant), std::max(following, constant));
+}
+
 double ScoreTest::size(std::size_t candidate, const Window& w) const {
   if (!(w.a > 0.0)) return 0.0;
-  const double before = sums_[candidate].mean();
-  const double size = w.b / w.a - before;
-  // What the baseline holds was no size of the cause where it lies beyond its bounds: these count from there.
-  const Tested& bounds = candidates_[candidate];
-  return std::clamp(size, std::min(0.0, bounds.lower - std::max(before, bounds.lower)),
-                    std::max(0.0, bounds.upper - std::min(before, bounds.upper)));
+  return std::clamp(beyond(candidate, w) / w.a, candidates_[candidate].lower, candidates_[candidate].upper);
 }
 
 double ScoreTest::gain(std::size_t candidate, const Window& w) const {
-  const double e = w.b - w.a * sums_[candidate].mean(), theta = size(candidate, w);
-  return 2.0 * theta * e - theta * theta * w.a;
+  const double theta = size(candidate, w);
+  return 2.0 * theta * beyond(candidate, w) - theta * theta * w.a;
 }
 
 double ScoreTest::deviations(std::size_t candidate, const Window& w) const {
@@ -128,18 +131,30 @@ double ScoreTest::deviations(std::size_t candidate, const Window& w) const {
 }
 
 ScoreTest::Found ScoreTest::most_significant() const {
-  Found found;
-  for (std::size_t j = 0; j < sums_.size(); ++j) {
+  const std::size_t longest = std::min(window_.size(), thresholds::window);
+  std::vector<double> wrong(longest + 1, 0.0);  // (8) by length of the window
+  const auto over_windows = [&](std::size_t j, const auto& visit) {
     Window w;
-    for (std::size_t n = 1; n <= std::min(window_.size(), thresholds::window); ++n) {
+    for (std::size_t n = 1; n <= longest; ++n) {
       const BlockScore& block = window_[window_.size() - n];
       const double a = block.information[j];
       w.b += block.score[j];
       w.a += a;
       w.aa += a * a;
-      const double z = std::abs(deviations(j, w));
-      if (z > found.deviations) found = {j, n, z};
+      w.blocks = n;
+      visit(n, w);
     }
+  };
+  for (std::size_t j = 0; j < sums_.size(); ++j) {
+    const double before = sums_[j].mean();
+    over_windows(j, [&](std::size_t n, const Window& w) { wrong[n] = std::max(wrong[n], before * before * w.a); });
+  }
+  Found found;
+  for (std::size_t j = 0; j < sums_.size(); ++j) {
+    over_windows(j, [&](std::size_t n, const Window& w) {
+      const double z = std::abs(deviations(j, w));
+      if (z > found.deviations && gain(j, w) > wrong[n]) found = {j, n, z};
+    });
   }
   return found;
 }

@@ -48,13 +48,19 @@ struct Onset {
 /// generalised likelihood ratio over the onset (Willsky and Jones, 1976). What the model got wrong before is the
 /// baseline, all blocks that have left the window:
 ///
-///   (3)  θ₀ = Σb/ΣA                                                 size of each candidate in the baseline
+///   (3)  θ₀ = Σb/ΣA,  β = Σb/N                                     size of each candidate in the baseline of N blocks,
+///                                                                   and its mean score
 ///   (4)  s² = κ max(f ΣA, τ² ΣA²),  f = mean e²/A,  τ² = Σe²/ΣA²,  e = b − A θ₀     variance of a window's score
 ///   (5)  κ = max(1, 1 + 2 Σ_l ρ_l (1 − l/5)),  l = 1 … 4            blocks that follow each other are alike
-///   (6)  t = (Σb − θ₀ ΣA)/√(s² + (ΣA)² κ f/ΣA₀)                     Student's t with as many degrees of freedom as the
+///   (6)  e_W = Σb − the nearest of θ₀ ΣA … β n                      of a window of n blocks
+///   (7)  t = e_W/√(s² + (ΣA)² κ f/ΣA₀)                              Student's t with as many degrees of freedom as the
 ///                                                                   baseline has blocks, less one
+///   (8)  e_W²/ΣA > max_i θ₀i² ΣA_i                                  more than the model got wrong before
 ///
-/// f is what noise leaves, τ what a model that is wrong leaves, in proportion to its motion; the larger one counts.
+/// (4): f is what noise leaves, τ what a model that is wrong leaves, in proportion to its motion; the larger one counts.
+/// (6): what the model gets wrong follows the motion, and the noise of its input, which is in r and in g, adds a mean
+/// that does not; between the two lies what is expected when the motion becomes another. (8): with another motion, all
+/// of what the model got wrong may look like any cause, so a fault that is smaller than that is not told from it.
 /// A window is significant beyond the level of thresholds::false_names_per_hour. The cause is named once it has lasted
 /// thresholds::lasting blocks and stands alone, or at the end of the longest window with its rivals.
 class ScoreTest {
@@ -88,6 +94,7 @@ class ScoreTest {
   };
   struct Window {
     double b = 0.0, a = 0.0, aa = 0.0;
+    std::size_t blocks = 0;
   };
   struct Found {
     std::size_t candidate = 0, blocks = 0;
@@ -97,6 +104,7 @@ class ScoreTest {
   void learn(const BlockScore& block);
   [[nodiscard]] Window window(std::size_t candidate, std::size_t blocks) const;
   [[nodiscard]] double variance(std::size_t candidate, const Window& w) const;
+  [[nodiscard]] double beyond(std::size_t candidate, const Window& w) const;  ///< e_W
   [[nodiscard]] double size(std::size_t candidate, const Window& w) const;
   [[nodiscard]] double gain(std::size_t candidate, const Window& w) const;
   [[nodiscard]] double deviations(std::size_t candidate, const Window& w) const;

@@ -1,5 +1,6 @@
 #include "tests/live/changing_rig.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "firmware/simulation/gaussian.hpp"
@@ -34,6 +35,19 @@ std::vector<Channel> recorded(RigKind kind) {
   }
 }
 
+constexpr std::string_view oil = R"(
+[fdva]
+piston_area = 30e-4
+duct_diameter = 12e-3
+duct_length = 0.6361571127
+oil_density = 860.0
+oil_viscosity = 32e-6
+minor_loss = 1.5
+coupling_stiffness = 55e3
+ducts = 6
+open_ducts = 2
+)";
+
 double delay_of(const model::RigParameters<double>& rig) {
   model::MachinePath<double> machine{};
   rig.effects.act_on(machine);
@@ -54,8 +68,16 @@ void drive(const firmware::RigDescription& description, const Run& run,
   road.speed = run.speed;
   road.bandwidth = firmware::default_bandwidth(before, rate);
   const auto count = static_cast<std::size_t>(std::lround(run.duration * rate));
-  const firmware::FootPointMotion motion =
-      firmware::excitation(description.rig, firmware::drive_over(road, rate, count), rate);
+  firmware::FootPointMotion ground = firmware::drive_over(road, rate, count);
+  constexpr double pi = 3.14159265358979324;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double u = std::clamp((static_cast<double>(k) * period - 0.5 * run.duration) / 10.0, 0.0, 1.0);
+    const double change = run.level - 1.0, slow = pi / 10.0;
+    const double level = 1.0 + change * 0.5 * (1.0 - std::cos(pi * u)), rises = change * 0.5 * slow * std::sin(pi * u);
+    auto& m = ground[k];
+    m = {level * m.position, level * m.velocity + rises * m.position, level * m.acceleration + 2.0 * rises * m.velocity};
+  }
+  const firmware::FootPointMotion motion = firmware::excitation(description.rig, ground, rate);
   const model::RigModel<> healthy(before, period), changed(after, period);
   const bool bench = before.kind == RigKind::component_bench;
   auto x = healthy.start(bench ? 0.0 : motion[0].position, bench ? motion[0].position : 0.0);
@@ -95,8 +117,11 @@ std::vector<host_sim::live::Finding> diagnosed(const firmware::RigDescription& r
   return diagnosis.findings();
 }
 
-firmware::RigDescription quarter_car() {
-  return firmware::parse_rig("kind = \"quarter_car\"\nsample_rate = 1000.0\n" + std::string(plain_car) + R"(
+namespace {
+
+firmware::RigDescription described_car(std::string_view damper) {
+  return firmware::parse_rig("kind = \"quarter_car\"\nsample_rate = 1000.0\n" + std::string(plain_car) +
+                                 std::string(damper) + R"(
 [suspension]
 stiffness = 31500.0
 damping = 1140.0
@@ -112,8 +137,9 @@ dz_b = 5e-5
                              "quarter_car.toml");
 }
 
-firmware::RigDescription hil() {
-  return firmware::parse_rig("kind = \"hil\"\nsample_rate = 1000.0\n" + std::string(plain_car) + R"(
+firmware::RigDescription described_hil(std::string_view damper) {
+  return firmware::parse_rig("kind = \"hil\"\nsample_rate = 1000.0\n" + std::string(plain_car) +
+                                 std::string(damper) + R"(
 [suspension]
 stiffness = 31500.0
 damping = 0.0
@@ -127,6 +153,13 @@ x_act = 2e-5
 )",
                              "hil.toml");
 }
+
+}  // namespace
+
+firmware::RigDescription quarter_car() { return described_car(""); }
+firmware::RigDescription quarter_car_fdva() { return described_car(oil); }
+firmware::RigDescription hil() { return described_hil(""); }
+firmware::RigDescription hil_fdva() { return described_hil(oil); }
 
 firmware::RigDescription component_bench() {
   return firmware::parse_rig(R"(kind = "component_bench"

@@ -18,6 +18,7 @@ struct Run {
   std::uint64_t seed = 1;
   double speed = 27.78;    ///< [m/s]
   double changes_at = 45.0;  ///< [s]
+  double level = 1.0;        ///< of the road in the second half of the run: it rises or falls over ten seconds
   /// The rig from then on; none: it stays as it is.
   std::function<void(model::RigParameters<double>&)> change{};
   /// What the reader makes of a sample.
@@ -37,5 +38,8 @@ void drive(const firmware::RigDescription& rig, const Run& run,
 [[nodiscard]] firmware::RigDescription quarter_car();
 [[nodiscard]] firmware::RigDescription hil();
 [[nodiscard]] firmware::RigDescription component_bench();
+/// The same car and hil rig with the paper's FDVA.
+[[nodiscard]] firmware::RigDescription quarter_car_fdva();
+[[nodiscard]] firmware::RigDescription hil_fdva();
 
 }  // namespace sample
