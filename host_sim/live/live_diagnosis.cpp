@@ -267,8 +267,13 @@ NamedCause LiveDiagnosis::named(std::size_t candidate, double size, double devia
   named.parameter = cause.path.substr(cause.path.rfind('.') + 1);
   named.unit = cause.unit;
   named.described = cause.described;
-  named.value = std::clamp(cause.described + size * one.step, cause.lower, cause.upper);
-  named.deviation = std::abs(deviation * one.step);
+  if (cause.inverse) {
+    named.value = std::clamp(one.step / size, cause.lower, cause.upper);
+    named.deviation = std::abs(deviation / size * named.value);
+  } else {
+    named.value = std::clamp(cause.described + size * one.step, cause.lower, cause.upper);
+    named.deviation = std::abs(deviation * one.step);
+  }
   if (cause.entry != nullptr) named.shows = cause.entry->shows;
   return named;
 }

@@ -88,7 +88,7 @@ Twins::Twins(const firmware::RigDescription& description, const identification::
     if (!may_change(path) || !firmware::has_part(rig_, path.table) || path.value(changed) == 0.0) continue;
     const double value = path.value(changed);
     add_cause({nullptr, std::nullopt, std::string(path.table) + "." + std::string(path.key), std::string(path.unit),
-               value, 0.0, INFINITY, thresholds::described_value},
+               value, 0.0, INFINITY, false, thresholds::described_value},
               {(1.0 + part) * value}, bare_);
   }
   described_.try_emplace(1, bare_, like_, 1, channels_);
@@ -105,8 +105,7 @@ void Twins::add(const identification::Candidate& found) {
   std::vector<double> values;
   for (const identification::Start& start : found.starts) values.push_back(start.values[0]);
   add_cause({&entry, found.channel, firmware::effect_path({&entry, found.channel, {values.front()}}, 0),
-             unit_of(card, found.channel),
-             card.neutral, card.lower, card.upper},
+             unit_of(card, found.channel), card.neutral, card.lower, card.upper, card.lower > card.neutral},
             values, bare_);
 }
 
@@ -161,6 +160,10 @@ std::vector<Tested> Twins::tested() const {
   std::vector<Tested> all;
   for (const Candidate& candidate : candidates_) {
     const Cause& cause = causes_[candidate.cause];
+    if (cause.inverse) {
+      all.push_back({candidate.cause, 0.0, candidate.step / cause.lower, cause.price});
+      continue;
+    }
     const double a = (cause.lower - cause.described) / candidate.step;
     const double b = (cause.upper - cause.described) / candidate.step;
     all.push_back({candidate.cause, std::min(a, b), std::max(a, b), cause.price});
