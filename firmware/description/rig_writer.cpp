@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "firmware/description/compensation_reader.hpp"
+#include "firmware/description/model_watch.hpp"
 #include "firmware/description/recorder_reader.hpp"
 #include "firmware/description/semi_active_reader.hpp"
 #include "firmware/description/text/number_text.hpp"
@@ -202,7 +203,7 @@ void write_controller(Text& out, const RigDescription& description) {
   }
 }
 
-void write_hardware(Text& out, const HardwareDescription& hardware) {
+void write_hardware(Text& out, const HardwareDescription& hardware, bool model_watch_stops) {
   const auto scaled = [&out](double scale, double offset) {
     out.line("scale", real(scale));
     if (offset != 0.0) out.line("offset", real(offset));
@@ -217,6 +218,7 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   if (schedule.wake_early != usual.wake_early) out.line("wake_early", real(schedule.wake_early));
   if (schedule.allowed_delay > 0.0) out.line("allowed_delay", real(schedule.allowed_delay));
   if (schedule.allowed_gain > 0.0) out.line("allowed_gain", real(schedule.allowed_gain));
+  if (model_watch_stops) out.line("model_watch", basic_string_of("stop"));
   if (!schedule.socket.empty()) out.line("socket", basic_string_of(schedule.socket));
   if (!schedule.proven.empty()) out.line("proven", basic_string_of(schedule.proven));
   if (hardware.gpio) {
@@ -297,7 +299,7 @@ std::string format_rig(const RigDescription& description) {
   for (const auto& [path, bound] : description.tolerance) out.line(basic_string_of(path), real(bound));
   write_sensors(out, description);
   write_controller(out, description);
-  write_hardware(out, description.hardware);
+  write_hardware(out, description.hardware, model_watch_stops(description));
   return out.take();
 }
 

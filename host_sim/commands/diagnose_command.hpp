@@ -18,6 +18,8 @@ struct DiagnoseOptions {
   std::string json;                         ///< file for the verdict, - for standard output
   std::filesystem::path campaign, against;  ///< folder or list of recordings; results of an earlier campaign
   std::string shard;                        ///< "i/n" of a campaign
+  std::string live;                         ///< HOST:PORT of a controller's datagrams, or a recording
+  std::string socket;                       ///< of that controller
   std::string explain;                      ///< name of an effect; the other options are then unused
 };
 void run_diagnosis(const DiagnoseOptions& options);
