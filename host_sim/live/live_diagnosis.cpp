@@ -161,6 +161,7 @@ void LiveDiagnosis::take(const Block& block) {
   if (block.anew || run_in_ > run_in_blocks) {
     twins_->start(block);
     run_in_ = run_in_blocks;
+    recent_.clear();
     test_->forget_window();
   }
   observe(block);
@@ -193,7 +194,6 @@ void LiveDiagnosis::begin() {
       }
     }
   }
-  bool moves = false;
   for (const Channel channel : twins_->channels()) {
     const auto c = index(channel);
     double mean = 0.0;
@@ -202,10 +202,9 @@ void LiveDiagnosis::begin() {
     const double moved = deviation_of(described[c]);
     // A channel without noise, which a simulated rig may have, counts as known to a millionth.
     residuals_[c] = {mean, std::max({deviation_of(left[c]), prepared_->noise[c], 1e-6 * moved, 1e-12})};
-    moves = moves || moved > prepared_->noise[c];
   }
-  if (!moves) {
-    waits_for_ = "the rig does not move more than its sensors' noise";
+  if (!std::any_of(known_.begin(), known_.end(), [&](const Block& block) { return moves(block); })) {
+    waits_for_ = "the rig does not move more than its sensor's noise";
     twins_.reset();
     known_.erase(known_.begin(), known_.begin() + static_cast<std::ptrdiff_t>(known_.size() / 2));
     return;
@@ -218,6 +217,13 @@ void LiveDiagnosis::begin() {
   for (const Block& block : blocks) observe(block);
 }
 
+bool LiveDiagnosis::moves(const Block& block) const {
+  const auto& driving = block.recording[twins_->input()];
+  const double noise = twins_->input_is_measured() ? prepared_->input_noise.position : 0.0;
+  return deviation_of({driving.begin() + static_cast<std::ptrdiff_t>(block.from + 1),
+                       driving.begin() + static_cast<std::ptrdiff_t>(block.to + 1)}) > thresholds::moves * noise;
+}
+
 void LiveDiagnosis::observe(const Block& given) {
   Block block = given;
   for (const Channel channel : twins_->channels()) {
@@ -225,6 +231,8 @@ void LiveDiagnosis::observe(const Block& given) {
     auto& unused = block.unused[index(channel)];
     std::fill(unused.begin(), unused.end(), static_cast<char>(1));
   }
+  recent_.push_back(block);
+  if (recent_.size() > run_in_blocks + 2 * thresholds::window) recent_.pop_front();
   BlockScore score = twins_->score(block, residuals_);
   if (run_in_ > 0) {
     --run_in_;
@@ -232,15 +240,12 @@ void LiveDiagnosis::observe(const Block& given) {
   }
   const Response& readings = twins_->readings();
   std::vector<ReadingChange> stuck;
-  bool moves = false;
-  double worst = 0.0;
   for (const Channel channel : twins_->channels()) {
     const auto c = index(channel);
-    moves = moves || deviation_of(readings[c]) > prepared_->noise[c];
     const auto found = readings_.compare(block, channel, readings[c], residuals_[c].deviation);
     stuck.insert(stuck.end(), found.begin(), found.end());
   }
-  worst = score.samples > 0.0 ? std::sqrt(score.power / score.samples) : 0.0;
+  const double worst = score.samples > 0.0 ? std::sqrt(score.power / score.samples) : 0.0;
   if (twins_->input_is_measured() && worst > thresholds::stuck_move) {  // the model stands still with its input
     const auto found = readings_.compare(block, twins_->input(), {0.0, 2.0 * thresholds::stuck_move}, 1.0);
     stuck.insert(stuck.end(), found.begin(), found.end());
@@ -253,34 +258,82 @@ void LiveDiagnosis::observe(const Block& given) {
     add({Finding::Kind::stuck, cause, {}, change.since, change.at, change.at - change.since});
   }
   if (!stuck.empty()) return test_->forget_window();
-  if (!moves && worst <= thresholds::stuck_move) return;  // nothing is learned of a rig at rest
+  if (!moves(block) && worst <= thresholds::stuck_move) {  // nothing is learned of a rig at rest
+    recent_.clear();
+    return;
+  }
   if (test_->lacking() == 0) watched_ += thresholds::block;
   if (const auto onset = test_->add(std::move(score))) conclude(*onset);
 }
 
-NamedCause LiveDiagnosis::named(std::size_t candidate, double size, double deviation) const {
-  const Candidate& one = twins_->candidates()[candidate];
-  const Cause& cause = twins_->causes()[one.cause];
+NamedCause LiveDiagnosis::named(const Sized& sized) {
+  const Cause& cause = sized.cause;
   NamedCause named;
   named.name = cause.entry != nullptr ? std::string(cause.entry->name) : cause.path;
   if (cause.channel) named.channel = model::name(*cause.channel);
   named.parameter = cause.path.substr(cause.path.rfind('.') + 1);
   named.unit = cause.unit;
   named.described = cause.described;
-  if (cause.inverse) {
-    named.value = std::clamp(one.step / size, cause.lower, cause.upper);
-    named.deviation = std::abs(deviation / size * named.value);
-  } else {
-    named.value = std::clamp(cause.described + size * one.step, cause.lower, cause.upper);
-    named.deviation = std::abs(deviation * one.step);
-  }
+  named.value = sized.value;
+  named.deviation = sized.deviation;
   if (cause.entry != nullptr) named.shows = cause.entry->shows;
   return named;
+}
+
+std::vector<LiveDiagnosis::Sized> LiveDiagnosis::second_step(const Onset& onset) const {
+  const auto value_at = [](const Cause& cause, double step, double size) {
+    return std::clamp(cause.inverse ? step / size : cause.described + size * step, cause.lower, cause.upper);
+  };
+  std::vector<Sized> first;
+  std::vector<std::pair<std::size_t, double>> values;
+  for (const Onset::Contender& c : onset.contenders) {
+    const Candidate& candidate = twins_->candidates()[c.candidate];
+    const Cause& cause = twins_->causes()[candidate.cause];
+    const double value = value_at(cause, candidate.step, c.size);
+    const double deviation = cause.inverse ? c.deviation / c.size * value : c.deviation * std::abs(candidate.step);
+    first.push_back({cause, value, deviation, c.gain - onset.unit * cause.price});
+    if (value != cause.described) values.push_back({candidate.cause, value});
+  }
+  const auto sorted = [](std::vector<Sized> all) {
+    std::stable_sort(all.begin(), all.end(), [](const Sized& x, const Sized& y) { return x.gain > y.gain; });
+    return all;
+  };
+  if (recent_.size() < run_in_blocks + onset.blocks) return sorted(first);  // behind a gap
+  Twins neighbours = twins_->at(values);
+  std::vector<double> b(neighbours.candidates().size(), 0.0), a(b);
+  const std::size_t from = recent_.size() - run_in_blocks - onset.blocks;
+  neighbours.start(recent_[from]);
+  for (std::size_t i = from; i < recent_.size(); ++i) {
+    const BlockScore score = neighbours.score(recent_[i], residuals_);
+    if (i < from + run_in_blocks) continue;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      b[j] += score.score[j];
+      a[j] += score.information[j];
+    }
+  }
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    const Cause& cause = neighbours.causes()[neighbours.candidates()[j].cause];
+    const auto same = std::find_if(first.begin(), first.end(), [&](const Sized& s) { return s.cause.path == cause.path; });
+    const Onset::Contender& c = onset.contenders[static_cast<std::size_t>(same - first.begin())];
+    if (!(a[j] > 0.0)) continue;
+    // What the baseline expects is that of the first step, as far as the direction is the same.
+    const double scale = std::copysign(std::sqrt(a[j] / c.information), c.size);
+    const double e = b[j] - scale * c.expected;
+    const Tested bounds = neighbours.tested()[j];
+    const double theta = std::clamp(e / a[j], bounds.lower, bounds.upper);
+    if (!(theta > 0.0)) continue;
+    same->value = value_at(cause, neighbours.candidates()[j].step, theta);
+    same->deviation = same->deviation * (cause.inverse ? 1.0 : std::abs(neighbours.candidates()[j].step * scale /
+                                         (twins_->candidates()[c.candidate].step * a[j] / c.information)));
+    same->gain = 2.0 * theta * e - theta * theta * a[j] - onset.unit * cause.price;
+  }
+  return sorted(first);
 }
 
 void LiveDiagnosis::conclude(const Onset& onset) {
   if (onset.passed) {
     ++passed_;
+    test_->forget_window();
     return;
   }
   Finding finding;
@@ -294,9 +347,13 @@ void LiveDiagnosis::conclude(const Onset& onset) {
     test_ = std::make_unique<ScoreTest>(twins_->tested(), thresholds::block);
     return;
   }
-  finding.cause = named(onset.candidate, onset.size, onset.deviation);
-  for (const Onset::Rival& rival : onset.rivals) finding.rivals.push_back(named(rival.candidate, rival.size, 0.0));
-  const Cause cause = twins_->causes()[twins_->candidates()[onset.candidate].cause];
+  const std::vector<Sized> sized = second_step(onset);
+  finding.cause = named(sized.front());
+  for (std::size_t i = 1; i < sized.size(); ++i) {
+    if (sized[i].gain >= sized.front().gain - thresholds::rival * onset.unit) finding.rivals.push_back(named(sized[i]));
+  }
+  if (!finding.rivals.empty() && !onset.last_word) return;  // more motion may tell them apart
+  const Cause cause = sized.front().cause;
   const double value = finding.cause.value;
   add(std::move(finding));
   // It is part of the rig from now on. What cannot be put there, as the model cannot step it, is in the new baseline.

@@ -81,14 +81,25 @@ class LiveDiagnosis {
   void take(const Block& block);
   void begin();
   void observe(const Block& block);
+  [[nodiscard]] bool moves(const Block& block) const;  ///< what drives it
   void conclude(const Onset& onset);
-  [[nodiscard]] NamedCause named(std::size_t candidate, double size, double deviation) const;
+  /// A cause at a value.
+  struct Sized {
+    Cause cause;
+    double value, deviation;  ///< [SI]
+    double gain;              ///< [χ²] that it explains, less its price
+  };
+  /// The contenders of an onset, each by a second Newton step, from the value that the first one gave: those that are
+  /// not linear in their parameter are told apart there. The best first.
+  [[nodiscard]] std::vector<Sized> second_step(const Onset& onset) const;
+  [[nodiscard]] static NamedCause named(const Sized& sized);
   void add(Finding finding);
 
   firmware::RigDescription description_;  ///< with what was named
   BlockBuffer buffer_;
   ReadingFaults readings_;
-  std::deque<Block> known_;  ///< blocks of the acquaintance
+  std::deque<Block> known_;   ///< blocks of the acquaintance
+  std::deque<Block> recent_;  ///< the latest ones that were observed, one behind the other
   std::optional<identification::PreparedRecording> prepared_;
   std::unique_ptr<Twins> twins_;
   std::unique_ptr<ScoreTest> test_;

@@ -161,29 +161,37 @@ ScoreTest::Found ScoreTest::most_significant() const {
 
 Onset ScoreTest::describe(const Found& found) const {
   Onset onset;
-  const double unit = std::max(1.0, sums_[found.candidate].noise());  // of χ²
-  std::vector<std::pair<double, std::size_t>> gains;
+  onset.unit = std::max(1.0, sums_[found.candidate].noise());
+  onset.blocks = found.blocks;
+  const auto worth = [&](const Onset::Contender& c) { return c.gain - onset.unit * candidates_[c.candidate].price; };
+  std::vector<Onset::Contender> all;
   for (std::size_t j = 0; j < sums_.size(); ++j) {
-    gains.push_back({gain(j, window(j, found.blocks)) - unit * candidates_[j].price, j});
+    const Window w = window(j, found.blocks);
+    if (!(w.a > 0.0)) continue;
+    all.push_back({j, size(j, w), std::sqrt(variance(j, w)) / w.a, gain(j, w), w.a, w.b - beyond(j, w)});
   }
-  std::sort(gains.begin(), gains.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
-  onset.candidate = gains.front().second;
-  const Window w = window(onset.candidate, found.blocks);
-  onset.gain = gain(onset.candidate, w);
+  std::sort(all.begin(), all.end(), [&](const auto& x, const auto& y) { return worth(x) > worth(y); });
+  std::vector<std::size_t> said;
+  for (const Onset::Contender& c : all) {
+    const std::size_t cause = candidates_[c.candidate].cause;
+    if (c.gain < thresholds::least_share * all.front().gain || !(c.gain > 0.0) ||
+        std::find(said.begin(), said.end(), cause) != said.end()) {
+      continue;
+    }
+    said.push_back(cause);
+    if (!onset.contenders.empty() && worth(c) >= worth(all.front()) - thresholds::rival * onset.unit) ++onset.rivals;
+    onset.contenders.push_back(c);
+  }
+  const Onset::Contender& best = onset.contenders.front();
+  onset.candidate = best.candidate;
+  onset.size = best.size;
+  onset.deviation = best.deviation;
+  onset.gain = best.gain;
   const Rise rose = rise(found.blocks);
   onset.share = onset.gain / std::max(onset.gain, rose.size - thresholds::rise_doubt * rose.deviation);
-  onset.size = size(onset.candidate, w);
-  onset.deviation = std::sqrt(variance(onset.candidate, w)) / w.a;
   onset.since = window_[window_.size() - found.blocks].begins;
   onset.at = window_.back().ends;
   onset.motion = static_cast<double>(found.blocks) * block_;
-  std::vector<std::size_t> said{candidates_[onset.candidate].cause};
-  for (const auto& [g, j] : gains) {
-    if (g < gains.front().first - thresholds::rival * unit) break;
-    if (!(g > 0.0) || std::find(said.begin(), said.end(), candidates_[j].cause) != said.end()) continue;
-    said.push_back(candidates_[j].cause);
-    onset.rivals.push_back({j, size(j, window(j, found.blocks)), g});
-  }
   return onset;
 }
 
@@ -224,19 +232,18 @@ std::optional<Onset> ScoreTest::add(BlockScore block) {
     over.at = window_.back().ends;
     over.motion = static_cast<double>(*suspected_) * block_;
     over.passed = true;
-    forget_window();
     return over;
   }
   if (found.blocks < thresholds::lasting && !full) return std::nullopt;
   Onset onset = describe(found);
-  const std::size_t latest = std::min(found.blocks, thresholds::lasting);
+  const std::size_t latest = std::clamp<std::size_t>(found.blocks / 2, 1, thresholds::lasting);
   const double now = size(onset.candidate, window(onset.candidate, latest));
   const bool lasts = now / onset.size >= 0.5;
   const bool explained = onset.share >= thresholds::least_share;
-  if (!full && !(lasts && explained && onset.rivals.empty())) return std::nullopt;
+  if (!full && !(lasts && explained)) return std::nullopt;
   onset.named = lasts && explained;
   onset.passed = !lasts;
-  forget_window();
+  onset.last_word = full;
   return onset;
 }
 

@@ -36,12 +36,19 @@ struct Onset {
   double since = 0.0, at = 0.0;        ///< [s] the begin of the window that shows it best; when that was known
   double motion = 0.0;                 ///< [s] of motion between the two
   bool named = false;                  ///< false: nothing of the candidates explains the rise
+  bool last_word = false;              ///< the longest window is full: waiting tells no more
   bool passed = false;                 ///< it is over already: a push from outside
-  struct Rival {
+  double unit = 1.0;                   ///< [χ²] of noise: what one of white noise would be
+  /// A cause at its best size.
+  struct Contender {
     std::size_t candidate;
-    double size, gain;
+    double size, deviation, gain;
+    double information, expected;  ///< ΣA, and the score that the baseline expects
   };
-  std::vector<Rival> rivals{};  ///< within thresholds::rival, the best first
+  /// Every cause that explains thresholds::least_share of what the best one does, the best first.
+  std::vector<Contender> contenders{};
+  std::size_t rivals = 0;  ///< of those behind the first, how many are within thresholds::rival
+  std::size_t blocks = 0;  ///< of the window
 };
 
 /// Score tests (Rao, 1948) of every candidate over every window of 1 … thresholds::window blocks that ends now, a
@@ -61,17 +68,17 @@ struct Onset {
 /// (6): what the model gets wrong follows the motion, and the noise of its input, which is in r and in g, adds a mean
 /// that does not; between the two lies what is expected when the motion becomes another. (8): with another motion, all
 /// of what the model got wrong may look like any cause, so a fault that is smaller than that is not told from it.
-/// A window is significant beyond the level of thresholds::false_names_per_hour. The cause is named once it has lasted
-/// thresholds::lasting blocks and stands alone, or at the end of the longest window with its rivals.
+/// A window is significant beyond the level of thresholds::false_names_per_hour. A cause has a name once it has lasted
+/// thresholds::lasting blocks and explains thresholds::least_share of what rose.
 class ScoreTest {
  public:
   /// `block` [s]
   ScoreTest(std::vector<Tested> candidates, double block);
 
-  /// The next block of motion.
+  /// The next block of motion. What is concluded stays so, and is said with each block, until forget_window().
   [[nodiscard]] std::optional<Onset> add(BlockScore block);
 
-  /// Forgets the window: it holds samples of a sensor that has failed.
+  /// Forgets the window: what it showed is settled, or it holds samples of a sensor that has failed.
   void forget_window();
 
   /// Blocks that the baseline still lacks.

@@ -30,6 +30,11 @@ inline constexpr double run_in = 5.0;
 /// Half: 8.6. Twice: 6.6, after 20 s more.
 inline constexpr std::size_t baseline = 80;
 
+/// [1] of the noise of what drives the rig, by which it moves in a block that is tested. Derivation: noise alone is
+/// 1 ± 0.05 of itself over 250 samples. Half: blocks of a rig at rest are tested, in which no cause but an offset shows.
+/// Twice: motion is missed that shows friction.
+inline constexpr double moves = 2.0;
+
 // Names -------------------------------------------------------------------------------------------------------------
 
 /// [1/h] False names, of all candidates together: one in 100 h, which is what is asked for. The level of a single test
@@ -48,8 +53,9 @@ inline constexpr double rival = 13.8;
 /// [χ²] A parameter of the description must explain this much more than an effect, as in a diagnosis of recordings
 /// (identification/select): 2 ln 100. Half and twice: 10 to 1 and 10⁴ to 1; it decides where both do the same.
 inline constexpr double described_value = 9.2;
-/// Blocks that a fault lasts before it is named, and in whose latest so many it must still be there with half its size:
-/// a second. A push from outside passes sooner. Half: a longer push is named. Twice: names come a second later.
+/// Blocks that a fault lasts before it is named: a second. In the latest so many, at most half of its window, it must
+/// still be there with half its size; a push from outside is over then. Half: a push is named that lasts half a second.
+/// Twice: names come a second later.
 inline constexpr std::size_t lasting = 4;
 
 // Readings ----------------------------------------------------------------------------------------------------------

@@ -51,10 +51,8 @@ Twins::Twins(const firmware::RigDescription& description, const identification::
   for (const Channel channel : known.channels) {
     if (std::find(simulated.begin(), simulated.end(), channel) == simulated.end()) continue;
     channels_.push_back(channel);
-    if (identification::has_sensor_effect(rig_, channel)) {
-      sensors_.push_back({channel, sensor_of(rig_, channel, like_.period)});
-    }
   }
+  describe_sensors();
   const identification::Hypothesis hypothesis = identification::described_hypothesis(description, recordings);
   const Response response = simulate(bare_, like_, hypothesis.starts.front());
   const identification::Scales scales = identification::scales_of(recordings, hypothesis, {response});
@@ -91,10 +89,34 @@ Twins::Twins(const firmware::RigDescription& description, const identification::
                value, 0.0, INFINITY, false, thresholds::described_value},
               {(1.0 + part) * value}, bare_);
   }
+  describe_rig();
+}
+
+void Twins::describe_sensors() {
+  for (const Channel channel : channels_) {
+    if (!identification::has_sensor_effect(rig_, channel)) continue;
+    sensors_.push_back({channel, sensor_of(rig_, channel, like_.period)});
+  }
+}
+
+void Twins::describe_rig() {
   described_.try_emplace(1, bare_, like_, 1, channels_);
   for (const Neighbour& neighbour : neighbours_) {
     described_.try_emplace(neighbour.substeps, bare_, like_, neighbour.substeps, channels_);
   }
+}
+
+Twins Twins::at(const std::vector<std::pair<std::size_t, double>>& values) const {
+  Twins others;
+  others.rig_ = rig_;
+  others.bare_ = bare_;
+  others.like_ = like_;
+  others.input_sensor_ = input_sensor_;
+  others.channels_ = channels_;
+  others.describe_sensors();
+  for (const auto& [cause, value] : values) others.add_cause(causes_[cause], {value}, bare_);
+  others.describe_rig();
+  return others;
 }
 
 void Twins::add(const identification::Candidate& found) {

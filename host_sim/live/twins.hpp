@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware/description/values/effects_by_name.hpp"
@@ -52,6 +53,10 @@ class Twins {
   /// `known`: some seconds of this rig, which say how large things are and which channels there are.
   Twins(const firmware::RigDescription& description, const identification::PreparedRecording& known);
 
+  /// The same rig with other candidates: causes of this one, each at one value [SI]. What the model cannot step is left
+  /// out.
+  [[nodiscard]] Twins at(const std::vector<std::pair<std::size_t, double>>& values) const;
+
   [[nodiscard]] const std::vector<Cause>& causes() const { return causes_; }
   [[nodiscard]] const std::vector<Candidate>& candidates() const { return candidates_; }
   [[nodiscard]] const std::vector<model::Channel>& channels() const { return channels_; }
@@ -71,6 +76,8 @@ class Twins {
   [[nodiscard]] BlockScore score(const Block& block, const Residuals& residuals);
 
  private:
+  Twins() = default;
+
   struct Sensor {
     model::Channel channel;
     model::Sensors<double> path;
@@ -86,6 +93,8 @@ class Twins {
     std::vector<double> passed{};  ///< the input behind `sensor`, of the block's recording
   };
 
+  void describe_sensors();
+  void describe_rig();
   void add(const identification::Candidate& found);
   void add_cause(Cause cause, const std::vector<double>& values, const model::RigParameters<double>& bare);
   [[nodiscard]] bool can_step(const model::RigParameters<double>& rig, int substeps) const;

@@ -174,7 +174,7 @@ TEST(LiveDiagnosis, WaitsForARigThatMoves) {
   LiveDiagnosis diagnosis(rig);
   sample::Run run;
   run.duration = 30.0;
-  run.speed = 1e-9;
+  run.speed = 1e-12;
   sample::drive(rig, run, [&](const LiveSample& s) { static_cast<void>(diagnosis.push(s)); });
   EXPECT_EQ(diagnosis.progress().stage, Progress::Stage::waiting);
   EXPECT_FALSE(diagnosis.progress().waits_for.empty());
