@@ -232,7 +232,8 @@ void run_diagnosis(const DiagnoseOptions& options) {
     throw firmware::UsageError("diagnose: --shard and --against belong to --campaign");
   }
   if (options.rig.empty() || options.data.empty() || options.out.empty()) {
-    throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --campaign, or --rig and --live, or --explain EFFECT");
+    throw firmware::UsageError(
+        "diagnose: --rig, --data and --out are needed, or --campaign, or --rig and --live, or --explain EFFECT");
   }
   const firmware::RigDescription description = firmware::read_rig(options.rig);
   firmware::refuse_compensation(description, "diagnose");
@@ -294,8 +295,9 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
                    "--publish come in, or a recording, played from its beginning (localhost:9870)")
       ->expected(0, 1)
       ->default_str("localhost:9870");
-  command->add_option("--socket", options.socket,
-                      "Of the controller, for the stop that [controller] model_watch asks for (/run/rigtwin/control.sock)");
+  command->add_option(
+      "--socket", options.socket,
+      "Of the controller, for the stop that [controller] model_watch asks for (/run/rigtwin/control.sock)");
   command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
   command->callback([&options] { run_diagnosis(options); });
 }

@@ -26,9 +26,7 @@ namespace {
 /// waits for nothing.
 constexpr double patience = 10.0;
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 void print_end(const live::Progress& progress, const std::vector<live::Finding>& findings) {
   std::printf("%.1f s of motion watched, %zu candidates; %zu finding%s\n", progress.watched, progress.candidates,
@@ -59,9 +57,9 @@ void diagnose_recording(const DiagnoseOptions& options, const firmware::RigDescr
   const bool quiet = options.json == "-";
   for (const firmware::Recording& part : parts) {
     if (std::abs(part.sample_period * description.sample_rate - 1.0) > 1e-6) {
-      throw firmware::InputError(part.source, 0, "is sampled at " + firmware::shortest(1.0 / part.sample_period) + " Hz",
-                                 "the sample_rate of the description, " + firmware::shortest(description.sample_rate) +
-                                     " Hz");
+      throw firmware::InputError(
+          part.source, 0, "is sampled at " + firmware::shortest(1.0 / part.sample_period) + " Hz",
+          "the sample_rate of the description, " + firmware::shortest(description.sample_rate) + " Hz");
     }
     for (std::size_t k = 0; k < part.size(); ++k) {
       for (const live::Finding& finding : diagnosis.push(sample_at(part, k))) {
@@ -111,11 +109,12 @@ void diagnose_controller(const DiagnoseOptions& options, const firmware::RigDesc
   }
   diagnosis.finish();
   const live::LiveWatch::State state = diagnosis.state();
-  if (!state.error.empty()) throw firmware::InputError(receiver.address().text(), 0, state.error, "another run");
+  if (state.failure) std::rethrow_exception(state.failure);
   if (!write_json(options.json, to_json(state.progress, state.findings, state.stop))) {
     print_end(state.progress, state.findings);
   }
-  if (!state.stop.empty()) throw firmware::RunStopped("the diagnosis has stopped the run: " + state.stop);
+  if (state.stopped) throw firmware::RunStopped("the diagnosis has stopped the run: " + state.stop);
+  if (!state.stop.empty()) throw firmware::InputError(socket, 0, state.stop, "the socket of the controller (--socket)");
 }
 
 }  // namespace

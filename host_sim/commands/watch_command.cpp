@@ -72,9 +72,10 @@ void add_watch(CLI::App& app, WatchOptions& options) {
       ->capture_default_str();
   command->add_option("--socket", options.socket, "Of the controller, for requests (/run/rigtwin/control.sock)");
   command->add_option("--rig", options.rig, "Rig description (TOML) that names that socket ([controller] socket)");
-  command->add_flag("--diagnose", options.diagnose,
-                    "Name on the page what begins to be wrong with the rig of --rig, and stop the run if its description says so "
-                    "([controller] model_watch)");
+  command->add_flag(
+      "--diagnose", options.diagnose,
+      "Name on the page what begins to be wrong with the rig of --rig, and stop the run if its description says so "
+      "([controller] model_watch)");
   add_json_option(*command, options.json, "the page's address with its token, as soon as it is served,");
   command->callback([&options] { watch_rig(options); });
 }

@@ -71,8 +71,7 @@ class SimulationLoop {
                .actuator_force = x_.actuator_force + (actuator_force - x_.actuator_force) / (substeps_ - substep + 1)});
       x_.received_force = sampled.force;
     }
-    model_->step(x_,
-                 {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
+    model_->step(x_, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
     if (foot_machine_ && substeps_ > 1) sampled.move_foot_point(x_, input.period);
   }
 

@@ -31,8 +31,8 @@ firmware::Recording joined(const std::deque<Block>& blocks, Channel driving) {
   const auto join = [&](auto member) {
     const auto& all = blocks.front().recording.*member;
     for (std::size_t c = 0; c < all.size(); ++c) {
-      const bool everywhere = std::all_of(blocks.begin(), blocks.end(),
-                                          [&](const Block& b) { return !(b.recording.*member)[c].empty(); });
+      const bool everywhere =
+          std::all_of(blocks.begin(), blocks.end(), [&](const Block& b) { return !(b.recording.*member)[c].empty(); });
       if (!everywhere) continue;
       for (const Block& b : blocks) append((r.*member)[c], (b.recording.*member)[c], b);
     }
@@ -62,10 +62,16 @@ std::optional<Channel> driving_channel(const firmware::RigDescription& descripti
   const auto has = [&](Channel channel) { return block.recording.has(channel); };
   std::vector<Channel> choices;
   switch (description.rig.kind) {
-    case model::RigKind::quarter_car: choices = {Channel::z_cmd, Channel::z_r}; break;
+    case model::RigKind::quarter_car:
+      choices = {Channel::z_cmd, Channel::z_r};
+      break;
     case model::RigKind::hil:
-    case model::RigKind::component_bench: choices = {Channel::x_cmd, Channel::x_act}; break;
-    case model::RigKind::driven_mass: choices = {Channel::F}; break;
+    case model::RigKind::component_bench:
+      choices = {Channel::x_cmd, Channel::x_act};
+      break;
+    case model::RigKind::driven_mass:
+      choices = {Channel::F};
+      break;
   }
   const auto found = std::find_if(choices.begin(), choices.end(), has);
   return found == choices.end() ? std::nullopt : std::optional(*found);
@@ -89,8 +95,9 @@ std::string sentence(const Finding& finding) {
   const std::string of = c.channel.empty() ? "" : " of " + c.channel;
   switch (finding.kind) {
     case Finding::Kind::named:
-      std::snprintf(text, sizeof text, "%s%s: %s %.4g ± %.2g %s (before %.4g), since %.2f s", c.name.c_str(), of.c_str(),
-                    c.parameter.c_str(), c.value, 2.0 * c.deviation, c.unit.c_str(), c.described, finding.since);
+      std::snprintf(text, sizeof text, "%s%s: %s %.4g ± %.2g %s (before %.4g), since %.2f s", c.name.c_str(),
+                    of.c_str(), c.parameter.c_str(), c.value, 2.0 * c.deviation, c.unit.c_str(), c.described,
+                    finding.since);
       break;
     case Finding::Kind::unexplained:
       std::snprintf(text, sizeof text, "the rig has changed since %.2f s, and no cause of the catalogue explains it",
@@ -126,7 +133,11 @@ std::vector<Finding> LiveDiagnosis::push(const LiveSample& sample) {
     NamedCause cause;
     cause.channel = model::name(change.channel);
     cause.unit = model::unit(change.channel);
-    add({lost ? Finding::Kind::lost : Finding::Kind::returned, cause, {}, change.since, change.at,
+    add({lost ? Finding::Kind::lost : Finding::Kind::returned,
+         cause,
+         {},
+         change.since,
+         change.at,
          change.at - change.since});
     if (test_) test_->forget_window();
   }
@@ -313,7 +324,8 @@ std::vector<LiveDiagnosis::Sized> LiveDiagnosis::second_step(const Onset& onset)
   }
   for (std::size_t j = 0; j < b.size(); ++j) {
     const Cause& cause = neighbours.causes()[neighbours.candidates()[j].cause];
-    const auto same = std::find_if(first.begin(), first.end(), [&](const Sized& s) { return s.cause.path == cause.path; });
+    const auto same =
+        std::find_if(first.begin(), first.end(), [&](const Sized& s) { return s.cause.path == cause.path; });
     const Onset::Contender& c = onset.contenders[static_cast<std::size_t>(same - first.begin())];
     if (!(a[j] > 0.0)) continue;
     // What the baseline expects is that of the first step, as far as the direction is the same.
@@ -323,8 +335,10 @@ std::vector<LiveDiagnosis::Sized> LiveDiagnosis::second_step(const Onset& onset)
     const double theta = std::clamp(e / a[j], bounds.lower, bounds.upper);
     if (!(theta > 0.0)) continue;
     same->value = value_at(cause, neighbours.candidates()[j].step, theta);
-    same->deviation = same->deviation * (cause.inverse ? 1.0 : std::abs(neighbours.candidates()[j].step * scale /
-                                         (twins_->candidates()[c.candidate].step * a[j] / c.information)));
+    same->deviation =
+        same->deviation * (cause.inverse ? 1.0
+                                         : std::abs(neighbours.candidates()[j].step * scale /
+                                                    (twins_->candidates()[c.candidate].step * a[j] / c.information)));
     same->gain = 2.0 * theta * e - theta * theta * a[j] - onset.unit * cause.price;
   }
   return sorted(first);
@@ -378,7 +392,8 @@ Progress LiveDiagnosis::progress() const {
   p.passed = passed_;
   if (!twins_) {
     p.lacking = static_cast<double>(known_blocks - std::min(known_blocks, known_.size()) + thresholds::baseline) *
-                    thresholds::block - thresholds::run_in;
+                    thresholds::block -
+                thresholds::run_in;
     return p;
   }
   p.candidates = twins_->candidates().size();

@@ -49,7 +49,7 @@ struct Finding {
 /// How far the diagnosis is.
 struct Progress {
   enum class Stage : unsigned char { waiting, learning, watching } stage = Stage::waiting;
-  double lacking = 0.0;  ///< [s] of motion until it watches
+  double lacking = 0.0;   ///< [s] of motion until it watches
   std::string waits_for;  ///< why nothing could be learned of the motion so far; empty: nothing is wrong
   std::size_t candidates = 0;
   double largest = 0.0, level = 0.0;  ///< significance of the last block, and the one that is needed

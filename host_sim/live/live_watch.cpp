@@ -1,5 +1,6 @@
 #include "host_sim/live/live_watch.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -13,8 +14,12 @@ namespace host_sim::live {
 
 namespace {
 
+/// Periods after which a period is late: the controller's own late_after.
+constexpr double late = 0.25;
 constexpr std::size_t most_waiting = 60'000;  // a minute at 1 kHz: more is a machine that cannot keep up
-constexpr double say_every = 0.5;             // [s] of the rig's clock: as often as a page without news hears something
+/// To be woken by each datagram would cost more than the diagnosis; a fifth of a block is soon enough.
+constexpr std::chrono::milliseconds look_every{50};
+constexpr double say_every = 0.5;  // [s] of the rig's clock: as often as a page without news hears something
 
 std::string text_of(const nlohmann::json& setup, const char* key) {
   const auto found = setup.find(key);
@@ -28,9 +33,10 @@ double number_of(const nlohmann::json& setup, const char* key) {
 
 }  // namespace
 
-LiveSample sample_of(const watch::Datagram& datagram) {
+LiveSample sample_of(const watch::Datagram& datagram, double period) {
   LiveSample sample;
   sample.time = datagram.timestamp;
+  if (datagram.value("late") > late * period) return sample;  // its samples are not those of that instant
   for (const auto& [name, value] : datagram.values) {
     if (const auto channel = model::find_channel(name)) {
       sample.values[index(*channel)] = value;
@@ -42,24 +48,27 @@ LiveSample sample_of(const watch::Datagram& datagram) {
   return sample;
 }
 
-std::string setup_objection(const nlohmann::json& setup, const firmware::RigDescription& description) {
-  if (!setup.is_object()) return {};
-  const std::string rig = text_of(setup, "rig"), kind = text_of(setup, "kind");
+std::optional<SetupObjection> setup_objection(const nlohmann::json& setup,
+                                              const firmware::RigDescription& description) {
+  if (!setup.is_object()) return std::nullopt;
+  const std::string rig = firmware::in_quotes(text_of(setup, "rig")), kind = text_of(setup, "kind");
   const double rate = number_of(setup, "sample_rate"), every = number_of(setup, "every");
+  const char* const the_right_one = "the description of the rig that runs";
   if (!kind.empty() && kind != model::name(description.rig.kind)) {
-    return "the controller runs " + firmware::in_quotes(rig) + ", a " + kind + ", and " + description.source + " is a " +
-           std::string(model::name(description.rig.kind)) + ", expected the description of the rig that runs";
+    return SetupObjection{"the controller runs " + rig + ", a " + kind + ", and " + description.source + " is a " +
+                              std::string(model::name(description.rig.kind)),
+                          the_right_one};
   }
   if (std::isfinite(rate) && std::abs(rate - description.sample_rate) > 1e-6 * rate) {
-    return "the controller of " + firmware::in_quotes(rig) + " runs at " + firmware::shortest(rate) + " Hz, and " +
-           description.source + " says " + firmware::shortest(description.sample_rate) +
-           " Hz, expected the description of the rig that runs";
+    return SetupObjection{"the controller of " + rig + " runs at " + firmware::shortest(rate) + " Hz, and " +
+                              description.source + " says " + firmware::shortest(description.sample_rate) + " Hz",
+                          the_right_one};
   }
   if (std::isfinite(every) && every > 1.0) {
-    return "the controller publishes one period of " + firmware::shortest(every) +
-           ", expected every one (rig_controller --publish-every 1)";
+    return SetupObjection{"the controller of " + rig + " publishes one period of " + firmware::shortest(every),
+                          "every one (rig_controller --publish-every 1)"};
   }
-  return {};
+  return std::nullopt;
 }
 
 LiveWatch::LiveWatch(const firmware::RigDescription& description, std::string socket, watch::Feed& feed,
@@ -86,22 +95,20 @@ LiveWatch::~LiveWatch() {
 }
 
 void LiveWatch::receive(const watch::Datagram& datagram) {
-  Received received{sample_of(datagram), datagram.instance, setup_objection(datagram.setup, description_),
+  Received received{sample_of(datagram, description_.period()), datagram.instance,
+                    setup_objection(datagram.setup, description_),
                     !datagram.ended && (datagram.state == "running" || datagram.state == "holding")};
-  if (!received.run && received.objection.empty()) return;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (waiting_.size() >= most_waiting) waiting_.clear();  // a gap: the simulations begin anew
-    waiting_.push_back(std::move(received));
-  }
-  news_.notify_one();
+  if (!received.run && !received.objection) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (waiting_.size() >= most_waiting) waiting_.clear();  // a gap: the simulations begin anew
+  waiting_.push_back(std::move(received));
 }
 
 void LiveWatch::work() {
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     idle_.notify_all();
-    news_.wait(lock, [this] { return end_ || !waiting_.empty(); });
+    news_.wait_for(lock, look_every, [this] { return end_; });
     if (end_) return;
     std::deque<Received> taken = std::exchange(waiting_, {});
     busy_ = true;
@@ -126,19 +133,25 @@ void LiveWatch::diagnose(const Received& received) {
   if (!diagnosis_) return;
   std::vector<Finding> fresh;
   try {
-    if (!received.objection.empty()) throw firmware::UsageError(received.objection);
+    if (received.objection) {
+      throw firmware::InputError("live", 0, received.objection->wrong, received.objection->expected);
+    }
     if (received.instance != instance_) {
       if (!instance_.empty()) {
         earlier_.insert(earlier_.end(), diagnosis_->findings().begin(), diagnosis_->findings().end());
         diagnosis_ = std::make_unique<LiveDiagnosis>(description_);
       }
       instance_ = received.instance;
+      begun_ = received.sample.time;
     }
-    fresh = diagnosis_->push(received.sample);
+    LiveSample sample = received.sample;
+    sample.time -= begun_;
+    fresh = diagnosis_->push(sample);
   } catch (const std::runtime_error& error) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       state_.error = error.what();
+      state_.failure = std::current_exception();
     }
     diagnosis_.reset();
     say();
@@ -165,10 +178,13 @@ void LiveWatch::stop_rig(const Finding& finding, const std::string& instance) {
   const bool wrong = finding.kind == Kind::named || finding.kind == Kind::stuck || finding.kind == Kind::lost;
   if (!wrong || !firmware::model_watch_stops(description_)) return;
   const watch::Answer answer = watch::ask_controller(socket_, (instance.empty() ? "" : "@" + instance + " ") + "stop");
-  const std::string said = "stop asked for: " + answer.text;
+  const auto reply = nlohmann::json::parse(answer.heard ? answer.text : "", nullptr, /*allow_exceptions=*/false);
+  const bool done = reply.is_object() && reply.contains("ok") && reply["ok"] == true;
+  const std::string said = (done ? "stopped: " : "no stop: ") + answer.text;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     state_.stop = said;
+    state_.stopped = state_.stopped || done;
   }
   told_(said);
 }

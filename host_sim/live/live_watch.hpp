@@ -3,9 +3,11 @@
 
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,11 +17,15 @@
 
 namespace host_sim::live {
 
-/// The samples of a datagram; NaN: it has none of that channel.
-[[nodiscard]] LiveSample sample_of(const watch::Datagram& datagram);
+/// The samples of a datagram; NaN: it has none of that channel, or the period [s] was late.
+[[nodiscard]] LiveSample sample_of(const watch::Datagram& datagram, double period);
 
-/// Why the controller that sends this setup cannot be diagnosed with a description; empty: it can.
-[[nodiscard]] std::string setup_objection(const nlohmann::json& setup, const firmware::RigDescription& description);
+/// Why the controller that sends this setup cannot be diagnosed with a description; nullopt: it can.
+struct SetupObjection {
+  std::string wrong, expected;
+};
+[[nodiscard]] std::optional<SetupObjection> setup_objection(const nlohmann::json& setup,
+                                                            const firmware::RigDescription& description);
 
 /// Takes the samples of runs (states running and holding) from the feed to a thread of its own, tells the feed what the
 /// diagnosis says, and asks the controller for a stop where the description says so ([controller] model_watch). The stop is
@@ -29,8 +35,10 @@ class LiveWatch {
   struct State {
     Progress progress;
     std::vector<Finding> findings;
-    std::string stop;   ///< what the controller was asked and has answered; empty: nothing
-    std::string error;  ///< why the diagnosis has ended, one line; empty: it goes on
+    std::string stop;              ///< what the controller was asked and has answered; empty: nothing
+    bool stopped = false;          ///< the controller has heard it
+    std::string error;             ///< why the diagnosis has ended, one line; empty: it goes on
+    std::exception_ptr failure{};  ///< the same, to be thrown again
   };
 
   /// `socket`: of the controller. `told`: called from the thread with each finding and with the answer to a stop. The
@@ -48,7 +56,8 @@ class LiveWatch {
  private:
   struct Received {
     LiveSample sample;
-    std::string instance, objection;
+    std::string instance;
+    std::optional<SetupObjection> objection;
     bool run = false;
   };
 
@@ -64,6 +73,7 @@ class LiveWatch {
   const std::function<void(const std::string&)> told_;
   std::unique_ptr<LiveDiagnosis> diagnosis_;
   std::string instance_;
+  double begun_ = 0.0;  ///< [s] of the first sample, on the controller's clock: times count from there
   double said_at_ = -1.0;
   mutable std::mutex mutex_;
   std::condition_variable news_, idle_;

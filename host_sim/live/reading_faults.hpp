@@ -32,11 +32,11 @@ class ReadingFaults {
  private:
   struct Followed {
     bool seen = false, bad = false;
-    double last = 0.0;          ///< value
-    double last_at = 0.0;       ///< [s] when there was one
-    double same_since = 0.0;    ///< [s]
+    double last = 0.0;             ///< value
+    double last_at = 0.0;          ///< [s] when there was one
+    double same_since = 0.0;       ///< [s]
     double low = 0.0, high = 0.0;  ///< of the model since then
-    bool moves = false;         ///< low and high hold something
+    bool moves = false;            ///< low and high hold something
   };
   std::array<Followed, model::channel_count> channels_{};
 };

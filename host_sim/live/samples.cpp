@@ -26,7 +26,8 @@ std::vector<double> bridged(std::vector<double> values) {
       } else if (k == values.size()) {
         values[i] = values[last];
       } else {
-        values[i] = values[last] + (values[k] - values[last]) * static_cast<double>(i - last) / static_cast<double>(k - last);
+        values[i] =
+            values[last] + (values[k] - values[last]) * static_cast<double>(i - last) / static_cast<double>(k - last);
       }
     }
     last = k;

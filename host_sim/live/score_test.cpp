@@ -25,8 +25,8 @@ double two_sided_quantile(double probability) {
 
 ScoreTest::ScoreTest(std::vector<Tested> candidates, double block)
     : candidates_(std::move(candidates)), block_(block), sums_(candidates_.size()) {
-  const double tests_per_hour = static_cast<double>(std::max<std::size_t>(candidates_.size(), 1) * thresholds::window) *
-                                3600.0 / block_;
+  const double tests_per_hour =
+      static_cast<double>(std::max<std::size_t>(candidates_.size(), 1) * thresholds::window) * 3600.0 / block_;
   level_ = two_sided_quantile(thresholds::false_names_per_hour / tests_per_hour);
 }
 
@@ -53,9 +53,7 @@ double ScoreTest::Sums::alikeness() const {
   return std::max(1.0, k);
 }
 
-std::size_t ScoreTest::lacking() const {
-  return learned_ < thresholds::baseline ? thresholds::baseline - learned_ : 0;
-}
+std::size_t ScoreTest::lacking() const { return learned_ < thresholds::baseline ? thresholds::baseline - learned_ : 0; }
 
 void ScoreTest::learn(const BlockScore& block) {
   for (std::size_t j = 0; j < sums_.size(); ++j) {
@@ -126,8 +124,7 @@ double ScoreTest::gain(std::size_t candidate, const Window& w) const {
 double ScoreTest::deviations(std::size_t candidate, const Window& w) const {
   const double v = variance(candidate, w);
   if (!(v > 0.0) || !(w.a > 0.0) || sums_[candidate].blocks < thresholds::baseline / 2) return 0.0;
-  return normal_of_student(size(candidate, w) * w.a / std::sqrt(v),
-                           static_cast<double>(sums_[candidate].blocks - 1));
+  return normal_of_student(size(candidate, w) * w.a / std::sqrt(v), static_cast<double>(sums_[candidate].blocks - 1));
 }
 
 ScoreTest::Found ScoreTest::most_significant() const {

@@ -24,12 +24,12 @@ namespace host_sim::live {
 struct Cause {
   const firmware::CatalogueEntry* entry = nullptr;  ///< nullptr: a parameter of the description
   std::optional<model::Channel> channel{};
-  std::string path;        ///< "effects.actuator_delay.delay", "suspension.damping"
+  std::string path;  ///< "effects.actuator_delay.delay", "suspension.damping"
   std::string unit;
   double described = 0.0;  ///< the value with which the description has it; of an effect that is not there: neutral
   double lower = 0.0, upper = 0.0;
   bool inverse = false;  ///< it acts the more the smaller it is, and not at all when it is infinite: a spring in series
-  double price = 0.0;  ///< [χ²] by which it must explain more than another cause
+  double price = 0.0;    ///< [χ²] by which it must explain more than another cause
 };
 
 /// A cause at one size.

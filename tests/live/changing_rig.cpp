@@ -31,7 +31,8 @@ std::vector<Channel> recorded(RigKind kind) {
       return {Channel::z_r, Channel::zdd_r, Channel::zdd_w, Channel::zdd_b, Channel::dz_w, Channel::dz_b, Channel::F_w};
     case RigKind::hil:
       return {Channel::z_r, Channel::z_w, Channel::z_b, Channel::F_w, Channel::x_cmd, Channel::x_act, Channel::F};
-    default: return {Channel::x_cmd, Channel::x_act, Channel::F};
+    default:
+      return {Channel::x_cmd, Channel::x_act, Channel::F};
   }
 }
 
@@ -75,7 +76,8 @@ void drive(const firmware::RigDescription& description, const Run& run,
     const double change = run.level - 1.0, slow = pi / 10.0;
     const double level = 1.0 + change * 0.5 * (1.0 - std::cos(pi * u)), rises = change * 0.5 * slow * std::sin(pi * u);
     auto& m = ground[k];
-    m = {level * m.position, level * m.velocity + rises * m.position, level * m.acceleration + 2.0 * rises * m.velocity};
+    m = {level * m.position, level * m.velocity + rises * m.position,
+         level * m.acceleration + 2.0 * rises * m.velocity};
   }
   const firmware::FootPointMotion motion = firmware::excitation(description.rig, ground, rate);
   const model::RigModel<> healthy(before, period), changed(after, period);
@@ -120,8 +122,8 @@ std::vector<host_sim::live::Finding> diagnosed(const firmware::RigDescription& r
 namespace {
 
 firmware::RigDescription described_car(std::string_view damper) {
-  return firmware::parse_rig("kind = \"quarter_car\"\nsample_rate = 1000.0\n" + std::string(plain_car) +
-                                 std::string(damper) + R"(
+  return firmware::parse_rig(
+      "kind = \"quarter_car\"\nsample_rate = 1000.0\n" + std::string(plain_car) + std::string(damper) + R"(
 [suspension]
 stiffness = 31500.0
 damping = 1140.0
@@ -134,12 +136,12 @@ F_w = 10.0
 dz_w = 5e-5
 dz_b = 5e-5
 )",
-                             "quarter_car.toml");
+      "quarter_car.toml");
 }
 
 firmware::RigDescription described_hil(std::string_view damper) {
-  return firmware::parse_rig("kind = \"hil\"\nsample_rate = 1000.0\n" + std::string(plain_car) +
-                                 std::string(damper) + R"(
+  return firmware::parse_rig(
+      "kind = \"hil\"\nsample_rate = 1000.0\n" + std::string(plain_car) + std::string(damper) + R"(
 [suspension]
 stiffness = 31500.0
 damping = 0.0
@@ -151,7 +153,7 @@ delay = 0.004
 F = 10.0
 x_act = 2e-5
 )",
-                             "hil.toml");
+      "hil.toml");
 }
 
 }  // namespace

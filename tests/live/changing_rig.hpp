@@ -16,7 +16,7 @@ namespace sample {
 struct Run {
   double duration = 60.0;  ///< [s]
   std::uint64_t seed = 1;
-  double speed = 27.78;    ///< [m/s]
+  double speed = 27.78;      ///< [m/s]
   double changes_at = 45.0;  ///< [s]
   double level = 1.0;        ///< of the road in the second half of the run: it rises or falls over ten seconds
   /// The rig from then on; none: it stays as it is.

@@ -29,8 +29,10 @@ struct Rigs {
   const char* name;
   firmware::RigDescription (*rig)();
 };
-constexpr Rigs rigs[] = {{"quarter_car", sample::quarter_car},           {"hil", sample::hil},
-                         {"bench", sample::component_bench},             {"quarter_car_fdva", sample::quarter_car_fdva},
+constexpr Rigs rigs[] = {{"quarter_car", sample::quarter_car},
+                         {"hil", sample::hil},
+                         {"bench", sample::component_bench},
+                         {"quarter_car_fdva", sample::quarter_car_fdva},
                          {"hil_fdva", sample::hil_fdva}};
 constexpr std::size_t rig_count = sizeof rigs / sizeof rigs[0];
 
@@ -54,13 +56,10 @@ const Fault faults[] = {
        r.effects.add<model::ActuatorDelay>({(slot.active ? slot.effect.delay : 0.0) + 0.003});
      }},
     {"damping -20 %", true, false, [](Rig& r) { r.suspension.damping *= 0.8; }},
-    {"gain zdd_b 1.1", true, false,
-     [](Rig& r) { r.effects.add<model::SensorGain>(model::Channel::zdd_b, {1.1}); }},
-    {"offset zdd_b 0.3", true, false,
-     [](Rig& r) { r.effects.add<model::SensorOffset>(model::Channel::zdd_b, {0.3}); }},
+    {"gain zdd_b 1.1", true, false, [](Rig& r) { r.effects.add<model::SensorGain>(model::Channel::zdd_b, {1.1}); }},
+    {"offset zdd_b 0.3", true, false, [](Rig& r) { r.effects.add<model::SensorOffset>(model::Channel::zdd_b, {0.3}); }},
     {"gain z_r 1.1", true, false, [](Rig& r) { r.effects.add<model::SensorGain>(model::Channel::z_r, {1.1}); }},
-    {"delay F_w 3 ms", true, false,
-     [](Rig& r) { r.effects.add<model::SensorDelay>(model::Channel::F_w, {0.003}); }},
+    {"delay F_w 3 ms", true, false, [](Rig& r) { r.effects.add<model::SensorDelay>(model::Channel::F_w, {0.003}); }},
     {"gain F 1.1", false, true, [](Rig& r) { r.effects.add<model::SensorGain>(model::Channel::F, {1.1}); }},
     {"offset F 60 N", false, true, [](Rig& r) { r.effects.add<model::SensorOffset>(model::Channel::F, {60.0}); }},
     {"delay x_act 3 ms", false, true,
@@ -138,12 +137,16 @@ void count_false_names(double cpu_limit, std::uint64_t first_seed) {
     driven += run.duration;
     in_engine += cost;
     for (const Finding& f : diagnosis.findings()) {
-      if (f.kind == Finding::Kind::unexplained) ++unexplained;
-      else ++named;
+      if (f.kind == Finding::Kind::unexplained)
+        ++unexplained;
+      else
+        ++named;
     }
-    std::printf("%s seed %lu variant %d: %.2f %% of a core, %zu candidates, largest %.2f of %.2f, in all %.2f h watched, %zu named, %zu unexplained, %zu passed\n",
-                one.name, static_cast<unsigned long>(seed), static_cast<int>(variant), 100.0 * cost / run.duration,
-                diagnosis.progress().candidates, largest, level, watched / 3600.0, named, unexplained, passed);
+    std::printf(
+        "%s seed %lu variant %d: %.2f %% of a core, %zu candidates, largest %.2f of %.2f, in all %.2f h watched, %zu "
+        "named, %zu unexplained, %zu passed\n",
+        one.name, static_cast<unsigned long>(seed), static_cast<int>(variant), 100.0 * cost / run.duration,
+        diagnosis.progress().candidates, largest, level, watched / 3600.0, named, unexplained, passed);
     print(diagnosis.findings());
     std::fflush(stdout);
   }

@@ -30,8 +30,8 @@ std::vector<Finding> after(Description rig, const std::function<void(Rig&)>& cha
 }
 
 /// The first finding names this within 5 s, and nothing was named before.
-void expect_named(const std::vector<Finding>& findings, const std::string& name, const std::string& channel, double value,
-                  double within) {
+void expect_named(const std::vector<Finding>& findings, const std::string& name, const std::string& channel,
+                  double value, double within) {
   ASSERT_FALSE(findings.empty()) << name;
   const Finding& first = findings.front();
   EXPECT_EQ(first.kind, Finding::Kind::named) << sentence(first);
@@ -54,8 +54,8 @@ INSTANTIATE_TEST_SUITE_P(Rigs, LiveDiagnosisOf,
                                          sample::quarter_car_fdva, sample::hil_fdva));
 
 TEST(LiveDiagnosis, NamesADelayThatGrowsAndOneThatAppears) {
-  expect_named(after(sample::hil, [](Rig& rig) { rig.effects.add<model::ActuatorDelay>({0.006}); }), "actuator_delay", "",
-               0.006, 2e-4);
+  expect_named(after(sample::hil, [](Rig& rig) { rig.effects.add<model::ActuatorDelay>({0.006}); }), "actuator_delay",
+               "", 0.006, 2e-4);
   expect_named(after(sample::component_bench, [](Rig& rig) { rig.effects.add<model::ActuatorDelay>({0.004}); }),
                "actuator_delay", "", 0.004, 4e-4);
 }
@@ -67,8 +67,9 @@ TEST(LiveDiagnosis, NamesSensorsThatChange) {
                "sensor_gain", "z_r", 1.05, 0.01);
   expect_named(after(sample::hil, [](Rig& r) { r.effects.add<model::SensorOffset>(Channel::F, {-60.0}); }),
                "sensor_offset", "F", -60.0, 5.0);
-  expect_named(after(sample::component_bench, [](Rig& r) { r.effects.add<model::SensorDelay>(Channel::x_act, {0.002}); }),
-               "sensor_delay", "x_act", 0.002, 2e-4);
+  expect_named(
+      after(sample::component_bench, [](Rig& r) { r.effects.add<model::SensorDelay>(Channel::x_act, {0.002}); }),
+      "sensor_delay", "x_act", 0.002, 2e-4);
 }
 
 // On a rig without damping in its hardware a spring that is stiffer and a load cell with another gain do the same: both
@@ -82,7 +83,8 @@ TEST(LiveDiagnosis, SaysBothWhereNothingTellsThemApart) {
 
 // Fault. A damper that loses oil is a parameter, and what was named is part of the rig from then on: it is not named again.
 TEST(LiveDiagnosis, NamesADamperThatFadesOnce) {
-  const auto findings = after(sample::quarter_car, [](Rig& rig) { rig.suspension.damping *= 0.8; }, 60.0);
+  const auto findings = after(
+      sample::quarter_car, [](Rig& rig) { rig.suspension.damping *= 0.8; }, 60.0);
   ASSERT_EQ(findings.size(), 1U);
   expect_named(findings, "suspension.damping", "", 912.0, 25.0);
 }
