@@ -40,7 +40,7 @@ class DiagnoseLive : public ::testing::Test {
       r.time.push_back(s.time);
       for (const Channel c : {Channel::x_cmd, Channel::x_act, Channel::F}) r[c].push_back(s.values[index(c)]);
     });
-    host_sim::write_recording(r, at("run.csv"));
+    host_sim::write_recording(at("run.csv"), r);
     return at("run.csv");
   }
   void refused(const std::vector<std::string>& words, int status, const std::string& line) const {
