@@ -252,6 +252,15 @@ std::string read_socket(DescriptionTable& table) {
   return path;
 }
 
+/// "show" or "stop": model_watch.hpp asks for it.
+void check_model_watch(DescriptionTable& table) {
+  const std::string word = table.text("model_watch");
+  if (word != "stop" && word != "show") {
+    table.fail("model_watch", table.path("model_watch") + " = " + in_quotes(word) + " does not fit",
+               "\"show\" or \"stop\"");
+  }
+}
+
 }  // namespace
 
 /// A waiver is a sentence by somebody who answers for it, not a switch.
@@ -365,6 +374,7 @@ void read_hardware(DescriptionTable& top, const model::RigParameters<double>& ri
                           "a factor on the force, as rigtwin stability --write-limits writes it");
     if (controller->has("proven")) schedule.proven = controller->text("proven");
     if (controller->has("socket")) schedule.socket = read_socket(*controller);
+    if (controller->has("model_watch")) check_model_watch(*controller);
     controller->finish();
   }
   if (auto gpio = top.table("gpio")) read_gpio(*gpio, rig, waivers, hardware.gpio.emplace());

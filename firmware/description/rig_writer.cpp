@@ -2,6 +2,7 @@
 
 #include "firmware/description/calibration_reader.hpp"
 #include "firmware/description/compensation_reader.hpp"
+#include "firmware/description/model_watch.hpp"
 #include "firmware/description/recorder_reader.hpp"
 #include "firmware/description/semi_active_reader.hpp"
 #include "firmware/description/text/quantity.hpp"
@@ -183,7 +184,7 @@ void write_controller(Text& out, const RigDescription& description) {
   }
 }
 
-void write_hardware(Text& out, const HardwareDescription& hardware) {
+void write_hardware(Text& out, const HardwareDescription& hardware, bool model_watch_stops) {
   const auto scaled = [&out](double scale, double offset) {
     out.line("scale", toml_float(scale));
     if (offset != 0.0) out.line("offset", toml_float(offset));
@@ -198,6 +199,7 @@ void write_hardware(Text& out, const HardwareDescription& hardware) {
   if (schedule.wake_early != usual.wake_early) out.line("wake_early", toml_float(schedule.wake_early));
   if (schedule.allowed_delay > 0.0) out.line("allowed_delay", toml_float(schedule.allowed_delay));
   if (schedule.allowed_gain > 0.0) out.line("allowed_gain", toml_float(schedule.allowed_gain));
+  if (model_watch_stops) out.line("model_watch", toml_string("stop"));
   if (!schedule.socket.empty()) out.line("socket", toml_string(schedule.socket));
   if (!schedule.proven.empty()) out.line("proven", toml_string(schedule.proven));
   if (hardware.gpio) {
@@ -278,7 +280,7 @@ std::string format_rig(const RigDescription& description) {
   for (const auto& [path, bound] : description.tolerance) out.line(toml_string(path), toml_float(bound));
   write_sensors(out, description);
   write_controller(out, description);
-  write_hardware(out, description.hardware);
+  write_hardware(out, description.hardware, model_watch_stops(description));
   return out.take();
 }
 

@@ -19,6 +19,7 @@
 #include "host_sim/commands/common/json_output.hpp"
 #include "host_sim/commands/common/progress.hpp"
 #include "host_sim/commands/diagnose_campaign.hpp"
+#include "host_sim/commands/diagnose_live.hpp"
 #include "host_sim/identification/diagnosis.hpp"
 #include "host_sim/identification/report/confidence_text.hpp"
 #include "host_sim/identification/report/diagnosis_report.hpp"
@@ -243,12 +244,15 @@ void run_diagnosis(const DiagnoseOptions& options) {
     }
     return;
   }
+  if (!options.live.empty()) return diagnose_live(options);
+  if (!options.socket.empty()) throw firmware::UsageError("diagnose: --socket belongs to --live");
   if (!options.campaign.empty()) return run_campaign(options);
   if (!options.shard.empty() || !options.against.empty()) {
     throw firmware::UsageError("diagnose: --shard and --against belong to --campaign");
   }
   if (options.rig.empty() || options.data.empty() || options.out.empty()) {
-    throw firmware::UsageError("diagnose: --rig, --data and --out are needed, or --campaign, or --explain EFFECT");
+    throw firmware::UsageError(
+        "diagnose: --rig, --data and --out are needed, or --campaign, or --rig and --live, or --explain EFFECT");
   }
   const firmware::CalendarDate recorded = day_recorded(options);
   const firmware::RigDescription description = firmware::read_rig(options.rig);
@@ -298,7 +302,7 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
   command->add_option("--holdout", options.holdout,
                       "Recording for validation, not used for fitting (default: the last quarter of each --data)");
   command->add_option("--out", options.out, "Folder for verdict.json, report.html, rig.toml");
-  add_json_option(*command, options.json, "the verdict, or the card of --explain,");
+  add_json_option(*command, options.json, "the verdict, what --live has named, or the card of --explain,");
   command->add_option("--keep-law", options.keep_law, "Name of a learned law in rig.toml, as [laws.NAME]");
   command->add_option("--recorded", options.recorded,
                       "Day on which the recordings were made, YYYY-MM-DD (default: today): calibration certificates "
@@ -309,6 +313,15 @@ void add_diagnose(CLI::App& app, DiagnoseOptions& options) {
                       "each, campaign.csv, campaign.json and report.html; what is there already is not done again");
   command->add_option("--shard", options.shard, "Of a campaign: i/n, the share of this process");
   command->add_option("--against", options.against, "Of a campaign: the results of an earlier one, to stand beside");
+  command
+      ->add_option("--live", options.live,
+                   "Name what begins to be wrong while the rig runs: HOST:PORT where the datagrams of rig_controller "
+                   "--publish come in, or a recording, played from its beginning (localhost:9870)")
+      ->expected(0, 1)
+      ->default_str("localhost:9870");
+  command->add_option(
+      "--socket", options.socket,
+      "Of the controller, for the stop that [controller] model_watch asks for (/run/rigtwin/control.sock)");
   command->add_option("--explain", options.explain, "Explain an effect of the catalogue");
   command->callback([&options] { run_diagnosis(options); });
 }

@@ -21,6 +21,8 @@ struct DiagnoseOptions {
   std::filesystem::path campaign, against;  ///< folder or list of recordings; results of an earlier campaign
   std::string recorded;                     ///< day of the recordings, "2026-03-01"; empty: today
   std::string shard;                        ///< "i/n" of a campaign
+  std::string live;                         ///< HOST:PORT of a controller's datagrams, or a recording
+  std::string socket;                       ///< of that controller
   std::string explain;                      ///< name of an effect; the other options are then unused
 };
 /// `recorded` as a day, else today. UsageError where it is no day.

@@ -1,29 +1,23 @@
 #include "host_sim/commands/watch_command.hpp"
 
-#include <signal.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "firmware/description/rig_description.hpp"
 #include "firmware/description/text/input_error.hpp"
 #include "firmware/description/text/internet_address.hpp"
+#include "host_sim/commands/common/ending_signals.hpp"
 #include "host_sim/commands/common/json_output.hpp"
+#include "host_sim/commands/diagnose_live.hpp"
+#include "host_sim/live/live_watch.hpp"
 #include "host_sim/watch/access.hpp"
 #include "host_sim/watch/receiver.hpp"
 #include "host_sim/watch/watch_server.hpp"
 
 namespace host_sim {
 namespace {
-
-/// Where rig_controller listens for its operator.
-std::string operators_socket(const WatchOptions& options) {
-  if (!options.socket.empty()) return options.socket;
-  std::string described;
-  if (!options.rig.empty()) described = firmware::read_rig(options.rig).hardware.schedule.socket;
-  return described.empty() ? "/run/rigtwin/control.sock" : described;
-}
 
 /// One address of this machine, in numbers: a server that listened at all of them could not know its own name.
 std::string own_address(const std::string& text) {
@@ -32,22 +26,18 @@ std::string own_address(const std::string& text) {
                              " does not fit, expected localhost or one address of this machine in numbers");
 }
 
-/// Blocks the signals that end the program in this thread and in those that it makes.
-sigset_t block_ending_signals() {
-  sigset_t signals;
-  ::sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&signals, signal);
-  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  return signals;
-}
-
 void watch_rig(const WatchOptions& options) {
+  if (options.diagnose && options.rig.empty()) throw firmware::UsageError("watch --diagnose: --rig is needed");
   const std::string address = own_address(options.address);
-  const std::string socket = operators_socket(options);
+  std::optional<firmware::RigDescription> rig;
+  if (!options.rig.empty()) rig = firmware::read_rig(options.rig);
+  const std::string socket = operators_socket(options.socket, rig ? rig->hardware.schedule.socket : "");
   const firmware::InternetAddress from =
       firmware::parse_host_port("--receive", options.receive, {.port_alone = true, .any_port = true});
   const sigset_t ending = block_ending_signals();
   watch::Feed feed;
+  std::optional<live::LiveWatch> diagnosis;
+  if (options.diagnose) diagnosis.emplace(*rig, socket, feed, [](const std::string&) {});
   const watch::Receiver receiver(from, feed);
   const watch::WatchServer server({address, options.port, socket}, feed);
   const nlohmann::ordered_json started{
@@ -82,6 +72,10 @@ void add_watch(CLI::App& app, WatchOptions& options) {
       ->capture_default_str();
   command->add_option("--socket", options.socket, "Of the controller, for requests (/run/rigtwin/control.sock)");
   command->add_option("--rig", options.rig, "Rig description (TOML) that names that socket ([controller] socket)");
+  command->add_flag(
+      "--diagnose", options.diagnose,
+      "Name on the page what begins to be wrong with the rig of --rig, and stop the run if its description says so "
+      "([controller] model_watch)");
   add_json_option(*command, options.json, "the page's address with its token, as soon as it is served,");
   command->callback([&options] { watch_rig(options); });
 }

@@ -14,6 +14,7 @@ struct WatchOptions {
   std::string address = "127.0.0.1";
   std::string receive = "localhost:9870";
   std::string socket, rig, json;
+  bool diagnose = false;
 };
 
 void add_watch(CLI::App& app, WatchOptions& options);

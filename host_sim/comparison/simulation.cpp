@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <type_traits>
 
 #include "firmware/description/text/input_error.hpp"
@@ -11,6 +10,7 @@
 #include "firmware/loop/area_control.hpp"
 #include "host_sim/comparison/lane_simulation.hpp"
 #include "host_sim/comparison/measured_motion.hpp"
+#include "host_sim/comparison/simulation_loop.hpp"
 #include "model/components/sensors.hpp"
 
 namespace host_sim {
@@ -222,60 +222,21 @@ namespace {
 template <class Model>
 Response simulated(const Rig& rig, const SimulationInput& input, const InitialState& start, std::size_t samples,
                    int substeps, const std::vector<Channel>& channels, const RigVariation& variation) {
-  const bool bench = rig.kind == RigKind::component_bench;
-  std::optional<Model> model;
-  const auto become = [&](const Rig& present) {
-    const Rig answers = answering(present, input);
-    if constexpr (std::is_same_v<typename Model::Rig, Rig>) {
-      model.emplace(answers, input.period / substeps);
-    } else {
-      model.emplace(model::without_laws(answers), input.period / substeps);
-    }
-  };
-  become(variation.every > 0 ? variation.at(0) : rig);
+  SimulationLoop<Model> loop(substeps);
+  loop.become(answering(variation.every > 0 ? variation.at(0) : rig, input), input.period);
   const std::size_t count = samples == 0 ? input.size() : std::min(samples, input.size());
   Response response;
   for (const Channel channel : channels) response[index(channel)].resize(count);
   if (count == 0) return response;
-
-  const auto& first = input.motion.front();
-  model::MachinePath<double> machine{};
-  model->parameters().effects.act_on(machine);
-  InitialState core = start;
-  model::Stroke<double> reached{start(0) - start(2), start(1) - start(3)};
-  if (bench) {
-    const double away = remembers(machine) ? core(bench_machine_state) : 0.0;
-    reached = {first.position + away, first.velocity};
-    core(bench_machine_state) = 0.0;
-  } else {
-    reached = model->component_stroke(reached);
-  }
-  reached.position -= reached.velocity * machine.delay;
-  const bool foot_machine = moves_foot_point(rig.kind, machine);
-  auto x = model->start(core, first, reached);
-  if (!input.actuator_force.empty()) x.actuator_force = input.actuator_force.front();
-
+  loop.start(input, start);
   for (std::size_t k = 0;; ++k) {
-    const auto measured = model->measured(x);
+    const auto measured = loop.measured();
     for (const Channel channel : channels) response[index(channel)][k] = measured[index(channel)];
     if (k + 1 == count) return response;
-    if (k > 0 && variation.every > 0 && k % variation.every == 0) become(variation.at(k));
-    if (!input.ducts.empty() && input.ducts[k] != x.ducts.open()) model->open_ducts(x, input.ducts[k]);
-    if (!input.area.empty()) model->command_area(x, input.area[k]);
-    const auto& next = input.motion[k + 1];
-    const double actuator_force = input.actuator_force.empty() ? 0.0 : input.actuator_force[k + 1];
-    const SampledValues<double> sampled{x.received_force, x.reached, x.acceleration};
-    for (int substep = 1; substep < substeps; ++substep) {
-      const double share = static_cast<double>(substep) / substeps;
-      const model::Motion<double> inside = between_samples(input.motion[k], next, share, input.period);
-      model->step(
-          x, {.foot_point = inside,
-              .command = {inside.position, inside.velocity},
-              .actuator_force = x.actuator_force + (actuator_force - x.actuator_force) / (substeps - substep + 1)});
-      x.received_force = sampled.force;
+    if (k > 0 && variation.every > 0 && k % variation.every == 0) {
+      loop.become(answering(variation.at(k), input), input.period);
     }
-    model->step(x, {.foot_point = next, .command = {next.position, next.velocity}, .actuator_force = actuator_force});
-    if (foot_machine && substeps > 1) sampled.move_foot_point(x, input.period);
+    loop.advance(input, k);
   }
 }
 
@@ -300,11 +261,10 @@ Response simulate(const Rig& rig, const SimulationInput& input, const InitialSta
     pass_sensor_of_force(rig, input.period, response[index(Channel::F)]);
     return response;
   }
-  using Plain = model::RigModel<double, model::usual_delay_capacity, model::ModelVariant::every_part, model::no_laws>;
   if (rig.laws.any() || rig.has_extensions()) {
     return simulated<model::RigModel<>>(rig, input, start, samples, substeps, channels, variation);
   }
-  return simulated<Plain>(rig, input, start, samples, substeps, channels, variation);
+  return simulated<PlainModel>(rig, input, start, samples, substeps, channels, variation);
 }
 
 }  // namespace host_sim

@@ -64,6 +64,7 @@ void Feed::take(std::string_view text, const std::string& source, double now, st
   last_at_ = now;
   if (!datagram->setup.is_null()) note_setup(datagram->setup);
   note_changes(*datagram, wall);
+  if (listener_) listener_(*datagram);
   if (datagram->ended && last_) {  // the last values stay
     last_->ended = datagram->ended;
     last_->sequence = datagram->sequence;
@@ -82,6 +83,12 @@ void Feed::note_foreign(const Datagram& datagram, const std::string& source, dou
   if (!datagram.setup.is_object()) return;
   const auto rig = datagram.setup.find("rig");
   if (rig != datagram.setup.end() && rig->is_string()) foreign_->rig = rig->get<std::string>();
+}
+
+void Feed::say_model(json model) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  model_ = std::move(model);
+  ++model_version_;
 }
 
 std::string Feed::instance() const {
@@ -202,7 +209,9 @@ json Feed::frame(Cursor& cursor, double now) const {
     }
     frame["events"] = std::move(events);
   }
+  if (cursor.model != model_version_) frame["model"] = model_;
   frame["traces"] = traces(cursor);
+  cursor.model = model_version_;
   cursor.setup = setup_version_;
   cursor.events = events_version_;
   cursor.datagrams = counts_.received;

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "host_sim/watch/datagram.hpp"
 #include "host_sim/watch/envelope.hpp"
@@ -35,7 +37,7 @@ class Feed {
 
   /// What a page has been told already.
   struct Cursor {
-    std::uint64_t history = 0, setup = 0, events = 0;  ///< versions; 0: nothing
+    std::uint64_t history = 0, setup = 0, events = 0, model = 0;  ///< versions; 0: nothing
     std::int64_t interval = 0;
     std::uint64_t datagrams = 0;
   };
@@ -46,6 +48,12 @@ class Feed {
   /// since 1970, for the list of changes.
   void take(std::string_view text, const std::string& source, double now, std::int64_t wall);
 
+  /// Called with every datagram of the publisher, in the thread that takes them: it must not wait. Set before the first.
+  void tap(std::function<void(const Datagram&)> listener) { listener_ = std::move(listener); }
+
+  /// What a diagnosis says of the rig: key `model` of the frames from now on.
+  void say_model(nlohmann::json model);
+
   [[nodiscard]] Link link(double now) const;
 
   /// The instance whose values are shown; empty: none, or one that does not say it.
@@ -53,7 +61,7 @@ class Feed {
 
   /// What is new since the cursor, as one object; the cursor moves on. Keys: link, silence, ended, instance, state,
   /// reason, second_reason, trip, timestamp, values, counts; while another program sends here `foreign`: {source,
-  /// instance, rig}; when they have changed setup, events, and traces {reset, width,
+  /// instance, rig}; when they have changed setup, events, model (say_model()), and traces {reset, width,
   /// i, low {F: […]}, high}: the complete intervals of the envelope, whose time is i·width.
   [[nodiscard]] nlohmann::json frame(Cursor& cursor, double now) const;
 
@@ -91,6 +99,9 @@ class Feed {
   std::deque<Event> events_;
   Counts counts_;
   std::optional<Foreign> foreign_;  ///< the last other program that sent here
+  std::function<void(const Datagram&)> listener_;
+  nlohmann::json model_;
+  std::uint64_t model_version_ = 0;  ///< 0: nobody diagnoses
   std::uint64_t history_version_ = 1, setup_version_ = 1, events_version_ = 1;
 };
 

@@ -42,12 +42,14 @@ void Receiver::receive() {
   constexpr int pause_ms = 100;
   std::vector<char> bytes(std::size_t{64} * 1024);
   while (!end_.load()) {
-    pollfd readable{socket_, POLLIN, 0};
-    if (::poll(&readable, 1, pause_ms) != 1) continue;
     sockaddr_storage from{};
     socklen_t size = sizeof from;
     const ssize_t got = ::recvfrom(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
-    if (got < 0) continue;
+    if (got < 0) {  // a publisher sends several at once: the next one is asked for before the kernel is asked to wait
+      pollfd readable{socket_, POLLIN, 0};
+      static_cast<void>(::poll(&readable, 1, pause_ms));
+      continue;
+    }
     const double now = duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
     const auto wall =
         std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch());

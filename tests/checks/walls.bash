@@ -62,7 +62,7 @@ order firmware loop description recording simulation controller
 order firmware/loop common compensation kalman duct_control guards estimator reference
 order firmware/description text table laws values
 order firmware/controller real_time safety devices reference recording publishing
-order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability compensation frf show paper identification plan replicate transfer sweep campaign watch new_effect manual python commands
+order host_sim signal least_squares report recording_files closed_loop fmu comparison estimation stability compensation frf show paper identification plan replicate transfer sweep campaign watch live new_effect manual python commands
 order host_sim/commands common
 order host_sim/recording_files tables text binary export
 order host_sim/stability roots margins map report

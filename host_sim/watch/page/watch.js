@@ -49,6 +49,7 @@
   let index = [];        // of each interval
   let low = {}, high = {};
   let events = [];
+  let model = null;      // what a diagnosis says
   let panels = [];
   let shown = 10;        // [s]
   let link = "connecting";
@@ -78,6 +79,7 @@
     refused = "";
     if (frame.setup !== undefined) { setup = frame.setup; build_panels(); show_setup(); }
     if (frame.events) { events = frame.events; show_events(); }
+    if (frame.model) { model = frame.model; show_model(); }
     take_traces(frame.traces);
     last = frame;
     say.frames = String(Number(say.frames) + 1);
@@ -307,6 +309,28 @@
       const orderly = event.text === "" || ["reference_ended", "stop_requested"].includes(event.text);
       make("span", item, event.state + (event.text ? ": " + event.text.replace(/_/g, " ") : ""), event.state === "safe" && !orderly ? "trip" : "");
     });
+  };
+
+  // What a diagnosis has named; it says nothing of what it has not looked at yet.
+  const show_model = function () {
+    place("model").hidden = false;
+    const since = Math.ceil(model.lacking) + " s of motion";
+    const stages = {
+      waiting: "Waits for motion: " + since + " until it watches." + (model.waits_for ? " " + model.waits_for : ""),
+      learning: "Learns what the model gets wrong: " + since + " until it watches.",
+      watching: "Watches: " + model.candidates + " candidates, nothing new in the last tests.",
+    };
+    if (model.largest > model.level) stages.watching = "Watches: something has begun.";
+    say.model = model.error ? "ended" : model.stage;
+    place("model-stage").textContent = (model.error ? "Ended: " + model.error + "." : stages[model.stage]) + (model.stop ? " " + model.stop : "");
+    const list = place("model-findings");
+    list.textContent = "";
+    model.findings.slice().reverse().forEach(function (finding) {
+      const item = make("li", list, undefined, finding.kind === "returned" ? "" : "wrong");
+      make("span", item, finding.text);
+      if (finding.cause.shows) make("small", item, finding.cause.shows);
+    });
+    say.findings = String(model.findings.length);
   };
 
   // ---- drawing ----
