@@ -75,59 +75,47 @@ std::string words_of(const PlacedFault& fault) {
 
 }  // namespace
 
-ErrorOfPrediction error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis) {
+double error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis) {
+  if (!problem.has_held_out()) return pooled_error(problem, hypothesis);
   estimate_held_out_starts(hypothesis, problem.samples());
   const std::vector<Response> readings = read_all(problem, hypothesis);
-  double held_out = 0.0, everywhere = 0.0, terms = 0.0;
-  const auto logarithm = [](const SquaredError& squares) {
-    return 0.5 * std::log(std::max(squares.error, std::numeric_limits<double>::min()) / squares.data);
-  };
+  double sum = 0.0, terms = 0.0;
   for (const model::Channel channel : problem.channels()) {
-    SquaredError last = held_out_squares(problem, readings, channel), all = last;
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-      const ProblemRecording& r = problem.recordings()[i];
-      if (r.is_fitted()) all.add(*r.samples, channel, readings[i], r.fitted);
-    }
-    if (!problem.has_held_out()) last = all;
-    if (!(last.data > 0.0)) continue;
-    held_out += logarithm(last);
-    everywhere += logarithm(all);
+    const SquaredError squares = held_out_squares(problem, readings, channel);
+    if (!(squares.data > 0.0)) continue;
+    sum += 0.5 * std::log(std::max(squares.error, std::numeric_limits<double>::min()) / squares.data);
     terms += 1.0;
   }
-  return terms > 0.0 ? ErrorOfPrediction{std::exp(held_out / terms), std::exp(everywhere / terms)}
-                     : ErrorOfPrediction{};
+  return terms > 0.0 ? std::exp(sum / terms) : 0.0;
 }
 
 CauseSupport support_of_causes(const IdentificationProblem& problem, const IdentificationProblem& whole,
                                const SearchSpace& space, bool beside_a_rest, SearchResult& found) {
   CauseSupport support;
-  const std::size_t tried = candidates(whole.samples(), space.given, found.scales).size();
   while (true) {
     const std::size_t effects = found.best.effects.size();
     const std::size_t causes = effects + (beside_a_rest ? found.best.faults().size() : 0);
     if (causes == 0) return support;
     const Reduction reduction(problem, space, found);
-    const ErrorOfPrediction with = error_of_prediction(whole, found.best.fit.hypothesis);
-    std::vector<double> shares(causes), everywhere(causes);
+    const double with = error_of_prediction(whole, found.best.fit.hypothesis);
+    std::vector<double> shares(causes);
     std::vector<CandidateModel> models(causes);
     for_all(causes, [&](std::size_t i) {
       models[i] = i < effects ? reduction.without_effect(found, i) : reduction.without_fault(found, i - effects);
-      const ErrorOfPrediction error = error_of_prediction(whole, models[i].fit.hypothesis);
+      const double error = error_of_prediction(whole, models[i].fit.hypothesis);
       // A model that diverges without the cause cannot do without it.
-      const auto share = [](double of, double without) { return std::isfinite(without) ? 1.0 - of / without : 1.0; };
-      shares[i] = share(with.held_out, error.held_out);
-      everywhere[i] = share(with.everywhere, error.everywhere);
+      shares[i] = std::isfinite(error) ? 1.0 - with / error : 1.0;
     });
     const auto least = static_cast<std::size_t>(std::min_element(shares.begin(), shares.end()) - shares.begin());
     if (!beside_a_rest || shares[least] > -thresholds::raises_error) {
-      shares.resize(effects);
-      everywhere.resize(effects);
-      support.shares = std::move(shares);
+      support.shares.assign(shares.begin(), shares.begin() + static_cast<std::ptrdiff_t>(effects));
       support.chances.assign(effects, 0.0);
       if (!beside_a_rest) return support;
-      const double directions = directions_left(whole, found.best.fit.hypothesis);
-      std::transform(everywhere.begin(), everywhere.end(), support.chances.begin(),
-                     [&](double share) { return chance_of_share(share, directions, tried); });
+      const std::size_t tried = candidates(whole.samples(), space.given, found.scales).size();
+      const std::vector<ChannelRest> rest = rest_of_channels(whole, found.best.fit.hypothesis);
+      for_all(effects, [&](std::size_t i) {
+        support.chances[i] = chance_of_cause(rest, rest_of_channels(whole, models[i].fit.hypothesis), tried);
+      });
       return support;
     }
     if (least < effects) {

@@ -9,17 +9,14 @@
 
 namespace host_sim::identification {
 
-/// Error over all channels, on held-out data (on what is fitted where nothing is held out), and on both together:
+/// Error over all channels on held-out data, or the pooled error of the fitted windows where nothing is held out:
 ///
 ///   (1)  ln e = mean over channels of ½ ln(Σ(simulated − measured)²/Σ measured²)
 ///
 /// A share of what is left counts alike in every channel, as in (2) of estimate/evidence.hpp far above the noise. In a
 /// mean of squares the channel that no model explains would decide about all others: about the delay of a machine the
 /// force of a component whose law is another one.
-struct ErrorOfPrediction {
-  double held_out = 0.0, everywhere = 0.0;
-};
-[[nodiscard]] ErrorOfPrediction error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis);
+[[nodiscard]] double error_of_prediction(const IdentificationProblem& problem, Hypothesis hypothesis);
 
 /// For each effect of a model the share of the held-out error (1) that goes when it is added, e_i: of the model without
 /// it, all else refitted:
@@ -27,7 +24,7 @@ struct ErrorOfPrediction {
 ///   (2)  share_i = 1 − e/e_i                         negative where the effect raises the error
 struct CauseSupport {
   std::vector<double> shares;  ///< of each effect
-  /// That a cause which is none had explained as much of the error everywhere (chance_of_share.hpp); 0 without a rest.
+  /// That a cause which is none had explained as much of what is left anywhere (chance_of_share.hpp); 0 without a rest.
   std::vector<double> chances;
   std::vector<std::string> left_out;  ///< causes that left the model
 };

@@ -33,7 +33,7 @@ TEST(CauseSupport, SharesTheErrorThatGoesWithACause) {
   Bench bench(sample::with_effect(sample::bench(), "coulomb_friction", {40.0}), 5.0);
   SearchResult found = found_with(bench, {firmware::find_effect("coulomb_friction"), std::nullopt, {30.0}}, 6);
   const auto error = [&](const CandidateModel& model) {
-    return error_of_prediction(bench.problem, model.fit.hypothesis).held_out;
+    return error_of_prediction(bench.problem, model.fit.hypothesis);
   };
   const auto shares = support_of_causes(bench.problem, bench.problem, bench.space, false, found).shares;
   ASSERT_EQ(shares.size(), 1U);

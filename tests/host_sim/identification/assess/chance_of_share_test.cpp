@@ -17,7 +17,7 @@ using model::Channel;
 // Law. On a circle every angle is as likely, on a sphere every height: (2) in closed form.
 TEST(ChanceOfShare, IsKnownInTwoAndThreeDirections) {
   for (const double share : {0.01, 0.1, 0.3, 0.8, 1.0}) {
-    const double angle = std::asin(1.0 - share);
+    const double angle = std::acos(std::sqrt(share));
     EXPECT_NEAR(chance_of_share(share, 2.0, 1), angle / (0.5 * std::numbers::pi), 1e-12) << share;
     EXPECT_NEAR(chance_of_share(share, 3.0, 1), 1.0 - std::cos(angle), 1e-12) << share;
   }
@@ -31,14 +31,14 @@ TEST(ChanceOfShare, IsThatOfDirectionsThatAreDrawn) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   constexpr int draws = 40000;
-  constexpr double share = 0.15;
+  constexpr double share = 0.3;
   int singles = 0, best_of_20 = 0;
   bool any = false;
   for (int i = 1; i <= draws; ++i) {
     const double known = std::pow(normal(random), 2);
     double all = known;
     for (int k = 1; k < 12; ++k) all += std::pow(normal(random), 2);
-    const bool reached = 1.0 - std::sqrt(1.0 - known / all) >= share;  // error falls from 1 to √(1 − cos²)
+    const bool reached = known / all >= share;
     singles += static_cast<int>(reached);
     any = any || reached;
     if (i % 20 != 0) continue;
@@ -51,23 +51,45 @@ TEST(ChanceOfShare, IsThatOfDirectionsThatAreDrawn) {
   EXPECT_EQ(chance_of_share(share, 12.0, 20), std::min(1.0, 20.0 * chance));
 }
 
-/// A bench whose F holds sines of the same size that no model explains.
-IdentificationProblem with_sines(const std::vector<double>& frequencies, const sample::Bench& bench) {
+/// The rest of F of a bench that holds sines which no model explains.
+ChannelRest rest_with_sines(const std::vector<double>& frequencies, double amplitude, const sample::Bench& bench) {
   PreparedRecording recording = bench.problem.samples().front();
   std::vector<double>& force = recording.recording.channels[index(Channel::F)];
   for (std::size_t k = 0; k < force.size(); ++k) {
     const double t = static_cast<double>(k) * recording.input.period;
-    for (const double f : frequencies) force[k] += 1e4 * std::sin(2.0 * std::numbers::pi * f * t);
+    for (const double f : frequencies) force[k] += amplitude * std::sin(2.0 * std::numbers::pi * f * t);
   }
-  return IdentificationProblem({recording});
+  return rest_of_channels(IdentificationProblem({recording}), bench.given).at(0);
 }
 
-// Law. (1): four directions of each band in which as much is left; noise beside it adds hardly any.
+// Law. (1): four directions of each band in which as much is left. The excess is that of the sines, noise taken off; of
+// noise alone the share of it that is not known.
 TEST(ChanceOfShare, CountsTheBandsInWhichSomethingIsLeft) {
   const sample::Bench bench(sample::bench(), 8.0);
-  EXPECT_NEAR(directions_left(with_sines({10.0}, bench), bench.given), 4.0, 0.2);
-  EXPECT_NEAR(directions_left(with_sines({10.0, 30.0}, bench), bench.given), 8.0, 0.4);
-  EXPECT_NEAR(directions_left(with_sines({10.0, 12.0, 30.0}, bench), bench.given), 4.0 * 9.0 / 5.0, 0.4);
+  EXPECT_NEAR(rest_with_sines({10.0}, 1e4, bench).directions, 4.0, 0.2);
+  EXPECT_NEAR(rest_with_sines({10.0, 30.0}, 1e4, bench).directions, 8.0, 0.4);
+  EXPECT_NEAR(rest_with_sines({10.0, 12.0, 30.0}, 1e4, bench).directions, 4.0 * 9.0 / 5.0, 0.4);
+  const double sine = rest_with_sines({10.0}, 1e4, bench).excess, larger = rest_with_sines({10.0}, 2e4, bench).excess;
+  EXPECT_NEAR(larger / sine, 4.0, 0.01);
+  const double noise = bench.problem.recordings().front().noise_variance(Channel::F);
+  const auto count = static_cast<double>(bench.problem.samples().front().size());
+  EXPECT_NEAR(rest_with_sines({10.0}, 20.0 * std::sqrt(noise), bench).excess, 200.0 * noise * count,
+              0.05 * 200.0 * noise * count);
+  EXPECT_NEAR(rest_with_sines({}, 0.0, bench).excess, 0.15 * noise * count, 0.02 * noise * count);
+}
+
+// Law. What takes all but noise of one channel away is no chance, whatever the others do; what takes nothing away is.
+TEST(ChanceOfShare, IsThatOfTheChannelThatShowsACause) {
+  const auto rest = [](double left, double excess) { return ChannelRest{left, excess, 12.0}; };
+  const std::vector<ChannelRest> with{rest(1.0, 0.5), rest(5.0, 4.0)};
+  EXPECT_LT(chance_of_cause(with, {rest(100.0, 99.5), rest(5.0, 4.0)}, 60), 1e-6);
+  EXPECT_EQ(chance_of_cause(with, with, 60), 1.0);
+  EXPECT_EQ(chance_of_cause(with, {rest(1.0, 0.5), rest(INFINITY, INFINITY)}, 60), 0.0);
+  // Either of what is left and of what noise does not explain may show it.
+  EXPECT_EQ(chance_of_cause({rest(2.0, 1.0)}, {rest(4.0, 1.0)}, 3), chance_of_share(0.5, 12.0, 6));
+  EXPECT_EQ(chance_of_cause({rest(9.0, 1.0)}, {rest(10.0, 2.0)}, 3), chance_of_share(0.5, 12.0, 6));
+  EXPECT_EQ(chance_of_cause({rest(2.0, 2.0), rest(9.0, 9.0)}, {rest(4.0, 4.0), rest(8.0, 8.0)}, 3),
+            chance_of_share(0.5, 12.0, 12));
 }
 
 }  // namespace
