@@ -180,7 +180,7 @@ void LiveWatch::stop_rig(const Finding& finding, const std::string& instance) {
   const watch::Answer answer = watch::ask_controller(socket_, (instance.empty() ? "" : "@" + instance + " ") + "stop");
   const auto reply = nlohmann::json::parse(answer.heard ? answer.text : "", nullptr, /*allow_exceptions=*/false);
   const bool done = reply.is_object() && reply.contains("ok") && reply["ok"] == true;
-  const std::string said = (done ? "stopped: " : "no stop: ") + answer.text;
+  const std::string said = done ? "the controller has taken the stop" : "no stop: " + answer.text;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     state_.stop = said;
