@@ -8,9 +8,10 @@
 
 namespace host_sim::identification {
 
-/// What a model leaves of a channel beyond its noise.
+/// What a model leaves of a channel.
 struct ChannelRest {
-  double excess = 0.0;  ///< Σ (simulated − measured)² − its noise, at least the share of noise that is not known [SI²]
+  double left = 0.0;        ///< Σ (simulated − measured)² [SI²]
+  double excess = 0.0;      ///< beyond noise, at least the share of noise that is not known [SI²]
   double directions = 0.0;  ///< D
 };
 
