@@ -136,9 +136,10 @@ double power_beyond_noise(const IdentificationProblem& problem, const std::vecto
   for (std::size_t i = 0; i < problem.recordings().size(); ++i) {
     const ProblemRecording& r = problem.recordings()[i];
     if (!r.is_fitted() || !r.samples->explains(channel)) continue;
+    const double variance = r.noise_variance(channel);
     for (const double left : measured_minus_read(r, channel, readings[i][index(channel)])) {
       sum += left * left;
-      noise += r.noise_variance(channel);
+      noise += variance;
       count += 1.0;
     }
   }
