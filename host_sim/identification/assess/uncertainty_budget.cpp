@@ -20,7 +20,7 @@ std::string words(const UncertaintyBudget::Part& part) {
 }
 
 std::string largest_part(const UncertaintyBudget& budget) {
-  if (budget.parts.empty()) return "";
+  if (budget.parts.empty() || budget.parts.front().source == UncertaintyBudget::Source::noise) return "";
   char share[16];
   std::snprintf(share, sizeof share, "%.0f %%", 100.0 * budget.share(budget.parts.front()));
   return "mostly " + words(budget.parts.front()) + ": " + share;

@@ -33,7 +33,7 @@ struct UncertaintyBudget {
 [[nodiscard]] std::string_view name(UncertaintyBudget::Source source);
 /// "calibration of F"
 [[nodiscard]] std::string words(const UncertaintyBudget::Part& part);
-/// "mostly calibration of F: 68 %"; empty without a part.
+/// "mostly calibration of F: 68 %"; empty without a part, and where it is noise, as usual.
 [[nodiscard]] std::string largest_part(const UncertaintyBudget& budget);
 
 }  // namespace host_sim::identification

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -59,7 +60,9 @@ ChannelRest rest_with_sines(const std::vector<double>& frequencies, double ampli
     const double t = static_cast<double>(k) * recording.input.period;
     for (const double f : frequencies) force[k] += amplitude * std::sin(2.0 * std::numbers::pi * f * t);
   }
-  return rest_of_channels(IdentificationProblem({recording}), bench.given).at(0);
+  const IdentificationProblem problem({recording});
+  const auto place = std::find(problem.channels().begin(), problem.channels().end(), Channel::F);
+  return rest_of_channels(problem, bench.given).at(static_cast<std::size_t>(place - problem.channels().begin()));
 }
 
 // Law. (1): four directions of each band in which as much is left. The excess is that of the sines, noise taken off; of
