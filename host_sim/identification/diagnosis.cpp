@@ -63,12 +63,12 @@ Identified identify(const firmware::RigDescription& description, std::vector<Rec
   require_finite(description, data, given);
   IdentificationProblem problem(std::move(data.recordings), given);  // noise/
   require_motion(problem);
-  std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());             // parity/
-  SearchSpace space = search_space(description, problem.samples(), given);                              // estimate/
-  SearchResult found = select_model(problem, space, progress);                                          // select/
-  Learned learned = explain_rest(description, problem, space, progress, found);                         // learn/
-  if (may_begin(problem, "parameters as rivals")) find_rival_parameters(problem, space, found);  // select/
-  Diagnosis diagnosis = assess(description, problem, space, std::move(relations), found, learned);      // assess/
+  std::vector<ParityResidual> relations = parity_residuals(description, problem.samples());         // parity/
+  SearchSpace space = search_space(description, problem.samples(), given);                          // estimate/
+  SearchResult found = select_model(problem, space, progress);                                      // select/
+  Learned learned = explain_rest(description, problem, space, progress, found);                     // learn/
+  if (may_begin(problem, "parameters as rivals")) find_rival_parameters(problem, space, found);     // select/
+  Diagnosis diagnosis = assess(description, problem, space, std::move(relations), found, learned);  // assess/
   diagnosis.remarks.insert(diagnosis.remarks.begin(), data.remarks.begin(), data.remarks.end());
   return {std::move(problem), std::move(space), std::move(found), std::move(learned), std::move(diagnosis)};
 }

@@ -227,8 +227,7 @@ Learned LawSearch::learn() {
   std::sort(list.begin(), list.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
   learned.contenders = contenders(list);
   if (list.empty() || !is_kept_alone(list.front(), learned)) {
-    auto surface =
-        may_begin(problem_, "a free law over deflection and velocity") ? free_surface(list) : std::nullopt;
+    auto surface = may_begin(problem_, "a free law over deflection and velocity") ? free_surface(list) : std::nullopt;
     if (!surface || !is_kept_alone(*surface, learned)) return learned;
     list.insert(list.begin(), std::move(*surface));
     learned.contenders = contenders(list);
