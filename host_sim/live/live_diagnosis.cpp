@@ -93,19 +93,19 @@ std::string sentence(const Finding& finding) {
   char text[256];
   const NamedCause& c = finding.cause;
   const std::string of = c.channel.empty() ? "" : " of " + c.channel;
+  const std::string unit = c.unit.empty() || c.unit == "1" ? "" : " " + std::string(c.unit);
   switch (finding.kind) {
     case Finding::Kind::named:
-      std::snprintf(text, sizeof text, "%s%s: %s %.4g ± %.2g %s (before %.4g), since %.2f s", c.name.c_str(),
-                    of.c_str(), c.parameter.c_str(), c.value, 2.0 * c.deviation, c.unit.c_str(), c.described,
-                    finding.since);
+      std::snprintf(text, sizeof text, "%s%s: %s %.4g ± %.2g%s (before %.4g), since %.2f s", c.name.c_str(), of.c_str(),
+                    c.parameter.c_str(), c.value, 2.0 * c.deviation, unit.c_str(), c.described, finding.since);
       break;
     case Finding::Kind::unexplained:
       std::snprintf(text, sizeof text, "the rig has changed since %.2f s, and no cause of the catalogue explains it",
                     finding.since);
       break;
     case Finding::Kind::stuck:
-      std::snprintf(text, sizeof text, "sensor %s is stuck at %.6g %s since %.2f s", c.channel.c_str(), c.value,
-                    c.unit.c_str(), finding.since);
+      std::snprintf(text, sizeof text, "sensor %s is stuck at %.6g%s since %.2f s", c.channel.c_str(), c.value,
+                    unit.c_str(), finding.since);
       break;
     case Finding::Kind::lost:
       std::snprintf(text, sizeof text, "sensor %s is lost since %.2f s", c.channel.c_str(), finding.since);
