@@ -109,7 +109,7 @@ TEST(LiveDiagnosis, SeesStuckAndLostSensors) {
     EXPECT_EQ(found.front().cause.channel, model::name(channel));
     EXPECT_NEAR(found.front().since, changes_at, 0.01);
     EXPECT_LE(found.front().named_at, changes_at + 1.0);
-    const auto lost = after(rig, {}, 8.0, [&](LiveSample& s) { s.values[index(channel)] = std::nan(""); });
+    const auto lost = after(rig, {}, 8.0, [c = index(channel)](LiveSample& s) { s.values[c] = std::nan(""); });
     ASSERT_EQ(lost.size(), 1U) << model::name(channel);
     EXPECT_EQ(lost.front().kind, Finding::Kind::lost);
   }
