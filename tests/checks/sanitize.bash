@@ -16,8 +16,8 @@ LEFT_OUT=-$(xargs <<'END' | tr ' ' ':'
 AirSpringDiagnosis.* Calibration.* CharacteristicRoots.AgreeWith* Classics.* CompensatedStability.Judges* CompensatedStability.Margins*
 CompensatedStability.Says* CompensatedStability.MapOf* CompensationCommand.* DiagnoseCommand.ReadsTheEnds* Diagnosis.DoesNotJudge* Diagnosis.FindsANegative* Diagnosis.IsLess* Diagnosis.Learns* Diagnosis.Names* Diagnosis.Reads* Diagnosis.Refuses*
 Diagnosis.SaysOfNo* Diagnosis.Weighs* DiagnosisAtAnyRate.* DiagnosisWithoutRoad.* DuctPolicy.Beats* DuctPolicy.LosesLittle* DuctPolicy.Reaches*
-Backlash.IsStepped* EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Faults.AHundred* Finite.Verdict* FirstSentence.Agrees* HeldOut.TakesAway* HowMade.* InnovationGuard.LeavesARight* InnovationGuard.Notices*
-*SideBySide.*/Eight Lanes/SideBySide.RigsThatChangeKeepTheirBits/One Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.FollowsARoad* KalmanFilter.ReachesTheBounds* LawBand.Holds* LawConstancy.Doubts* LearnLaws.* LiveDiagnosis.B* LiveDiagnosis.Na* LiveDiagnosis.Se* LowerMinimum.IsFound* Manual.*
+Backlash.IsStepped* Bounds.HoldTheTruth* EnergyGuardJourney.LetsAnHour* EnergyGuardJourney.LetsOther* EstimateCommand.* ExternalEvent.* Faults.AHundred* ForceGuard.EndsTheRun* Finite.Verdict* FirstSentence.Agrees* HeldOut.TakesAway* HowMade.* InnovationGuard.JudgesByTime* InnovationGuard.LeavesARight* InnovationGuard.Notices*
+*SideBySide.*/Eight Lanes/SideBySide.RigsThatChangeKeepTheirBits/One Json.SaysThePaper KalmanFilter.FindsTheOffset* KalmanFilter.FollowsARoad* KalmanFilter.ReachesTheBounds* LawBand.Holds* LawConstancy.Doubts* LearnLaws.* *LiveDiagnosisOf.* LiveDiagnosis.B* LiveDiagnosis.D* LiveDiagnosis.G* LiveDiagnosis.N* LiveDiagnosis.S* LowerMinimum.IsFound* Manual.*
 ManualPictures.* MethodComparison.* Model/EveryRig.*SixtySeconds* ModelAgainstReference.Follows*Delay ModelAgainstReference.Follows*Friction
 ModelAgainstReference.FollowsAWheel* ModelAgainstReference.FollowsDucts* NonlinearLoop.IsCompensated NonlinearLoop.StepIs* Nyquist.* Pages.* PairsOfParts.* PairsOfPartsCommand.* Paper.* PaperCommand.* ParityResidual.* Plan.C* Plan.F* Plan.N* Plan.P*
 Plan.S* Plan.W* PlanCommand.* Questions/* RecordingFaults.A* RecordingFaults.Damping* RecordingFaults.Delays* RecordingFaults.Hum* RecordingFaults.Mains* RecordingFaults.One*
@@ -25,7 +25,7 @@ RecordingFaults.TheInputs* RecordingFaults.WhatOnly* Reference.Names* Reference.
 SampledLoop.TendsTo* Search.* SearchApart.* SelectModel.* StabilityCommand.DecidesByTheCompensated* StabilityCommand.LimitsHold* StabilityMap.IsExact* StabilityMap.TakesAny*
 StabilityReport.IsWhole* StackFit.Diagnosis* Sensitivity.IsTheChange* SuspectParameters.A* SuspectParameters.E* SuspectParameters.H* SuspectParameters.L* SuspectParameters.N* SuspectParameters.Stand* SuspectParameters.Take*
 SwitchedDuctsDiagnosis.* TransferCalibration.* TransferCommand.* TransferDiscrepancy.Widens* TransferPosterior.Draws* TransferPosterior.Is* TransferPosterior.StaysAt*
-NoiseSpectrum.FindsWhen* TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthNeighbours.DifferentiateBy* TruthSimulation.*
+NoiseSpectrum.FindsWhen* TransferPrediction.AddsTheNoise* TransferPrediction.C* TransferPrediction.K* TransferPrediction.Spreads* TruthGroups.* TruthRough.* TruthNeighbours.DifferentiateBy* TruthSimulation.*
 Uncertainty.HoldsTheTruth* UncertaintyBudget.* UnitCheck.AreNotSeen* UnitCheck.FindTheChannel*
 END
 )
