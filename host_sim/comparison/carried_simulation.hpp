@@ -20,6 +20,8 @@ class CarriedSimulation {
   /// `like`: an input of the kind that all pieces have (channel, period, reached or commanded).
   CarriedSimulation(const model::RigParameters<double>& rig, const SimulationInput& like, int substeps,
                     std::vector<model::Channel> channels);
+  CarriedSimulation(const CarriedSimulation&) = delete;
+  CarriedSimulation& operator=(const CarriedSimulation&) = delete;
   CarriedSimulation(CarriedSimulation&&) noexcept;
   CarriedSimulation& operator=(CarriedSimulation&&) noexcept;
   ~CarriedSimulation();
